@@ -10,25 +10,23 @@ use crate::field::FieldFigure;
 use crate::format::Format;
 use crate::picture::{Colour, INK, WHITE};
 
-/// The most colours of an animated GIF.
+/// Maximum number of colours of a GIF palette.
 const COLOURS: usize = 256;
-/// Shades between ink and paper, which the edges of letters and lines need.
+/// Number of shades between ink and paper, used for the antialiased edges of letters and lines.
 const GREYS: u8 = 24;
-/// Shades between ink and each of the colours of a field.
+/// Shares of ink in the mixtures of ink and field colours, used for antialiased edges on the field.
 const MIXES: [f64; 2] = [0.35, 0.7];
 
-/// An animated GIF of fields, written frame by frame, so that not all of them need be held at once.
+/// Animated GIF of fields, written frame by frame, so that only one frame is in memory.
 ///
-/// The frames have one palette of the fields' own colours: a value keeps its colour from frame to
-/// frame. They must have the same [`FieldFigure::scale`] and take the same room; whatever else they
-/// share, such as axes, marks and label, should not change either. The animation starts over for
-/// ever.
+/// All frames share one palette that contains the field colours, so that a value has the same colour in all frames.
+/// Frames must have the same [`FieldFigure::scale`] and picture size; axes, marks and label should not change either.
+/// The animation repeats indefinitely.
 ///
-/// A frame that is refused leaves the others as they are. What is written before
-/// [`Animation::finish`] is not yet a whole file.
+/// A refused frame leaves the written frames unchanged. The file is incomplete until [`Animation::finish`].
 pub struct Animation<W: Write> {
     state: State<W>,
-    /// Hundredths of a second for each frame.
+    /// Frame delay in hundredths of a second.
     delay: u16,
     width: u16,
 }
@@ -36,7 +34,7 @@ pub struct Animation<W: Write> {
 enum State<W: Write> {
     Empty(W),
     Begun(Box<Reel<W>>),
-    /// The writer was lost in a failure.
+    /// The writer was lost after an error.
     Lost,
 }
 
@@ -44,15 +42,15 @@ enum State<W: Write> {
 struct Reel<W: Write> {
     encoder: gif::Encoder<W>,
     palette: Palette,
-    /// Width and height of the picture before it is scaled down.
+    /// Width and height of the picture before downscaling, in pixels.
     drawn: [u32; 2],
     size: [u16; 2],
     scale: f64,
     is_signed: bool,
 }
 
-/// Draws fields one after the other as the bytes of an animated GIF, `seconds_per_frame` each and
-/// `width` pixels wide; see [`Animation`].
+/// Draws fields as the frames of an animated GIF and returns the bytes of the file; each frame is shown for
+/// `seconds_per_frame` and is `width` pixels wide. See [`Animation`].
 ///
 /// # Errors
 /// An error of [`Animation::new`], [`Animation::add`] or [`Animation::finish`].
@@ -69,12 +67,12 @@ pub fn animate(
 }
 
 impl<W: Write> Animation<W> {
-    /// An animation without frames yet, of `seconds_per_frame` rounded to hundredths, of which
-    /// viewers want at least two, and of `width` pixels, at most the 1600 of a figure; the height
-    /// follows from the first frame.
+    /// Creates an animation without frames. `seconds_per_frame` is rounded to hundredths of a second, at least two of
+    /// which viewers require; `width` in pixels is at most 1600, the width of a figure. The height follows from the
+    /// first frame.
     ///
     /// # Errors
-    /// Frames cannot be shown so long, or be no pixel wide.
+    /// The frame delay or the width is out of range.
     pub fn new(writer: W, seconds_per_frame: f64, width: u32) -> Result<Self, FigureError> {
         let hundredths = (100.0 * seconds_per_frame).round();
         if !(2.0..=f64::from(u16::MAX)).contains(&hundredths) {
@@ -89,10 +87,10 @@ impl<W: Write> Animation<W> {
         Ok(Self { state: State::Empty(writer), delay: hundredths as u16, width })
     }
 
-    /// Draws a frame and writes it.
+    /// Draws a frame and writes it to the file.
     ///
     /// # Errors
-    /// The frame has no scale or another one than the first, cannot be drawn, or the writer refuses.
+    /// The frame has no scale or another scale or size than the first frame, cannot be drawn, or cannot be written.
     pub fn add(&mut self, figure: &FieldFigure) -> Result<(), FigureError> {
         let Some(scale) = figure.scale else {
             return refuse("needs frames of one scale, but one of them has none".to_owned());
@@ -137,7 +135,7 @@ impl<W: Write> Animation<W> {
         Ok(reel.encoder.write_frame(&frame)?)
     }
 
-    /// Writes the header, once the size and the colours are known.
+    /// Writes the header; size and colours are those of the first frame.
     fn begin(
         &mut self,
         figure: &FieldFigure,
@@ -159,10 +157,10 @@ impl<W: Write> Animation<W> {
         Ok(())
     }
 
-    /// Completes the file and gives the writer back.
+    /// Completes the file and returns the writer.
     ///
     /// # Errors
-    /// There is no frame, or the writer refuses.
+    /// The animation has no frame, or writing fails.
     pub fn finish(self) -> Result<W, FigureError> {
         match self.state {
             State::Begun(reel) => {
@@ -180,15 +178,15 @@ fn refuse<T>(problem: String) -> Result<T, FigureError> {
     Err(FigureError::Animation(problem))
 }
 
-/// The colours of an animation, and which of them stands for any other.
+/// Palette of an animation, with a cache of the nearest palette colour of each other colour.
 struct Palette {
     colours: Vec<[u8; 3]>,
     nearest: HashMap<[u8; 3], u8>,
 }
 
 impl Palette {
-    /// The colours of a field themselves, those of ink on paper, and, as far as there is room, of
-    /// lines of ink or paper on the field.
+    /// Builds the palette: shades of ink on paper, the colours of a field and, within the remaining capacity, mixtures
+    /// of field colours with ink.
     fn new(field: &[Colour]) -> Self {
         let channels = |RGBColor(red, green, blue): Colour| [red, green, blue];
         let mixed = |from: Colour, to: Colour, share: f64| {
@@ -222,7 +220,7 @@ impl Palette {
         self.colours.concat()
     }
 
-    /// The index of the nearest colour for each pixel.
+    /// Returns the palette index of the nearest colour for each pixel.
     fn indices(&mut self, pixels: &[u8]) -> Vec<u8> {
         let Self { colours, nearest } = self;
         let pixels = pixels.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
@@ -238,12 +236,11 @@ impl Palette {
     }
 }
 
-/// A picture of three bytes per pixel scaled down: each pixel is the mean of the area it covers.
+/// Downscales a picture of three bytes per pixel: each target pixel is the mean over the area it covers.
 fn averaged(pixels: &[u8], from: [u32; 2], to: [u16; 2]) -> Vec<u8> {
     let [[columns, width], [rows, height]] =
         [0, 1].map(|axis| [from[axis] as usize, usize::from(to[axis])]);
-    // In units in which lengths are whole: a pixel of the source is as long as the target has
-    // pixels.
+    // Integer units: a source pixel is `count` units long, a target pixel `all` units.
     let parts = |all: usize, count: usize, index: usize| {
         let (start, end) = (index * all, (index + 1) * all);
         (start / count..end.div_ceil(count)).map(move |source| {
@@ -288,7 +285,7 @@ mod tests {
             if is_signed { wave } else { wave.abs() }
         };
         let mut values: Vec<f64> = (0..2400).map(value).collect();
-        // The same value in all frames, amid a few like it.
+        // One value common to all frames, in a patch of cells with equal values.
         for cell in [0, 1, 2, 60, 61, 62, 120, 121, 122] {
             values[cell] = if is_signed { -0.9375 } else { 0.9375 };
         }
@@ -315,13 +312,13 @@ mod tests {
         }
     }
 
-    /// Content of a GIF.
+    /// Decoded content of a GIF.
     struct Decoded {
         size: [u16; 2],
         repeat: gif::Repeat,
-        /// Delays in hundredths of a second.
+        /// Frame delays in hundredths of a second.
         delays: Vec<u16>,
-        /// Three bytes per pixel.
+        /// Pixels of each frame, three bytes per pixel.
         frames: Vec<Vec<u8>>,
     }
 
@@ -375,7 +372,7 @@ mod tests {
                 let start = 3 * (y * width + x);
                 &frames[frame][start..start + 3]
             };
-            // The marked cells are in the lower left corner of the field: colours of their own.
+            // The patch is in the lower left corner of the field and has a colour that occurs nowhere else.
             let own = figures[0].colours();
             let value = if is_signed { 96 - 60 } else { 60 };
             let RGBColor(red, green, blue) = own[value];
@@ -383,7 +380,7 @@ mod tests {
                 let all = (0..height).flat_map(|y| (0..width / 2).map(move |x| (x, y)));
                 all.filter(|&(x, y)| pixel(frame, x, y) == [red, green, blue]).collect()
             };
-            // Contour lines may pass beside the cells, but not within.
+            // Contour lines may touch the boundary of the patch, but not its interior.
             let all = found(0);
             let inner: Vec<(usize, usize)> = all
                 .iter()
@@ -396,7 +393,7 @@ mod tests {
             assert!(inner.len() > 40, "{}", inner.len());
             for frame in 1..3 {
                 assert!(inner.iter().all(|&(x, y)| pixel(frame, x, y) == [red, green, blue]));
-                // The colour bar and all to the right of the field stay as they are.
+                // The colour bar and the area to the right of the field are equal in all frames.
                 for (x, y) in
                     (width * 85 / 100..width).flat_map(|x| (0..height * 3 / 4).map(move |y| (x, y)))
                 {
@@ -434,7 +431,7 @@ mod tests {
         let pixels: Vec<u8> = [10, 20, 40, 70].into_iter().flat_map(|value| [value; 3]).collect();
         assert_eq!(averaged(&pixels, [4, 1], [2, 1]), [15, 15, 15, 55, 55, 55]);
         assert_eq!(averaged(&pixels, [2, 2], [1, 1]), [35; 3]);
-        // Three halves of a pixel each.
+        // Each target pixel covers 3/2 source pixels.
         let pixels: Vec<u8> = [30, 60, 90].into_iter().flat_map(|value| [value; 3]).collect();
         assert_eq!(averaged(&pixels, [3, 1], [2, 1]), [40, 40, 40, 80, 80, 80]);
         assert_eq!(averaged(&[77; 3 * 49], [7, 7], [3, 4]), [77; 36]);

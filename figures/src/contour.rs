@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use crate::picture::Point;
 
-/// An edge between neighbouring grid points: the lower point and whether it runs along y.
+/// An edge between neighbouring grid points: its lower point (i, j) and whether it is along y.
 type Edge = (usize, usize, bool);
 
-/// The lines on which the grid's values are `level`, in units of the grid's spacing: the point
-/// (i, j) of the grid lies at [i, j]. Values between grid points are interpolated linearly;
-/// squares with a corner that is not finite stay empty. Closed lines end where they start.
+/// Computes the contour lines at `level` in units of the grid spacing: grid point (i, j) is at [i, j]. Values between
+/// grid points are interpolated linearly; squares with a non-finite corner have no lines. Closed lines end at their
+/// first point.
 pub(crate) fn lines(
     columns: usize,
     rows: usize,
@@ -33,7 +33,7 @@ pub(crate) fn lines(
     joined.into_iter().map(|line| line.into_iter().map(place).collect()).collect()
 }
 
-/// Adds the pieces of one square, whose lower corner is (i, j).
+/// Adds the line segments in the square with lower corner (i, j).
 fn square(
     i: usize,
     j: usize,
@@ -50,7 +50,7 @@ fn square(
     let crossed: Vec<usize> = (0..4).filter(|&edge| above[edge] != above[(edge + 1) % 4]).collect();
     match crossed[..] {
         [a, b] => pieces.push([edges[a], edges[b]]),
-        // A saddle: the value in the middle tells which two corners hang together.
+        // Saddle: the mean of the corner values determines which two corners are connected.
         [_, _, _, _] => {
             let middle = 0.25 * corners.iter().sum::<f64>() >= level;
             let pairs = if middle == above[0] { [[0, 1], [2, 3]] } else { [[3, 0], [1, 2]] };
@@ -60,7 +60,7 @@ fn square(
     }
 }
 
-/// Strings pieces together that meet on an edge; at most two do.
+/// Joins segments that share an edge into lines; at most two segments meet on an edge.
 fn join(pieces: &[[Edge; 2]]) -> Vec<Vec<Edge>> {
     let mut at: HashMap<Edge, [Option<usize>; 2]> = HashMap::with_capacity(pieces.len() + 1);
     for (index, piece) in pieces.iter().enumerate() {
@@ -70,7 +70,7 @@ fn join(pieces: &[[Edge; 2]]) -> Vec<Vec<Edge>> {
         }
     }
     let mut used = vec![false; pieces.len()];
-    // Open lines first, from one of their ends; what is left then is closed.
+    // Open lines first, starting at one of their ends; the remaining lines are closed.
     let starts = |open: bool| {
         let at = &at;
         pieces.iter().enumerate().flat_map(move |(index, piece)| {
@@ -108,7 +108,7 @@ mod tests {
         let lines = lines(6, 5, |i, j| 2.0 * i as f64 + j as f64, 4.5);
         assert_eq!(lines.len(), 1);
         assert!(lines[0].iter().all(|[x, y]| (2.0 * x + y - 4.5).abs() < 1e-12));
-        // From the lower edge to the upper edge, each place once.
+        // The line connects the lower and the upper edge.
         let mut ends = [lines[0][0][1], lines[0].last().unwrap()[1]];
         ends.sort_by(f64::total_cmp);
         assert_eq!(ends, [0.0, 4.0]);

@@ -1,4 +1,4 @@
-//! Directions in the physical plane.
+//! Diagram of directions in the physical plane.
 
 use plotters::style::RGBColor;
 
@@ -16,7 +16,7 @@ pub enum Style {
     StressAxis,
     /// The direction of the velocity: dotted.
     Velocity,
-    /// A principal axis of the deformation rate: dashes and dots.
+    /// A principal axis of the deformation rate: dash-dotted.
     DeformationAxis,
 }
 
@@ -43,20 +43,20 @@ impl Style {
     }
 }
 
-/// A direction through the point considered; opposite directions are the same.
+/// A direction in the physical plane; opposite directions are equivalent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direction {
-    /// Name or symbol, may be empty.
+    /// Name or symbol; may be empty.
     pub label: String,
-    /// Angle from x₁, anticlockwise, in degrees. Directions that are not finite are left out.
+    /// Angle from x₁, degrees anticlockwise. Directions with a non-finite angle are not drawn.
     pub angle_deg: f64,
-    /// Multiplicity of the direction; written beside it if more than one.
+    /// Multiplicity; written beside the direction if greater than 1.
     pub multiplicity: usize,
-    /// Kind, which determines the style.
+    /// Kind, which determines the line style.
     pub style: Style,
 }
 
-/// Directions through a common point in the physical plane.
+/// Diagram of directions through a common point in the physical plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DirectionsFigure {
     /// Title of the figure.
@@ -69,14 +69,14 @@ pub struct DirectionsFigure {
 
 const GUIDE: Colour = RGBColor(190, 190, 190);
 const LINE: f64 = 1.45 * NUMBER;
-/// Distance of a label's middle from the circle, straight up or down.
+/// Vertical distance of the centre of a label from the circle, pixels.
 const CLEARANCE: f64 = 32.0;
 
 impl DirectionsFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// The picture cannot be drawn or encoded.
+    /// Rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }
@@ -100,7 +100,7 @@ impl DirectionsFigure {
         let mut sheet = Picture::new(page::WIDTH as u32, 1);
         let top = page::heading(&mut sheet, &self.title, &self.subtitle);
         let below = 16.0 + legend.height() + MARGIN - 12.0;
-        // A side of the circle holds a column of labels.
+        // The circle must be high enough for the column of labels on either side.
         let sides = self.labels([0.0, 0.0], 1.0);
         let count = sides.iter().map(Vec::len).max().unwrap_or(0) as f64;
         let plane = (count * LINE + 20.0).max(700.0);
@@ -115,7 +115,7 @@ impl DirectionsFigure {
     }
 
     fn draw_plane(&self, picture: &mut Picture, area: Rectangle) {
-        // Room for the labels above the circle and for the arrow heads.
+        // Margin for the labels above the circle and for the arrow heads.
         let radius = (0.5 * area.height() - 76.0).min(420.0);
         let centre = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
         let at = |angle_deg: f64, radius: f64| {
@@ -142,13 +142,13 @@ impl DirectionsFigure {
             picture.polygon(vec![at(angle, tip), head(18.0), head(-18.0)], PALE_INK);
         }
 
-        // Wide lines first, so that narrower ones on the same direction stay visible.
+        // Wide lines first, so that narrower lines in the same direction remain visible.
         let mut directions: Vec<&Direction> = self.drawn().collect();
         directions.sort_by_key(|direction| direction.style != Style::Characteristic);
         for direction in directions {
             let (dashes, width, colour) = direction.style.look();
             let angle = direction.angle_deg;
-            // From the rim inwards, so that the dashes are the same on both sides.
+            // From the circle towards the centre, so that the dashes are symmetric.
             for end in [angle, angle + 180.0] {
                 picture.dashed(&[at(end, radius), centre], dashes, width, colour);
             }
@@ -164,8 +164,8 @@ impl DirectionsFigure {
         }
     }
 
-    /// The labels on the right and on the left of the circle, from top to bottom. A direction is
-    /// labelled at its end in the upper half where that is free, otherwise at the freer end.
+    /// Computes the labels on the right and on the left of the circle, from top to bottom. A direction is labelled at
+    /// its upper end unless another label is near, otherwise at the end with more space.
     fn labels(&self, centre: Point, radius: f64) -> [Vec<Label>; 2] {
         let place = |angle_deg: f64, clearance: f64| {
             let (sin, cos) = angle_deg.to_radians().sin_cos();
@@ -207,14 +207,13 @@ impl DirectionsFigure {
 }
 
 impl Direction {
-    /// The angle of the end in the upper half, in degrees.
+    /// Returns the angle of the upper end, degrees in [0, 180).
     fn upper_angle(&self) -> f64 {
         self.angle_deg.rem_euclid(180.0)
     }
 
     fn words(&self) -> String {
-        // The same direction is given the same words whichever of its two angles is known; an
-        // angle that rounds to 180° is 0°.
+        // Equivalent angles have the same text; an angle that rounds to 180° is written as 0°.
         let angle = (10.0 * self.upper_angle()).round() / 10.0;
         let angle = if angle >= 180.0 { 0.0 } else { angle };
         let times = if self.multiplicity > 1 {
@@ -230,16 +229,16 @@ impl Direction {
 struct Label {
     /// Point at which the direction meets the circle.
     end: Point,
-    /// The height of the label's middle, if nothing else is there.
+    /// Preferred vertical position of the label's centre, pixels.
     wanted: f64,
     text: String,
     colour: Colour,
-    /// Whether the label names an axis, whose arrow head needs space.
+    /// Whether the label names an axis, which needs space for its arrow head.
     axis: bool,
 }
 
 impl Label {
-    /// Draws the label outside the circle at the height `y`, tied to the end of its direction.
+    /// Draws the label outside the circle at height `y`, with a leader line to the end of its direction.
     fn draw(
         &self,
         picture: &mut Picture,
@@ -250,7 +249,7 @@ impl Label {
         right: bool,
     ) {
         let sign = if right { 1.0 } else { -1.0 };
-        // The corner of the label that is nearest to the circle keeps clear of it.
+        // Keep the corner of the label nearest to the circle outside the circle.
         let (away, inner) = (radius + 18.0, ((y - centre[1]).abs() - 0.5 * LINE).max(0.0));
         let reach = (away * away - inner * inner).max(0.0).sqrt();
         let beside = sign * (self.end[0] - centre[0]) + if self.axis { 18.0 } else { 10.0 };
@@ -268,10 +267,10 @@ impl Label {
     }
 }
 
-/// Moves ascending heights apart to at least `gap`, as little as possible in the sum of squares,
-/// and into `bounds` as far as they hold all (pool adjacent violators).
+/// Shifts ascending heights so that neighbours are at least `gap` apart, with the least sum of squared shifts (pool
+/// adjacent violators), and into `bounds` if there is enough space.
 pub(crate) fn spread(wanted: &[f64], gap: f64, bounds: [f64; 2]) -> Vec<f64> {
-    // Groups of labels that touch: sum of their wanted starts, and number.
+    // Blocks of adjacent labels: sum of their preferred start positions, and number of labels.
     let mut groups: Vec<(f64, usize)> = Vec::new();
     for (index, height) in wanted.iter().enumerate() {
         let mut group = (height - index as f64 * gap, 1);

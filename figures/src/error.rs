@@ -1,40 +1,40 @@
 //! Errors of figures.
 
-/// A figure that could not be drawn.
+/// Error: a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// A list of a figure does not have one value per cell.
+    /// A list of the figure does not have one value per cell.
     #[error("the figure's {field} has {found} values for {columns} × {rows} cells")]
     CellCount {
         /// Name of the list.
         field: &'static str,
         /// Number of values in the list.
         found: usize,
-        /// Points or cells along the x axis.
+        /// Number of points or cells along the x axis.
         columns: usize,
-        /// Points or cells along the y axis.
+        /// Number of points or cells along the y axis.
         rows: usize,
     },
-    /// An axis is not a uniform grid.
+    /// An axis has invalid values, e.g. it is not a uniform grid.
     #[error("the axis \"{label}\" {problem}")]
     Axis {
-        /// The axis's label.
+        /// Label of the axis.
         label: String,
-        /// Problem, as a phrase that follows the label.
+        /// Problem, as a phrase that follows the label in the message.
         problem: &'static str,
     },
-    /// A cell points at a category that is not in the list.
+    /// A cell refers to a category that is not in the list.
     #[error("a cell of the map has category {found}, but only {known} categories are described")]
     UnknownCategory {
-        /// Index found in the cell.
+        /// Category index of the cell.
         found: u8,
-        /// Number of categories described.
+        /// Number of categories in the list.
         known: usize,
     },
-    /// Values cannot be clipped at such a number.
+    /// The limit of the colour scale is invalid.
     #[error("the limit of the colours is {found}, which is not a positive finite number")]
     Limit {
-        /// The number given.
+        /// Limit found.
         found: f64,
     },
     /// A record does not have one value per time.
@@ -47,16 +47,16 @@ pub enum FigureError {
         /// Number of times.
         times: usize,
     },
-    /// The frames of an animation do not go together, or cannot be shown.
+    /// The frames of an animation are inconsistent, or an option is invalid.
     #[error("the animation {0}")]
     Animation(String),
     /// The animation could not be written.
     #[error("the animation could not be written: {0}")]
     Gif(#[from] gif::EncodingError),
-    /// The drawing library refused.
+    /// The drawing library reports an error.
     #[error("drawing failed: {0}")]
     Drawing(String),
-    /// The image could not be compressed.
+    /// PNG compression fails.
     #[error("drawing failed: {0}")]
     Encoding(#[from] png::EncodingError),
 }

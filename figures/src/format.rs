@@ -1,11 +1,11 @@
-//! Kinds of files.
+//! File formats of figures.
 
-/// The kind of file a figure is drawn into.
+/// File format of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Pixels, 1600 wide and 1100 high; higher where a legend or many panels need the
-    /// room, lower where a field is wide.
+    /// PNG, 1600 pixels wide and usually 1100 pixels high; higher for a large legend or many panels, lower for a wide
+    /// field.
     Png,
-    /// Shapes and text, of the same size in pixels and to be scaled at will.
+    /// SVG of the same size in pixels.
     Svg,
 }

@@ -1,8 +1,8 @@
-//! Fields: waves, materials, a bar and the frames of an animation.
+//! Example fields: waves, materials, a bar and the frames of an animation.
 
 use wellposed_figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 
-/// A field of square cells, one per metre divided by `per_metre`.
+/// Builds a field of square cells with edge 1/`per_metre` m; `value` is evaluated at cell centres.
 fn field(cells: [usize; 2], per_metre: f64, value: impl Fn(f64, f64) -> f64) -> FieldFigure {
     let axis = |label: &str, cells: usize| FieldAxis {
         label: label.to_owned(),
@@ -36,7 +36,7 @@ fn field_mark(x: f64, y: f64, name: &str, kind: FieldMarkKind) -> FieldMark {
     FieldMark { at: [x, y], name: name.to_owned(), kind }
 }
 
-/// A wave that radiates from a point, with colours that end below its largest value.
+/// Builds a wave radiated from a point; the colour scale is clipped below the largest value.
 pub fn field_wave() -> FieldFigure {
     let wave = field([1000, 1000], 10.0, |x, y| {
         let r = (x - 40.0).hypot(y - 50.0);
@@ -54,7 +54,7 @@ pub fn field_wave() -> FieldFigure {
     FieldFigure { limit: Some(0.02), marks, ..wave }
 }
 
-/// Two materials, of which one yields, and some cells that have lost their value.
+/// Builds a stress field in two materials, one of which yields, with some NaN cells.
 pub fn field_materials() -> FieldFigure {
     let upper = |x: f64, y: f64| y > 4.0 + 0.1 * x;
     let mut figure = field([240, 120], 10.0, |x, y| {
@@ -80,7 +80,7 @@ pub fn field_materials() -> FieldFigure {
     figure
 }
 
-/// A domain too long to be drawn to scale.
+/// Builds a field whose domain is too elongated to be drawn to scale.
 pub fn field_bar() -> FieldFigure {
     let mut bar = field([900, 4], 10.0, |x, _| (0.3 * x).sin().powi(2) * (-0.05 * x).exp());
     let ends = [("foot", 0.0), ("tip", 90.0)];
@@ -89,7 +89,7 @@ pub fn field_bar() -> FieldFigure {
     FieldFigure { label: "energy density (J/m³)".to_owned(), is_signed: false, marks, ..bar }
 }
 
-/// The stress around a crack with lines of equal value that carry their numbers.
+/// Builds the stress field around a crack, with numbered contour lines.
 pub fn field_curves() -> FieldFigure {
     let mut figure = field([300, 200], 10.0, |x, y| {
         let (x, y) = (x - 15.0, y - 10.0);
@@ -106,7 +106,7 @@ pub fn field_curves() -> FieldFigure {
     figure
 }
 
-/// A quantity without a sign with its lines of equal value.
+/// Builds an unsigned quantity with contour lines.
 pub fn field_hill() -> FieldFigure {
     let figure = field([160, 160], 10.0, |x, y| {
         let hill =
@@ -122,7 +122,7 @@ pub fn field_hill() -> FieldFigure {
     }
 }
 
-/// A frame of a wave that comes from a point and is thrown back by a stiffer half.
+/// Builds the frame at `time` (s) of a wave that radiates from a point and is reflected by a stiffer half.
 pub fn moving(time: f64) -> FieldFigure {
     let pulse = |phase: f64| phase.sin() * (-0.06 * phase * phase).exp();
     let wave = field([300, 180], 10.0, |x, y| {

@@ -1,4 +1,4 @@
-//! Growth rates over wave numbers and directions.
+//! Example growth rates against wave number and direction.
 
 use crate::sampling::grid;
 use wellposed_figures::{

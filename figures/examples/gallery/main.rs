@@ -1,4 +1,4 @@
-//! Draws every figure from made-up data into the folder given as argument.
+//! Draws every kind of figure from synthetic data into the folder given as argument.
 
 mod fields;
 mod growth_rates;

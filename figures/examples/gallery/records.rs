@@ -1,9 +1,9 @@
-//! Seismograms and energy ledgers.
+//! Example seismograms and energy ledgers.
 
 use crate::sampling::grid;
 use wellposed_figures::{LedgerFigure, LedgerTerm, SeismogramFigure, SeismogramPanel, Trace};
 
-/// Pulses at receivers; the last quantity does not move, one receiver fails.
+/// Builds pulses recorded at receivers; the last quantity is zero, and one receiver has NaN values in an interval.
 pub fn seismogram([panels, receivers]: [usize; 2], samples: usize) -> SeismogramFigure {
     let labels = [
         "velocity v₁, m/s",
@@ -48,7 +48,8 @@ pub fn seismogram([panels, receivers]: [usize; 2], samples: usize) -> Seismogram
     }
 }
 
-/// Energies of a shot in a yielding solid, with a balance of percents or a residual.
+/// Builds the energy ledger of a shot in a yielding solid, with a balance of a few percent if `is_coarse`, otherwise
+/// with a residual of the order of rounding.
 pub fn ledger(is_coarse: bool) -> LedgerFigure {
     let times = grid(0.0, 0.5, 2_000);
     let term = |name: &str, value: &dyn Fn(f64) -> f64| LedgerTerm {

@@ -1,4 +1,4 @@
-//! Verdict maps.
+//! Example verdict maps.
 
 use crate::sampling::grid;
 use wellposed_figures::{Axis, Category, Curve, Look, VerdictMap};
@@ -7,7 +7,7 @@ fn category(label: &str, look: Look) -> Category {
     Category { label: label.to_owned(), look }
 }
 
-/// A bound at 45° with growth that increases towards it.
+/// Builds a map with bounds at ±45°, towards which the growth increases.
 pub fn noncoaxiality() -> VerdictMap {
     let (x, y) = (grid(-90.0, 90.0, 361), grid(1.0, 60.0, 237));
     let (mut cells, mut level) = (Vec::new(), Vec::new());
@@ -44,7 +44,7 @@ pub fn noncoaxiality() -> VerdictMap {
     }
 }
 
-/// All looks on one map, with two orders of growth and levels over many decades.
+/// Builds a map with all fill styles, two orders of growth and levels over many decades.
 pub fn every_verdict() -> VerdictMap {
     let (x, y) = (grid(-90.0, 90.0, 241), grid(0.0, 40.0, 161));
     let (mut cells, mut level) = (Vec::new(), Vec::new());

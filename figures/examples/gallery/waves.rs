@@ -1,4 +1,4 @@
-//! Dispersion, speeds of waves and flutter over the sphere.
+//! Example dispersion relations, wave speeds, and flutter over the sphere.
 
 use crate::sampling::grid;
 use wellposed_figures::{
@@ -6,8 +6,8 @@ use wellposed_figures::{
     SphereMark, Vanishing,
 };
 
-/// Waves in an elastic Cosserat medium; with made-up growth of the transverse ones on logarithmic
-/// axes where asked for.
+/// Builds the dispersion relation of an elastic Cosserat medium; with `growing` on logarithmic axes and with synthetic
+/// growth of the transverse waves.
 pub fn dispersion(growing: bool) -> DispersionFigure {
     let [rho, lambda, mu, alpha] = [2700.0, 8.1e9, 8.1e9, 1.005e9_f64];
     let [j, beta, gamma, eta] = [2700.0, 7.75e8, 1.5e8, 3e8_f64];
@@ -19,7 +19,7 @@ pub fn dispersion(growing: bool) -> DispersionFigure {
         let half = 0.5 * (rho * (bending + 4.0 * alpha) + j * shear) / (rho * j);
         let product = (shear * bending + 4.0 * alpha * mu * k * k) / (rho * j);
         let root = (half * half - product).max(0.0).sqrt();
-        // Without cancellation for long waves.
+        // The second form avoids cancellation for long waves.
         if upper { (half + root).sqrt() } else { (product / (half + root)).sqrt() }
     };
     let numbers: Vec<f64> = if growing {
@@ -79,7 +79,7 @@ pub fn dispersion(growing: bool) -> DispersionFigure {
     }
 }
 
-/// Speeds of a solid that loses hyperbolicity in two directions and flutters in sectors.
+/// Builds the speeds of a solid that loses hyperbolicity in two directions and flutters in sectors.
 pub fn speeds() -> SpeedsFigure {
     let angles = grid(0.0, 180.0, 721);
     let curve = |label: &str, response, multiplicity, f: &dyn Fn(f64) -> f64| SpeedCurve {
@@ -89,7 +89,7 @@ pub fn speeds() -> SpeedsFigure {
         multiplicity,
     };
     let wave = |angle: f64| (2.0 * (angle - 12.0)).to_radians().cos();
-    // Two speeds that meet where their squares would become complex.
+    // Difference of two speeds that coalesce where their squares would become complex.
     let gap = |angle: f64| (0.55 - wave(angle)).max(0.0).sqrt();
     let pair = |angle: f64, sign: f64| 620.0 + 60.0 * wave(angle) + sign * 150.0 * gap(angle);
     let (elastic, yielding) = (Response::Elastic, Response::Yielding);
@@ -121,7 +121,7 @@ pub fn speeds() -> SpeedsFigure {
     }
 }
 
-/// The slowest speed over all normals, or the growth where speeds are complex.
+/// Builds the slowest speed over all wave normals or, with `growing`, the growth rate where speeds are complex.
 pub fn sphere(growing: bool) -> SphereFigure {
     let (polar, azimuth) = (grid(0.0, 90.0, 91), grid(0.0, 360.0, 361));
     let band = [0.62_f64, 0.0, 0.785];

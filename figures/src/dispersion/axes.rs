@@ -7,7 +7,7 @@ use crate::scale::{self, SymmetricLog, Tick};
 /// Magnitude above which numbers are treated as infinite, since differences would overflow.
 const FINITE: f64 = 1e300;
 
-/// Mapping from values to positions along an axis.
+/// Mapping from values to axis positions.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     Linear,
@@ -15,7 +15,7 @@ pub(super) enum Kind {
     Symmetric(SymmetricLog),
 }
 
-/// An axis and its range, in places.
+/// An axis with its range, in axis positions.
 #[derive(Clone, Copy)]
 pub(super) struct Scale {
     pub(super) kind: Kind,
@@ -32,7 +32,8 @@ impl Scale {
         }
     }
 
-    /// The range of the values that can be shown, with a share of it left free at both ends.
+    /// Computes the range of the finite positions of `values`, extended at the lower and upper end by the shares `room`
+    /// of its length.
     pub(super) fn of(kind: Kind, values: impl Iterator<Item = f64>, room: [f64; 2]) -> Self {
         let places =
             values.map(|value| Self::forward(kind, value)).filter(|place| place.abs() < FINITE);
@@ -54,7 +55,7 @@ impl Scale {
         (Self::forward(self.kind, value) - self.low) / (self.high - self.low)
     }
 
-    /// Ticks by their share of the axis.
+    /// Computes the ticks, located by their share of the axis; `length` in pixels.
     pub(super) fn ticks(&self, length: f64, upright: bool) -> Vec<Tick> {
         let (low, high) = (self.low, self.high);
         let mut ticks = match self.kind {
@@ -71,7 +72,7 @@ impl Scale {
 }
 
 impl DispersionFigure {
-    /// The axes of wave numbers, frequencies, speeds and growth rates.
+    /// Computes the axes of wave numbers, frequencies, speeds and growth rates.
     pub(super) fn scales(&self) -> [Scale; 4] {
         let branches = || self.branches.iter();
         let kind = |log: bool| if log { Kind::Log } else { Kind::Linear };
@@ -117,7 +118,7 @@ impl DispersionFigure {
     }
 }
 
-/// A range that starts at zero where no value is negative, and else has room below.
+/// Extends the range below by 5 % if a value is negative; otherwise returns it unchanged, starting at zero.
 fn from_zero(scale: Scale) -> Scale {
     let low = if scale.low < 0.0 { scale.low - 0.05 * (scale.high - scale.low) } else { scale.low };
     Scale { low, ..scale }

@@ -1,4 +1,4 @@
-//! The drawing of a dispersion figure.
+//! Drawing of a dispersion figure.
 
 use super::axes::Scale;
 use super::figure::{Branch, DispersionFigure};
@@ -13,7 +13,7 @@ impl DispersionFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// The picture cannot be drawn or encoded.
+    /// Rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }
@@ -30,7 +30,7 @@ impl DispersionFigure {
         let mut picture = Picture::new(page::WIDTH as u32, height as u32);
         page::heading(&mut picture, &self.title, &self.subtitle);
 
-        // The growth rates share the axis of wave numbers with the frequencies above.
+        // The panels of frequencies and of growth rates share the wave-number axis.
         let [k, frequency, speed, growth] = self.scales();
         let between = 34.0;
         let split = if self.has_growth() { top + 0.58 * (bottom - top) } else { bottom };

@@ -1,51 +1,50 @@
-//! The data of a dispersion figure.
+//! Data of a dispersion figure.
 
 use crate::picture::Point;
 
-/// A branch of the dispersion relation. Points are in the units of the axes; NaN
-/// interrupts a line.
+/// A branch of the dispersion relation. Points are in the units of the axes; NaN interrupts a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branch {
-    /// Legend text. The branch is numbered there and on its lines.
+    /// Legend text. The branch number is shown in the legend and on the lines.
     pub label: String,
-    /// Wave number and angular frequency; the phase speed is drawn from the same points.
+    /// Pairs of wave number and angular frequency; the phase speed is drawn from the same points.
     pub frequency: Vec<[f64; 2]>,
-    /// Wave number and group speed; may be empty.
+    /// Pairs of wave number and group speed; may be empty.
     pub group_speed: Vec<[f64; 2]>,
-    /// Wave numbers and angular frequencies that were measured, drawn as rings; may be empty. Phase speeds
-    /// are drawn from the same points.
+    /// Measured pairs of wave number and angular frequency, drawn as rings, with their phase speeds in the panel of
+    /// speeds; may be empty.
     pub measured: Vec<[f64; 2]>,
-    /// Wave number and growth rate or attenuation; may be empty. The panel of growth is drawn
-    /// where some branch has any.
+    /// Pairs of wave number and growth rate; may be empty. The panel of growth rates is drawn if at least one branch
+    /// has growth rates.
     pub growth: Vec<[f64; 2]>,
 }
 
-/// Frequencies at which no wave of some kind propagates, drawn as a shaded band.
+/// Frequency band in which a kind of wave does not propagate, drawn shaded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
-    /// Legend text, such as `forbidden band`. Bands of one label are listed once.
+    /// Legend text, e.g. `forbidden band`. Bands with the same label are listed once.
     pub label: String,
-    /// Least frequency.
+    /// Lower frequency.
     pub from: f64,
-    /// Largest frequency; may be infinite.
+    /// Upper frequency; may be infinite.
     pub to: f64,
 }
 
 /// A marked value on a vertical axis, drawn as a thin horizontal line with a label.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
-    /// A few words or a symbol with its value.
+    /// Label: a few words, or a symbol with its value.
     pub label: String,
-    /// Value, in the unit of the axis. Levels that are not finite are left out.
+    /// Value, in the unit of the axis. Non-finite levels are not drawn.
     pub value: f64,
 }
 
-/// Frequencies against the wave number, beside phase and group speeds, and growth rates below
-/// where there are some.
+/// Dispersion diagram: frequencies against the wave number, with growth rates below if there are any, beside phase and
+/// group speeds.
 ///
-/// The speeds have a linear axis that covers the group speeds, the limits and the phase speeds of
-/// the shortest waves: phase speeds are without bound near a cut-off. Growth rates have a linear
-/// axis, over a logarithmic one of wave numbers a linear one about zero and logarithmic beyond.
+/// The speed axis is linear; its range covers the group speeds, the marked speeds and the phase speeds of the shortest
+/// waves only, since phase speeds are unbounded near a cut-off. The growth-rate axis is linear if the wave-number axis
+/// is linear, and symmetric logarithmic if it is logarithmic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DispersionFigure {
     /// Title of the figure.
@@ -58,20 +57,19 @@ pub struct DispersionFigure {
     pub frequency_label: String,
     /// Name, symbol and unit of the speeds.
     pub speed_label: String,
-    /// Name, symbol and unit of the growth rate; unused without growth rates.
+    /// Name, symbol and unit of the growth rate; unused if no branch has growth rates.
     pub growth_label: String,
-    /// Whether the wave-number axis is logarithmic; points that are not positive are left out
-    /// then.
+    /// Whether the wave-number axis is logarithmic; non-positive wave numbers are then omitted.
     pub k_log: bool,
-    /// Whether the axis of frequencies is logarithmic.
+    /// Whether the frequency axis is logarithmic.
     pub frequency_log: bool,
-    /// The branches; six have colours of their own.
+    /// Branches; the first six have distinct colours.
     pub branches: Vec<Branch>,
-    /// Frequencies at which waves do not propagate.
+    /// Frequency bands without propagating waves.
     pub bands: Vec<Band>,
-    /// Cut-off frequencies, dashed.
+    /// Cut-off frequencies; dashed lines.
     pub cutoffs: Vec<Level>,
-    /// Marked speeds such as short-wave limits, dotted.
+    /// Marked speeds, e.g. short-wave limits; dotted lines.
     pub speed_limits: Vec<Level>,
 }
 
@@ -80,12 +78,12 @@ impl DispersionFigure {
         self.branches.iter().any(|branch| !branch.growth.is_empty())
     }
 
-    /// The phase speeds of a branch.
+    /// Computes the pairs of wave number and phase speed ω/k of a branch.
     pub(super) fn phase(branch: &Branch) -> Vec<Point> {
         Self::phases(&branch.frequency)
     }
 
-    /// Phase speeds from wave numbers and frequencies.
+    /// Computes the pairs of wave number and phase speed ω/k from pairs of wave number and frequency.
     pub(super) fn phases(points: &[Point]) -> Vec<Point> {
         points.iter().map(|&[k, omega]| [k, omega / k]).collect()
     }

@@ -1,13 +1,13 @@
-//! Places of words and numbers, clear of lines.
+//! Placement of labels and branch numbers clear of lines.
 
 use super::tags::{TAG, tag_area};
 use crate::page::{self};
 use crate::picture::{Anchor, Point, Rectangle, Text, clip, polyline_length, text_width};
 
-/// Size of the words beside levels and in bands.
+/// Font size of the labels of levels and bands, pixels.
 pub(super) const LABEL: f64 = 22.0;
 
-/// A line with points at most a few pixels apart.
+/// Subdivides a line so that neighbouring points are at most 6 pixels apart.
 pub(super) fn densified(line: &[Point]) -> Vec<Point> {
     const STEP: f64 = 6.0;
     let mut dense: Vec<Point> = line.first().copied().into_iter().collect();
@@ -20,8 +20,8 @@ pub(super) fn densified(line: &[Point]) -> Vec<Point> {
     dense
 }
 
-/// Words at one of several heights in a frame, clear of other words and of lines as far as can
-/// be, with the length of the lines behind them; none where other words leave no room.
+/// Places a text in a frame at one of the `baselines`, clear of the areas `taken` and with the least length of lines
+/// behind it. Returns that length (pixels) and the text; `None` if there is not enough space.
 pub(super) fn free_text(
     words: &str,
     baselines: &[f64],
@@ -61,8 +61,8 @@ pub(super) fn free_text(
     best
 }
 
-/// The place on a line for its number: away from the frame, from all words and, as far as it
-/// matters, from other lines.
+/// Finds the position of a branch number on a line: inside the frame, clear of the areas `taken` and, if possible, far
+/// from the points of other lines. `None` if there is no such position.
 pub(super) fn tag_place(
     parts: &[Vec<Point>],
     others: &[Point],
@@ -80,7 +80,7 @@ pub(super) fn tag_place(
     let points = parts.iter().flat_map(|part| densified(part)).filter(|&point| inside(point));
     let free: Vec<Point> =
         points.filter(|&point| !taken.iter().any(|area| area.overlaps(&tag_area(point)))).collect();
-    // Near two thirds of the width, where branches have left each other.
+    // Preferred position: two thirds of the width, where branches are usually separated.
     let wanted = frame.left + 0.66 * frame.width();
     let cost = |&[x, y]: &Point| {
         let near = |[a, b]: &Point| (a - x).hypot(b - y);

@@ -1,4 +1,4 @@
-//! The legend of a dispersion figure.
+//! Legend of a dispersion figure.
 
 use super::figure::DispersionFigure;
 use super::looks::{BAND, COLOURS, CUTOFF, GROUP, LEVEL_WIDTH, LIMIT};

@@ -1,11 +1,11 @@
-//! Colours and dashes of branches, levels and bands.
+//! Colours and dash patterns of branches, levels and bands.
 
 use plotters::style::RGBColor;
 
 use crate::picture::Colour;
 
-/// Colours after Okabe and Ito (2008), dark enough for lines. The numbers on the lines tell the
-/// branches apart in grey.
+/// Colours after Okabe and Ito (2008), darkened for lines. In greyscale the numbers on the lines distinguish the
+/// branches.
 pub(super) const COLOURS: [Colour; 6] = [
     RGBColor(0, 0, 0),
     RGBColor(213, 94, 0),

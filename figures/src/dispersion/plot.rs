@@ -1,4 +1,4 @@
-//! One panel: lines of all branches, levels and bands.
+//! One panel of a dispersion figure: lines of all branches, levels and bands.
 
 use plotters::style::RGBColor;
 
@@ -17,10 +17,10 @@ pub(super) struct Plot<'a> {
     pub(super) frame: Rectangle,
     pub(super) x: Scale,
     pub(super) y: Scale,
-    /// Points of the lines of each branch: solid ones, and dashed ones.
+    /// Points of the solid and of the dashed line of each branch.
     pub(super) solid: Vec<Vec<Point>>,
     pub(super) dashed: Vec<Vec<Point>>,
-    /// Points of each branch that stand alone.
+    /// Measured points of each branch, drawn as rings.
     pub(super) rings: Vec<Vec<Point>>,
     pub(super) levels: &'a [Level],
     pub(super) pattern: &'static [f64],
@@ -46,7 +46,7 @@ impl Plot<'_> {
         lines.iter().map(parts).collect()
     }
 
-    /// The heights of a band inside the frame.
+    /// Computes the area of a band, clamped to the frame; `None` if empty.
     pub(super) fn band(&self, band: &Band) -> Option<Rectangle> {
         let frame = self.frame;
         let least = if matches!(self.y.kind, Kind::Log) { 0.0 } else { f64::NEG_INFINITY };
@@ -97,7 +97,7 @@ impl Plot<'_> {
         page::left_axis(picture, frame, &y_ticks, y_label);
     }
 
-    /// Draws the bands, the linear part of a logarithmic axis and the grid.
+    /// Draws the bands, the linear part of a symmetric logarithmic axis and the grid lines.
     fn draw_ground(
         &self,
         picture: &mut Picture,
@@ -128,7 +128,7 @@ impl Plot<'_> {
         }
     }
 
-    /// Draws the lines of all branches, and the rings.
+    /// Draws the lines and the rings of all branches.
     fn draw_lines(
         &self,
         picture: &mut Picture,
@@ -146,7 +146,7 @@ impl Plot<'_> {
         for (branch, points) in self.rings.iter().enumerate() {
             for place in points.iter().map(|&point| self.place(point)) {
                 let [x, y] = place;
-                // One that the frame would cut is left out.
+                // Rings that the frame would clip are omitted.
                 if x > frame.left + RING
                     && x < frame.right - RING
                     && y > frame.top + RING
@@ -158,8 +158,8 @@ impl Plot<'_> {
         }
     }
 
-    /// Draws the words of levels and bands and the numbers of branches: they find their places one
-    /// after the other, off all lines.
+    /// Draws the labels of levels and bands, then the branch numbers; each is placed clear of lines and of earlier
+    /// labels.
     fn draw_words(
         &self,
         picture: &mut Picture,
@@ -191,7 +191,7 @@ impl Plot<'_> {
             if area.height() < 1.2 * LABEL {
                 continue;
             }
-            // The legend has the words too.
+            // Omitted if it would cover lines, since the legend has the label as well.
             let text = free_text(&band.label, &[middle], frame, &lines, &taken);
             if let Some((_, text)) = text.filter(|(hits, _)| *hits == 0.0) {
                 taken.push(text.bounds());
@@ -199,7 +199,7 @@ impl Plot<'_> {
             }
         }
         for (branch, parts) in solid.iter().enumerate() {
-            // Dashed lines of the other branches are as near as solid ones.
+            // Dashed lines of the other branches count like solid lines.
             let others: Vec<Point> = [solid, dashed]
                 .into_iter()
                 .flat_map(|lines| lines.iter().enumerate())

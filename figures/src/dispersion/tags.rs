@@ -1,14 +1,14 @@
-//! Numbers on discs, and rings about measured points.
+//! Branch numbers on discs, and rings for measured points.
 
 use crate::picture::{Anchor, Colour, Picture, Point, Rectangle, Text, WHITE, text_width};
 
-/// Radius of the ring about a measured point.
+/// Outer radius of a ring, pixels.
 pub(super) const RING: f64 = 9.0;
 
-/// Radius of the disc that carries a number.
+/// Radius of the disc that carries a number, pixels.
 pub(crate) const TAG: f64 = 15.0;
 
-/// A number on a disc, for lines and points whose words stand in the legend.
+/// Draws a number on a disc, for lines and points that are explained in the legend.
 pub(crate) fn draw_tag(picture: &mut Picture, [x, y]: Point, number: usize, colour: Colour) {
     picture.disc([x, y], TAG + 1.5, WHITE);
     picture.disc([x, y], TAG, colour);
@@ -19,14 +19,14 @@ pub(crate) fn draw_tag(picture: &mut Picture, [x, y]: Point, number: usize, colo
     picture.text(Text { bold: true, ..text });
 }
 
-/// A point that was measured.
+/// Draws the ring of a measured point.
 pub(crate) fn draw_ring(picture: &mut Picture, place: Point, colour: Colour) {
     picture.disc(place, RING + 1.5, WHITE);
     picture.disc(place, RING, colour);
     picture.disc(place, RING - 3.5, WHITE);
 }
 
-/// The room of a tag.
+/// Returns the bounding box of a tag.
 pub(crate) fn tag_area([x, y]: Point) -> Rectangle {
     let half = TAG + 2.0;
     Rectangle { left: x - half, top: y - half, right: x + half, bottom: y + half }

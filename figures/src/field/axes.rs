@@ -1,4 +1,4 @@
-//! The axes of the domain and their names.
+//! Axes of the domain with their ticks and names.
 
 use super::figure::{FieldAxis, FieldFigure};
 use super::layout::Layout;
@@ -20,7 +20,7 @@ impl FieldFigure {
             .map(|(y, label)| (frame.bottom - share(&self.y, y) * frame.height(), label))
             .collect();
         page::bottom_axis(picture, frame, &thinned(x_ticks, false), "");
-        // The name may be longer than a narrow frame.
+        // The name may be wider than a narrow frame.
         let middle = 0.5 * (frame.left + frame.right);
         let room = 2.0 * (middle - MARGIN).min(page::WIDTH - MARGIN - middle);
         let (words, size) = page::fit(&stretched(&self.x.label, layout.stretch[0]), NAME, room);
@@ -41,7 +41,7 @@ impl FieldFigure {
         }
     }
 
-    /// The name of the y axis where it stands above the frame.
+    /// Returns the name of the y axis if it is written above the frame.
     pub(super) fn name_above(&self, layout: &Layout) -> Option<Text> {
         if !layout.name_above || self.y.label.is_empty() {
             return None;
@@ -53,7 +53,7 @@ impl FieldFigure {
     }
 }
 
-/// The name of an axis, with the factor by which it is drawn too long.
+/// Formats the name of an axis with its stretch factor, if stretched.
 pub(super) fn stretched(label: &str, factor: f64) -> String {
     let round = if factor < 9.95 { (10.0 * factor).round() / 10.0 } else { factor.round() };
     if factor < 1.05 {

@@ -6,7 +6,8 @@ use crate::picture::{INK, Picture, Rectangle, WHITE};
 use crate::verdict_map::runs;
 
 impl FieldFigure {
-    /// The lines between different materials as thin areas; none where they would cover the field.
+    /// Computes the boundaries between materials as rectangles of zero width; `None` for a single material, or if the
+    /// boundaries would cover too much of the field.
     pub(super) fn borders(&self, raster: &Raster) -> Option<Vec<Rectangle>> {
         if self.outlines.iter().all(|material| *material == self.outlines[0]) {
             return None;
@@ -39,12 +40,12 @@ impl FieldFigure {
     }
 }
 
-/// Draws vertical and level lines, given as areas without width, dark with a light rim.
+/// Draws vertical and horizontal lines, given as rectangles of zero width, in ink with a white rim.
 pub(super) fn draw_borders(picture: &mut Picture, lines: Vec<Rectangle>) {
     for (half, colour) in [(3.0, WHITE), (1.8, INK)] {
         let widened = |line: &Rectangle| {
             let (x, y) = if line.height() > line.width() { (half, 0.0) } else { (0.0, half) };
-            // Corners close.
+            // Lengthen the lines so that corners are closed.
             let (x, y) =
                 (x + if x == 0.0 { 1.0 } else { 0.0 }, y + if y == 0.0 { 1.0 } else { 0.0 });
             Rectangle {

@@ -1,4 +1,4 @@
-//! The cells in their colours, and hatching by level lines.
+//! Drawing of the cells in their colours, and hatching by horizontal lines.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::picture::{Picture, Rectangle};
 use crate::verdict_map::runs;
 
 impl FieldFigure {
-    /// Fills the cells, runs of one colour in a row at once.
+    /// Fills the cells; runs of one colour in a row are filled as one rectangle.
     pub(super) fn draw_cells(&self, picture: &mut Picture, scale: &Scale, raster: &Raster) {
         let columns = raster.count(0);
         let steps: Vec<i16> =
@@ -33,7 +33,7 @@ impl FieldFigure {
     }
 }
 
-/// Level lines `spacing` pixels apart over the drawn cells that are selected, as thin areas.
+/// Computes horizontal lines `spacing` pixels apart over the selected raster cells, as rectangles of height `width`.
 pub(super) fn rules(
     raster: &Raster,
     spacing: f64,

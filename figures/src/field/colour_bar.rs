@@ -1,4 +1,4 @@
-//! The colour bar.
+//! Colour bar of a field.
 
 use super::colour_map::{SHADES, Scale};
 use super::contours::{Levels, draw_level, draw_ruled};
@@ -9,7 +9,7 @@ use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE};
 use crate::scale::Tick;
 use crate::verdict_map::ARROW;
 
-/// A bar and the direction of its values.
+/// Colour bar and its orientation.
 struct Bar {
     area: Rectangle,
     is_upright: bool,
@@ -20,7 +20,7 @@ impl Bar {
         if self.is_upright { self.area.height() } else { self.area.width() }
     }
 
-    /// The place of a share of its length.
+    /// Returns the coordinate, in pixels, at a share of the bar's length.
     fn place(&self, share: f64) -> f64 {
         let length = self.length();
         if self.is_upright {
@@ -30,7 +30,7 @@ impl Bar {
         }
     }
 
-    /// The line across at a share of its length.
+    /// Returns the transverse line at a share of the bar's length.
     fn across(&self, share: f64) -> [Point; 2] {
         let (bar, place) = (self.area, self.place(share));
         if self.is_upright {
@@ -55,7 +55,7 @@ impl Bar {
         }
     }
 
-    /// Draws the outline, with arrows at the ends whose colours stand for all values beyond.
+    /// Draws the outline, with arrows at ends whose colours also stand for values beyond the scale.
     fn draw_outline(&self, picture: &mut Picture, scale: &Scale) {
         let ends: &[f64] = match scale.open {
             [false, false] => &[],
@@ -142,7 +142,8 @@ impl FieldFigure {
     }
 }
 
-/// The outline of a bar, closed, with an arrow at the ends given as shares of its length.
+/// Computes the closed outline of a bar, with arrows of length `arrow` at the `ends` (0: lower or left, 1: upper or
+/// right).
 fn outline(bar: Rectangle, upright: bool, ends: &[f64], arrow: f64) -> Vec<Point> {
     let Rectangle { left, top, right, bottom } = bar;
     let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));

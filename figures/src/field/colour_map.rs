@@ -1,4 +1,4 @@
-//! The colour map of a field: steps, ends and ticks.
+//! Colour map of a field: colour steps, limits and ticks.
 
 use plotters::style::RGBColor;
 
@@ -7,14 +7,14 @@ use crate::page::{self, NUMBER};
 use crate::picture::{Colour, text_width};
 use crate::scale::{self, Tick, plain};
 
-/// Steps of the colour map on either side of zero.
+/// Number of colour steps on either side of zero.
 pub(super) const SHADES: i16 = 96;
-/// The step of a value that is not a finite number.
+/// Colour step of a value that is not a finite number.
 pub(super) const UNKNOWN: i16 = i16::MIN;
 pub(super) const UNKNOWN_GROUND: Colour = RGBColor(150, 205, 120);
 pub(super) const UNKNOWN_HATCH: Colour = RGBColor(0, 75, 40);
 
-/// From zero to the largest value without a sign; luminance falls evenly.
+/// Sequential colour map for unsigned quantities, from zero to the maximum; luminance decreases uniformly.
 const SEQUENTIAL: [[f64; 3]; 7] = [
     [253.0, 252.0, 248.0],
     [253.0, 211.0, 150.0],
@@ -24,7 +24,8 @@ const SEQUENTIAL: [[f64; 3]; 7] = [
     [122.0, 18.0, 66.0],
     [58.0, 6.0, 52.0],
 ];
-/// From zero to the largest positive and negative value, both as dark as the other at each stop.
+/// Diverging colour maps from zero to the largest positive and negative magnitude, with equal luminance at
+/// corresponding stops.
 pub(super) const POSITIVE: [[f64; 3]; 6] = [
     [252.0, 252.0, 252.0],
     [253.0, 206.0, 183.0],
@@ -42,24 +43,24 @@ pub(super) const NEGATIVE: [[f64; 3]; 6] = [
     [7.0, 33.0, 88.0],
 ];
 
-/// Negative values of this share of the largest are taken for round-off.
+/// Relative magnitude, with respect to the largest value, below which negative values are regarded as round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The colours of a field.
+/// Colour scale of a field.
 #[derive(Clone)]
 pub(crate) struct Scale {
     pub(super) is_signed: bool,
-    /// Whether the colours are those of other figures, too, and not only of this one.
+    /// Whether the scale is shared with other figures, i.e. does not follow from the values of this figure.
     pub(super) is_fixed: bool,
-    /// Magnitude of the darkest colour; zero where there is no other value.
+    /// Magnitude of the darkest colour; 0 if all values are 0.
     pub(super) end: f64,
-    /// The value of largest magnitude.
+    /// Value of largest magnitude.
     pub(super) extreme: f64,
-    /// Number of cells beyond the end.
+    /// Number of cells beyond the limits of the scale.
     pub(super) clipped: usize,
-    /// Whether the colours at the lower and upper end stand for values beyond.
+    /// Whether the colours at the lower and upper limit also stand for values beyond.
     pub(super) open: [bool; 2],
-    /// Number of cells that hold no finite number.
+    /// Number of cells without a finite value.
     pub(super) unknown: usize,
 }
 
@@ -101,14 +102,14 @@ impl Scale {
         }
     }
 
-    /// All colours that figures of such a scale may have, ink and paper apart.
+    /// Returns all colours that cells of figures with this scale may have.
     pub fn colours(&self) -> Vec<Colour> {
         let first = if self.is_signed { -SHADES } else { 0 };
         let steps = (first..=SHADES).map(|step| self.colour(step));
         steps.chain([UNKNOWN_GROUND, UNKNOWN_HATCH]).collect()
     }
 
-    /// The step of the colour map that shows a value.
+    /// Returns the colour step of a value.
     pub(super) fn step(&self, value: f64) -> i16 {
         if value.is_nan() {
             return UNKNOWN;
@@ -142,12 +143,12 @@ impl Scale {
         if self.is_signed { -self.end } else { 0.0 }
     }
 
-    /// The share of a bar below a value.
+    /// Returns the position of a value on the colour bar, as a share of its length.
     pub(super) fn share(&self, value: f64) -> f64 {
         if self.is_signed { 0.5 + 0.5 * (value / self.end) } else { value / self.end }
     }
 
-    /// The ticks of a bar. Where values are clipped, its ends say that they stand for all beyond.
+    /// Computes the ticks of a colour bar of `length` pixels. At limits with values beyond the labels are ≥ and ≤.
     pub(super) fn ticks(&self, length: f64, upright: bool, degrees: bool) -> Vec<Tick> {
         if self.end == 0.0 {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! The numbers on contour lines.
+//! Placement of the numbers on contour lines.
 
 use std::collections::BTreeMap;
 
@@ -9,13 +9,13 @@ use super::marks::{around, padded};
 use crate::picture::{Anchor, Point, Rectangle, Text, polyline_length, text_width};
 use crate::scale::plain;
 
-/// Size of the numbers on contour lines, and length of line for each of them.
+/// Font size of the numbers on contour lines, and line length per number, in pixels.
 const LEVEL_NUMBER: f64 = 20.0;
 const LEVEL_REPEAT: f64 = 900.0;
 
 impl FieldFigure {
-    /// The numbers on contour lines that were asked for, each on a level piece of its line
-    /// and clear of marks, of other numbers and, as far as can be, of other lines.
+    /// Places the numbers on requested contour lines. Each number is placed where its line is nearly horizontal, clear
+    /// of marks and other numbers and, if possible, of other lines.
     pub(super) fn place_numbers(
         &self,
         scale: &Scale,
@@ -30,7 +30,7 @@ impl FieldFigure {
             self.places(frame).iter().map(|(at, _)| around(*at)).collect();
         taken.extend(self.place_names(layout).iter().flatten().map(padded));
         let passed = passed_squares(lines);
-        // Long lines first: they need their numbers most.
+        // Longest lines first, since they most need numbers.
         let mut order: Vec<(f64, usize)> = lines
             .iter()
             .enumerate()
@@ -42,7 +42,7 @@ impl FieldFigure {
             let (share, line) = &lines[index];
             let words = plain(share * scale.end);
             let width = text_width(&words, LEVEL_NUMBER, false);
-            // A number would hide the whole of a small ring.
+            // A number would cover most of a short closed line.
             let least = if line.first() == line.last() { 4.5 } else { 1.6 };
             if whole < least * width {
                 continue;
@@ -57,7 +57,7 @@ impl FieldFigure {
                     .count()
             };
             let count = 1 + (whole / LEVEL_REPEAT) as usize;
-            // Along the line, of which each of its numbers has a part.
+            // The line is divided into one interval per number.
             let step = (line.len() / (60 * count)).max(1);
             for part in 0..count {
                 let [first, last] = [part, part + 1].map(|edge| edge * (line.len() - 1) / count);
@@ -80,7 +80,7 @@ impl FieldFigure {
                 }
                 if let Some((_, text)) = best {
                     own.push(text.at);
-                    // Numbers in a row would be read as one.
+                    // Adjacent numbers could be read as one number.
                     let pad = padded(&text);
                     taken.push(Rectangle { left: pad.left - 8.0, right: pad.right + 8.0, ..pad });
                     numbers.push(text);
@@ -91,14 +91,14 @@ impl FieldFigure {
     }
 }
 
-/// Edge of the small squares in which crossings of lines are looked for, in pixels.
+/// Edge of the squares of the hash grid used to find line crossings, pixels.
 const SQUARE: f64 = 6.0;
 
 fn square([x, y]: Point) -> (usize, usize) {
     ((x / SQUARE) as usize, (y / SQUARE) as usize)
 }
 
-/// The index of a line in each small square that it passes; two where several do.
+/// Maps each square of the hash grid to the indices of the lines that pass it (two of them if there are several).
 fn passed_squares(lines: &[(f64, Vec<Point>)]) -> BTreeMap<(usize, usize), [usize; 2]> {
     let mut passed: BTreeMap<(usize, usize), [usize; 2]> = BTreeMap::new();
     for (index, (_, line)) in lines.iter().enumerate() {
@@ -110,7 +110,7 @@ fn passed_squares(lines: &[(f64, Vec<Point>)]) -> BTreeMap<(usize, usize), [usiz
     passed
 }
 
-/// Whether a number lies inside the frame and clear of what is taken.
+/// Returns whether a number is inside the frame and clear of the areas `taken`.
 fn is_free(text: &Text, frame: Rectangle, taken: &[Rectangle]) -> bool {
     let pad = padded(text);
     pad.left > frame.left + 4.0
@@ -120,7 +120,8 @@ fn is_free(text: &Text, frame: Rectangle, taken: &[Rectangle]) -> bool {
         && !taken.iter().any(|other| other.overlaps(&pad))
 }
 
-/// How far a line leaves the middle of a number of some width at one of its points.
+/// Computes the largest vertical deviation of a line from the point `middle` within `width`, limited to the height of a
+/// number, in pixels.
 fn reach(line: &[Point], middle: usize, width: f64) -> f64 {
     let [x, y] = line[middle];
     (middle.saturating_sub(200)..(middle + 200).min(line.len()))

@@ -1,4 +1,4 @@
-//! Contour lines, or ruling of negative values where these would be too many.
+//! Contour lines, or hatching of negative values if there would be too many contour lines.
 
 use super::cells::rules;
 use super::colour_map::Scale;
@@ -8,36 +8,36 @@ use super::raster::{COARSE, Raster};
 use crate::contour;
 use crate::picture::{INK, Picture, Point, Rectangle, WHITE, dashes, polyline_length};
 
-/// Contour lines, as shares of the end of the colours.
+/// Default contour levels, as shares of the limit of the colour scale.
 const LEVELS: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 const LEVEL_WIDTH: f64 = 1.4;
 const LEVEL_DASHES: [f64; 2] = [7.0, 5.0];
-/// Lines on colours darker than this share of the scale are white.
+/// Share of the colour scale above which contour lines are drawn in white.
 const DARK: f64 = 0.6;
 
-/// Points of contour lines above which they are no help; each line counts for some more.
+/// Maximum number of contour points, counting 10 extra points per line; above it no contour lines are drawn.
 const MOST_LEVEL_POINTS: usize = 60_000;
-/// Distance of the lines over negative values where contour lines would be too many.
+/// Spacing of the hatching of negative values, pixels.
 const RULED: f64 = 8.0;
 
-/// Contours that distinguish positive and negative values in greyscale.
+/// Contour lines or hatching, which distinguish positive and negative values in greyscale.
 pub(super) enum Levels {
-    /// Contour lines with the share of the end of the colours that they belong to.
+    /// Contour lines, each with its level as a share of the limit of the colour scale.
     Lines(Vec<(f64, Vec<Point>)>),
-    /// No contour lines, as they would be too many: large negative values are hatched instead.
+    /// Hatching of large negative values, since there would be too many contour lines.
     Ruled,
-    /// Too many requested contour lines of a quantity without a sign: none are drawn.
+    /// Neither: there would be too many of the requested contour lines of an unsigned quantity.
     TooMany,
     None,
 }
 
 impl FieldFigure {
-    /// Whether contour lines are drawn if the values permit.
+    /// Returns whether contour lines are drawn if their number permits.
     pub(super) fn has_curves(&self, scale: &Scale) -> bool {
         self.curves.is_some() || scale.is_signed
     }
 
-    /// The values with lines, as shares of the end of the colours.
+    /// Returns the contour levels as shares of the limit of the colour scale, ascending and distinct.
     pub(super) fn level_shares(&self, scale: &Scale) -> Vec<f64> {
         let Some(curves) = &self.curves else { return LEVELS.to_vec() };
         let mut shares: Vec<f64> = curves.iter().map(|level| level / scale.end).collect();
@@ -47,7 +47,7 @@ impl FieldFigure {
         shares
     }
 
-    /// Rules the negative values that are darker than a quarter of the scale.
+    /// Hatches the cells with values below −¼ of the limit of the colour scale.
     pub(super) fn rule_negative(&self, picture: &mut Picture, scale: &Scale, raster: &Raster) {
         let values = raster.extremes(&self.values);
         let is_low =
@@ -63,10 +63,11 @@ impl FieldFigure {
         let raster = Raster::new(self, frame, [COARSE; 2]);
         let means = raster.means(&self.values);
         let [columns, rows] = [0, 1].map(|axis| raster.count(axis));
-        // One cell more all around repeats the outermost values, so that lines reach the frame.
+        // The outermost values are repeated in one additional row or column on each side, so that lines reach the
+        // frame.
         let inner = |index: usize, count: usize| index.clamp(1, count) - 1;
         let value = |i: usize, j: usize| means[inner(j, rows) * columns + inner(i, columns)];
-        // From places on the grid to cells: to the middle of each, or to an edge of the domain.
+        // Maps a position in the extended grid to a cell coordinate: cell centres inside, domain edges at the ends.
         let cell = |place: f64, axis: usize| {
             let (edges, count) = (&raster.edges[axis], raster.count(axis));
             let centre = |index: usize| match index {
@@ -86,7 +87,7 @@ impl FieldFigure {
                     .iter()
                     .map(|&[i, j]| [raster.x(cell(i, 0)), raster.y(cell(j, 1))])
                     .collect();
-                // Specks tell nothing, but many of them that there is no line to follow.
+                // Lines too short to be drawn count as well: a field with many of them has no meaningful contours.
                 effort += 10 + points.len();
                 if effort > MOST_LEVEL_POINTS {
                     return if scale.is_signed { Levels::Ruled } else { Levels::TooMany };
@@ -108,7 +109,7 @@ impl FieldFigure {
     }
 }
 
-/// The ruling of negative values over an area.
+/// Hatches an area like negative values of the field.
 pub(super) fn draw_ruled(picture: &mut Picture, area: Rectangle) {
     let count = ((area.height() / RULED) as usize).max(1);
     let spacing = area.height() / count as f64;

@@ -1,4 +1,4 @@
-//! The drawing of a field figure.
+//! Drawing of a field figure.
 
 use super::borders::draw_borders;
 use super::colour_map::Scale;
@@ -11,7 +11,7 @@ use crate::format::Format;
 use crate::page::{self, Legend, MARGIN, RULE};
 use crate::picture::{Colour, INK, Picture, Rectangle, WHITE};
 
-/// Decisions made before drawing.
+/// Layout, legend and contours, determined before drawing.
 pub(super) struct Arrangement {
     pub(super) layout: Layout,
     pub(super) legend: Legend,
@@ -23,14 +23,14 @@ impl FieldFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// A list has not one value for each cell, the limit of the colours is not positive, or the picture cannot be drawn or
-    /// encoded.
+    /// A list does not have one value per cell, the limit of the colour scale is not positive, or rendering or encoding
+    /// fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture(format)?.render(format)
     }
 
-    /// Lays out the figure. The legend depends on the drawn elements, and their positions on the height of the legend:
-    /// borders, lines and names are first placed without a legend.
+    /// Determines the layout. The legend depends on the drawn elements, whose positions depend on the height of the
+    /// legend; hence borders, lines and names are first placed for a legend of zero height.
     pub(super) fn arrange(&self, scale: &Scale, format: Format) -> Arrangement {
         let mut sheet = Picture::new(page::WIDTH as u32, 1);
         let top = page::heading(&mut sheet, &self.title, &self.subtitle).ceil();
@@ -48,7 +48,7 @@ impl FieldFigure {
             }
             Legend::with_room(listed, &widest, page::WIDTH - 2.0 * MARGIN)
         };
-        // Figures of the same scale leave room for what others may have to say.
+        // Figures with a fixed scale reserve the legend height that other frames may need.
         let height = |legend: &Legend, left_out| {
             if !scale.is_fixed {
                 return legend.height();
@@ -61,7 +61,7 @@ impl FieldFigure {
         let count = left_out(&trial);
         let mut legend = list(scale, &levels, count);
         let mut layout = self.layout(scale, top, height(&legend, count));
-        // Less room for the field may leave out more names.
+        // A smaller field may have space for fewer names.
         let count = left_out(&layout);
         legend = list(scale, &levels, count);
         layout = self.layout(scale, top, height(&legend, count));
@@ -72,7 +72,7 @@ impl FieldFigure {
         Arrangement { layout, legend, levels, has_borders }
     }
 
-    /// The colours of the figure as those of all frames with the same scale.
+    /// Returns all colours that cells of figures with the same scale may have.
     pub(crate) fn colours(&self) -> Vec<Colour> {
         Scale::of(self).colours()
     }

@@ -1,86 +1,82 @@
-//! The data of a field figure, and their checks.
+//! Data of a field figure, and their checks.
 
 use crate::error::FigureError;
 
-/// An axis of a field: the extent of the domain.
+/// Axis of a field: name and extent of the domain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldAxis {
     /// Name, symbol and unit.
     pub label: String,
-    /// Place of the left or lower edge of the first cell, in the unit of the label.
+    /// Coordinate of the left or lower edge of the first cell, in the unit of the label.
     pub from: f64,
-    /// Place of the right or upper edge of the last cell; it may be the smaller one.
+    /// Coordinate of the right or upper edge of the last cell; may be less than `from`.
     pub to: f64,
 }
 
-/// Kind of a mark.
+/// Kind of a marked point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FieldMarkKind {
     /// Source, drawn as a star.
     Source,
-    /// Receiver, drawn as a triangle on its tip.
+    /// Receiver, drawn as a triangle pointing downwards.
     Receiver,
 }
 
 /// A marked point in the domain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldMark {
-    /// Position, in the units of the axes. A mark outside the domain is counted in the legend.
+    /// Coordinates, in the units of the axes. Marks outside the domain are not drawn, but counted in the legend.
     pub at: [f64; 2],
-    /// A word or two, written beside the mark; may be empty.
+    /// Name written beside the mark, a word or two; may be empty.
     pub name: String,
     /// Kind of the mark.
     pub kind: FieldMarkKind,
 }
 
-/// One quantity over a plane domain, or over a plane section of space, at one time.
+/// Field of one quantity over a plane domain, or over a plane section of space, at one time.
 ///
-/// The domain is drawn as it is, one unit to the right as long as one unit upwards, so that both
-/// axes must be in the same unit; only a domain more than about fifteen times longer than wide is
-/// stretched, and the name of the axis says so. Where there are more cells than can be shown, the
-/// value of greatest magnitude stands for its neighbours.
+/// The domain is drawn to scale, so that both axes must have the same unit; a domain with an aspect ratio above about
+/// 15 is stretched, which is stated in the axis name. If there are more cells than pixels, the value of largest
+/// magnitude of several cells is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldFigure {
     /// Title of the figure.
     pub title: String,
-    /// Subtitle: fixed quantities such as time and plane.
+    /// Subtitle: fixed quantities, e.g. time and plane.
     pub subtitle: String,
-    /// The axis drawn to the right.
+    /// Horizontal axis, to the right.
     pub x: FieldAxis,
-    /// The axis drawn upwards.
+    /// Vertical axis, upwards.
     pub y: FieldAxis,
     /// Number of cells along x.
     pub columns: usize,
     /// Number of cells along y.
     pub rows: usize,
-    /// The value of each cell, in the unit of `label`. x runs fastest, the first row is the lowest.
-    /// Numbers that are not finite have a distinct style.
+    /// Value of each cell, in the unit of `label`; x varies fastest, the first row is the lowest. Cells with non-finite
+    /// values have a distinct style.
     pub values: Vec<f64>,
     /// Name, symbol and unit of the quantity.
     pub label: String,
-    /// Whether the quantity has a sign: the colours then are symmetric about zero, and lines of
-    /// equal value are solid where it is positive and dashed where it is negative. Without a sign
-    /// the colours start at zero. Values that are negative beyond round-off are shown as such in
-    /// any case.
+    /// Whether the quantity is signed: the colour scale is then symmetric about zero, and contour lines are solid at
+    /// positive and dashed at negative levels. The colour scale of an unsigned quantity starts at zero; without
+    /// `scale`, negative values beyond round-off make it signed.
     pub is_signed: bool,
-    /// The magnitude at which colours end, in the unit of `label`, where it is below the largest;
-    /// values beyond are clipped, and the colour bar says so. The largest magnitude without.
+    /// Limit of the colour scale, in the unit of `label`; `None` for the largest magnitude. Values beyond are clipped,
+    /// which the colour bar indicates. Without effect if above the largest magnitude.
     pub limit: Option<f64>,
-    /// The magnitude at which colours end, in the unit of `label`, whatever the values are; `limit`
-    /// does not matter then. Figures of one kind with the same scale have the same colours, colour
-    /// bar and arrangement, as the frames of an [`crate::Animation`] must: without a sign, negative
-    /// values then count as beyond the scale.
+    /// Fixed limit of the colour scale, in the unit of `label`, independent of the values; overrides `limit`. Figures
+    /// with the same fixed scale have the same colours, colour bar and layout, as required for the frames of an
+    /// [`crate::Animation`]; negative values of an unsigned quantity then count as beyond the scale.
     pub scale: Option<f64>,
-    /// Values on which contour lines are drawn, in the unit of `label`, with their numbers
-    /// on them, in place of those at ¼ and ½ of the colours of a quantity with a sign. Values that
-    /// are not finite or nowhere attained have no line.
+    /// Levels of contour lines, in the unit of `label`, which are drawn with their numbers; `None` for levels at ±¼ and
+    /// ±½ of the colour scale of a signed quantity. Levels that are non-finite or not attained have no line.
     pub curves: Option<Vec<f64>>,
-    /// Index of the material of each cell, ordered as the values; lines are drawn between
-    /// different ones. Empty for a single material.
+    /// Material index of each cell, in the order of `values`; lines are drawn between different materials. Empty for a
+    /// single material.
     pub outlines: Vec<u16>,
-    /// Whether a cell has yielded, ordered as the values; such cells are dotted. Empty for none.
+    /// Whether each cell has yielded, in the order of `values`; yielded cells are dotted. Empty if none.
     pub plastic: Vec<bool>,
-    /// Sources and receivers.
+    /// Marked sources and receivers.
     pub marks: Vec<FieldMark>,
 }
 
@@ -120,7 +116,7 @@ impl FieldFigure {
     }
 }
 
-/// Whether colours can end at a number.
+/// Returns whether a number is a valid limit of the colour scale.
 fn is_end(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }

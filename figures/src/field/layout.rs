@@ -1,4 +1,4 @@
-//! The layout of the sheet: frame, colour bar and legend.
+//! Layout of a field figure: frame, colour bar and legend.
 
 use super::colour_map::Scale;
 use super::figure::FieldFigure;
@@ -6,28 +6,28 @@ use crate::page::{self, MARGIN, NAME};
 use crate::picture::{Rectangle, text_width};
 use crate::verdict_map::{BAR, BAR_GAP};
 
-/// Shorter sides of the domain are stretched to this length in pixels.
+/// Minimum length of either side of the frame, pixels; shorter sides are stretched.
 const SHORTEST_SIDE: f64 = 84.0;
-/// Frames at least this long hold the names of marks within; beside others there is room for them.
+/// Minimum side length, pixels, of frames with the names of marks inside; smaller frames have margins for the names.
 const ROOMY: f64 = 260.0;
-/// Room for names beside a narrow frame, and above a low one.
+/// Margin for names beside a narrow frame, and above a low frame, pixels.
 const BESIDE: f64 = 200.0;
 const ABOVE: f64 = 64.0;
-/// Room for ticks that reach beyond the right end of the frame.
+/// Margin for tick labels that extend beyond the right end of the frame, pixels.
 const OVERHANG: f64 = 20.0;
-/// Room between a frame's axis and the colour bar below it.
+/// Gap between the axis of the frame and a colour bar below it, pixels.
 const BAR_BELOW: f64 = 20.0;
 
-/// Layout of the sheet, in pixels.
+/// Layout of the figure, in pixels.
 pub(super) struct Layout {
     pub(super) height: f64,
     pub(super) frame: Rectangle,
-    /// How much longer a unit of each axis is drawn than true; one but for long thin domains.
+    /// Stretch factor of each axis; 1 except for elongated domains.
     pub(super) stretch: [f64; 2],
-    /// The colour bar, unless the field is zero everywhere.
+    /// Area of the colour bar; `None` if the field is zero everywhere.
     pub(super) bar: Option<Rectangle>,
     pub(super) bar_is_upright: bool,
-    /// Whether the name of the y axis stands above the frame, for want of room beside it.
+    /// Whether the name of the y axis is written above the frame, since it is too long for the space beside it.
     pub(super) name_above: bool,
     /// Area for the names of marks.
     pub(super) names: Rectangle,
@@ -35,7 +35,8 @@ pub(super) struct Layout {
 }
 
 impl FieldFigure {
-    /// Finds the arrangement in which the domain is largest: the colour bar beside or below.
+    /// Determines the layout with the largest domain, with the colour bar either beside or below the frame. `top` is
+    /// the height of the heading, `legend` the height of the legend, in pixels.
     pub(super) fn layout(&self, scale: &Scale, top: f64, legend: f64) -> Layout {
         let below = (page::BOTTOM_AXIS + 22.0 + legend + MARGIN - 12.0).ceil();
         let most = page::HEIGHT.max(top + 480.0 + below) - top - below;

@@ -1,4 +1,4 @@
-//! The legend of a field.
+//! Legend of a field figure.
 
 use super::borders::draw_borders;
 use super::colour_map::{SHADES, Scale, UNKNOWN_GROUND, UNKNOWN_HATCH};
@@ -11,19 +11,19 @@ use crate::picture::{INK, Picture, Point, Rectangle};
 use crate::scale::plain;
 use crate::verdict_map::percent;
 
-/// An entry of the legend, with the widest words that another figure of the same scale may have.
+/// Legend entry, with the widest text that the entry may have in other figures with the same scale.
 pub(super) struct FieldEntry {
     pub(super) words: String,
     pub(super) widest: String,
     pub(super) swatch: page::Swatch,
 }
 
-/// The widest share of cells: words that differ between figures of the same scale are brief.
+/// Widest text of a share of cells; in figures with a fixed scale the entries of varying text are short.
 const WIDEST_SHARE: &str = ">99.9 %";
 
 impl FieldFigure {
-    /// The entries of the legend, the one of unknown values last, so that the others keep their
-    /// places.
+    /// Builds the legend entries. The entry of non-finite values is the last, so that it does not shift the other
+    /// entries between frames.
     pub(super) fn legend(
         &self,
         scale: &Scale,
@@ -54,7 +54,7 @@ impl FieldFigure {
         entries
     }
 
-    /// Says of which value a constant field is.
+    /// Builds the entry that states the value of a constant field.
     fn constant_entry(&self, scale: &Scale) -> Option<FieldEntry> {
         let cells = self.values.len();
         let first = self.values[0];
@@ -67,7 +67,7 @@ impl FieldFigure {
             let is_said = is_constant && scale.unknown == 0;
             is_said.then(|| format!("{} everywhere", plain(first)))
         };
-        // The colours say so where they are given.
+        // With a fixed scale the colours show the value.
         let words = everywhere.filter(|_| !scale.is_fixed)?;
         let colon = if self.label.is_empty() { "" } else { ": " };
         let ground = scale.colour(if scale.end == 0.0 { 0 } else { scale.step(first) });
@@ -78,7 +78,7 @@ impl FieldFigure {
         Some(entry(format!("{}{colon}{words}", self.label), swatch))
     }
 
-    /// Says where the colours end.
+    /// Builds the entry that states the limits of the colour scale.
     fn clipped_entry(&self, scale: &Scale) -> Option<FieldEntry> {
         if scale.clipped == 0 && !scale.is_fixed {
             return None;
@@ -107,7 +107,7 @@ impl FieldFigure {
         Some(FieldEntry { words, widest, swatch: Box::new(swatch) })
     }
 
-    /// Explains the contour lines, or the ruling in their place.
+    /// Builds the entries of the contour lines, or of the hatching of negative values.
     fn level_entries(&self, scale: &Scale, levels: &Levels) -> Vec<FieldEntry> {
         let mut entries = Vec::new();
         match levels {
@@ -193,7 +193,7 @@ impl FieldFigure {
         Some(FieldEntry { words, widest, swatch: Box::new(swatch) })
     }
 
-    /// Sources and receivers, and how many of them are outside.
+    /// Builds the entries of sources and receivers, with the number of marks outside the domain.
     fn mark_entries(&self) -> Vec<FieldEntry> {
         let mut entries = Vec::new();
         let frame = Rectangle { left: 0.0, top: 0.0, right: 1.0, bottom: 1.0 };
@@ -242,7 +242,7 @@ impl FieldFigure {
     }
 }
 
-/// Reference of a share, if there is space for it.
+/// Returns the reference of a share of cells; empty with a fixed scale, for lack of space.
 fn of_cells(scale: &Scale) -> &'static str {
     if scale.is_fixed { "" } else { " of the cells" }
 }

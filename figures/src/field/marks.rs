@@ -1,4 +1,4 @@
-//! Marks of sources and receivers, and their names.
+//! Marks of sources and receivers, and placement of their names.
 
 use super::figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 use super::layout::Layout;
@@ -6,11 +6,11 @@ use crate::page::{self};
 use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE, circle, text_width};
 
 const MARK_NAME: f64 = 22.0;
-/// Distance from a mark's centre that is kept free.
+/// Radius about the centre of a mark that is kept free of names, pixels.
 const MARK_RADIUS: f64 = 15.0;
 
 impl FieldFigure {
-    /// The marks in the domain, with their places on the sheet.
+    /// Returns the marks inside the domain, with their positions in pixels.
     pub(super) fn places(&self, frame: Rectangle) -> Vec<(Point, &FieldMark)> {
         let share = |axis: &FieldAxis, value: f64| (value - axis.from) / (axis.to - axis.from);
         let inside = |share: f64| (-1e-9..=1.0 + 1e-9).contains(&share);
@@ -27,11 +27,11 @@ impl FieldFigure {
             .collect()
     }
 
-    /// A place for the name of each mark in the domain, none where there is no room.
+    /// Places the name of each mark in the domain; `None` if there is not enough space.
     pub(super) fn place_names(&self, layout: &Layout) -> Vec<Option<Text>> {
         let places = self.places(layout.frame);
         let mut taken: Vec<Rectangle> = places.iter().map(|(at, _)| around(*at)).collect();
-        // Names stand on either side of the frame's lines, not on them.
+        // Names must not lie on the lines of the frame.
         let (area, frame) = (layout.names, layout.frame);
         taken.extend([
             Rectangle { bottom: frame.top + 2.0, top: frame.top - 2.0, ..frame },
@@ -45,7 +45,7 @@ impl FieldFigure {
             let half = 0.5 * text_width(&name, size, false);
             let near = (0..14).flat_map(|step| {
                 let distance = MARK_RADIUS + 7.0 + 14.0 * f64::from(step);
-                // To the right and left first; the others turn away from there.
+                // Candidate directions in degrees: right and left first, then the other directions.
                 [0.0_f64, 180.0, 45.0, 135.0, -45.0, -135.0, 90.0, -90.0].map(|turn| {
                     let (sin, cos) = turn.to_radians().sin_cos();
                     let middle = x + cos * (distance + half);
@@ -61,7 +61,7 @@ impl FieldFigure {
                     && pad.bottom <= area.bottom - 2.0
                     && !taken.iter().any(|other| other.overlaps(&pad))
             };
-            // A mark without a name needs no place for it.
+            // A mark without a name has an empty text.
             let place = if name.is_empty() {
                 Some(Text::new([x, y], Anchor::Middle, size, ""))
             } else {
@@ -112,14 +112,14 @@ pub(super) fn draw_mark(picture: &mut Picture, [x, y]: Point, kind: FieldMarkKin
             FieldMarkKind::Receiver => {
                 let radius = 12.0 + 1.6 * more;
                 let corners = circle([x, y - 1.5], radius, 12);
-                // The corners at 30°, 150° and 270°, counted downwards, with the tip below.
+                // Corners at 30°, 150° and 270°, anticlockwise from the x axis: the tip points downwards.
                 picture.polygon([3, 7, 11].map(|corner: usize| corners[corner]).to_vec(), colour);
             }
         }
     }
 }
 
-/// The room of a mark.
+/// Returns the bounding box of a mark.
 pub(super) fn around([x, y]: Point) -> Rectangle {
     Rectangle {
         left: x - MARK_RADIUS,
@@ -129,7 +129,7 @@ pub(super) fn around([x, y]: Point) -> Rectangle {
     }
 }
 
-/// The ground of a name.
+/// Returns the background area of a name.
 pub(super) fn padded(text: &Text) -> Rectangle {
     let bounds = text.bounds();
     Rectangle {

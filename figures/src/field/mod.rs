@@ -1,4 +1,4 @@
-//! A field over a plane domain, such as a final state of a motion.
+//! Figure of a field over a plane domain, e.g. the final state of a simulation.
 
 mod axes;
 mod borders;

@@ -1,19 +1,19 @@
-//! Dots over cells that have yielded.
+//! Dots on cells that have yielded.
 
 use std::collections::BTreeMap;
 
 use super::figure::FieldFigure;
 use crate::picture::{INK, Picture, Point, Rectangle, WHITE};
 
-/// Distance of the dots over yielded cells.
+/// Spacing of the dots, pixels.
 pub(super) const DOTS: f64 = 14.0;
 
 impl FieldFigure {
-    /// Draws a dot for all yielded cells within some pixels, over the one nearest to their middle.
+    /// Draws one dot per block of cells that contains yielded cells, at the yielded cell nearest to the block's centre.
     pub(super) fn draw_plastic(&self, picture: &mut Picture, frame: Rectangle) {
         let width = frame.width() / self.columns as f64;
         let height = frame.height() / self.rows as f64;
-        // Whole cells, so that the dots of an area are evenly spaced.
+        // Blocks of whole cells, so that the dots are evenly spaced.
         let [across, up] = [width, height].map(|size| (DOTS / size).round().max(1.0) as usize);
         let mut nearest: BTreeMap<(usize, usize), (usize, usize)> = BTreeMap::new();
         let yielded = self.plastic.iter().enumerate().filter(|(_, yielded)| **yielded);
@@ -32,7 +32,7 @@ impl FieldFigure {
     }
 }
 
-/// Draws dots that show on light and dark, cut at the edges of an area.
+/// Draws dots visible on light and dark colours, clipped to an area.
 pub(super) fn draw_dots(picture: &mut Picture, places: &[Point], area: Rectangle) {
     for (half, colour) in [(3.0, WHITE), (1.8, INK)] {
         let dot = |&[x, y]: &Point| Rectangle {

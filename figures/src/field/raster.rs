@@ -1,14 +1,14 @@
-//! The cells of a field as they are drawn: many cells in one where there are more than pixels.
+//! Raster of a field: several cells are merged if there are more cells than pixels.
 
 use super::figure::{FINITE, FieldFigure};
 use crate::picture::Rectangle;
 
-/// The most cells along an axis of an SVG, and of the grid for contour lines.
+/// Maximum number of raster cells along an axis, in SVG files and in the grid of contour lines.
 pub(super) const COARSE: usize = 400;
 
-/// The cells along both axes as they are drawn, a number of true cells each.
+/// Raster of a field: each raster cell is a block of cells.
 pub(super) struct Raster {
-    /// For each axis the first true cell of each drawn one, and the number of all.
+    /// Along each axis the first cell of each raster cell, followed by the number of cells.
     pub(super) edges: [Vec<usize>; 2],
     pub(super) frame: Rectangle,
 }
@@ -27,7 +27,7 @@ impl Raster {
         self.edges[axis].len() - 1
     }
 
-    /// Place of the left edge of a drawn column, counted in true columns.
+    /// Returns the x position, in pixels, of a column edge; edges are counted in cells.
     pub(super) fn x(&self, edge: f64) -> f64 {
         let all = self.edges[0][self.count(0)] as f64;
         self.frame.left + edge / all * self.frame.width()
@@ -38,8 +38,8 @@ impl Raster {
         self.frame.bottom - edge / all * self.frame.height()
     }
 
-    /// The area of the drawn columns and rows from the first to behind the last. Where there are
-    /// more cells than pixels, cells fill whole pixels, so that a single one keeps its colour.
+    /// Returns the area of the raster cells in half-open ranges of columns and rows. If there are more cells than
+    /// pixels, areas are aligned to whole pixels, so that a single cell is drawn in its exact colour.
     pub(super) fn area(&self, columns: (usize, usize), rows: (usize, usize)) -> Rectangle {
         let [x, y] = [(0, columns), (1, rows)].map(|(axis, range)| {
             let length = if axis == 0 { self.frame.width() } else { self.frame.height() };
@@ -58,7 +58,7 @@ impl Raster {
         }
     }
 
-    /// A value for each drawn cell, from the indices of its true ones, row by row from below.
+    /// Computes a value for each raster cell from the indices of its cells, row by row from below.
     fn gather<T>(&self, value: impl Fn(&mut dyn Iterator<Item = usize>) -> T) -> Vec<T> {
         let [x, y] = &self.edges;
         let all = x[self.count(0)];
@@ -74,7 +74,7 @@ impl Raster {
         values
     }
 
-    /// For each drawn cell the value of greatest magnitude; NaN where one is not finite.
+    /// Returns the value of largest magnitude in each raster cell; NaN if a value is non-finite.
     pub(super) fn extremes(&self, values: &[f64]) -> Vec<f64> {
         self.gather(|cells| {
             let mut extreme = 0.0_f64;
@@ -90,7 +90,7 @@ impl Raster {
         })
     }
 
-    /// The mean of each drawn cell; NaN where one is not finite.
+    /// Returns the mean value in each raster cell; NaN if a value is non-finite.
     pub(super) fn means(&self, values: &[f64]) -> Vec<f64> {
         self.gather(|cells| {
             let (mut sum, mut count) = (0.0, 0);

@@ -55,7 +55,8 @@ fn says(figure: &FieldFigure, words: &str) -> bool {
     texts(figure).iter().any(|text| text.contains(words))
 }
 
-/// Draws in both formats and checks what holds for every figure.
+/// Verifies in both formats that texts do not overlap, the width of the PNG, and that the SVG is complete and has no
+/// NaN.
 fn check(figure: &FieldFigure) {
     for format in [Format::Png, Format::Svg] {
         figure.picture(format).unwrap().assert_texts_are_apart();
@@ -73,7 +74,7 @@ fn arranged(figure: &FieldFigure) -> (Scale, Arrangement) {
     (scale, arrangement)
 }
 
-/// The colours of a finished picture.
+/// Pixels of a rendered picture.
 struct Drawn {
     width: usize,
     pixels: Vec<u8>,
@@ -91,7 +92,7 @@ impl Drawn {
         [0, 1, 2].map(|channel| self.pixels[start + channel])
     }
 
-    /// The colour at shares of the frame, from its lower left corner.
+    /// Returns the colour at shares of the frame's width and height from its lower left corner.
     fn at(&self, right: f64, up: f64) -> [u8; 3] {
         let frame = self.frame;
         self.pixel(frame.left + right * frame.width(), frame.bottom - up * frame.height())
@@ -122,13 +123,13 @@ fn cells_lie_where_the_axes_say_and_have_their_colours() {
     assert_eq!(drawn.at(0.25, 1.5 / 8.0), channels(scale.colour(SHADES)));
     assert_eq!(drawn.at(0.95, 7.5 / 8.0), channels(scale.colour(SHADES / 2)));
     assert_eq!(drawn.at(0.55, 0.55), channels(scale.colour(0)));
-    // The cell without a number shows its ground between the lines over it.
+    // The NaN cell has its background colour between the hatching lines.
     let unknown = drawn.count(|colour| colour == channels(UNKNOWN_GROUND));
     let cell = drawn.frame.width() * drawn.frame.height() / 80.0;
     assert!(unknown as f64 > 0.5 * cell && (unknown as f64) < cell, "{unknown}");
     assert!(says(&figure, "not a finite number (1.2 % of the cells)"));
 
-    // Negative values in their own colours, where the axes run downwards.
+    // Negative values have the colours of the negative branch, also on a descending axis.
     figure.is_signed = true;
     figure.values[10 + 2] = -4.0;
     (figure.y.from, figure.y.to) = (figure.y.to, figure.y.from);
@@ -152,7 +153,7 @@ fn the_domain_keeps_its_shape() {
         1100
     );
     assert!(says(&figure(900, 1, |x, _| x), "height y (m), stretched ×"));
-    // A short axis says at least where it ends.
+    // A short axis has at least its ends labelled.
     assert!(texts(&figure(900, 4, |x, _| x)).contains(&"0.4".to_owned()));
     assert!(says(&figure(1, 900, |_, y| y), "x (m), stretched ×"));
 }
@@ -259,7 +260,7 @@ fn a_fixed_scale_gives_all_fields_the_same_colours_and_places() {
     }
     assert!(says(&fixed(true, &|x| x), "beyond ±2 (66.7 %)"));
     assert!(says(&fixed(true, &|_| 0.0), "beyond ±2 (0 %)"));
-    // Without a sign, negative values are told of and not shown as positive ones.
+    // Negative values of an unsigned quantity are counted as beyond the scale, not drawn as positive.
     assert!(says(&fixed(false, &|x| -0.3 * x), "≤ 0"));
     assert!(says(&fixed(false, &|x| -0.3 * x), "beyond 2 (>99.9 %)"));
 }
@@ -276,7 +277,7 @@ fn lines_asked_for_carry_their_numbers() {
     assert!(says(&wave, "equal value, as numbered") && says(&wave, "equal negative value"));
     assert!(!says(&wave, "of the scale") && !says(&wave, "77"));
     check(&wave);
-    // Crowded with marks and lines.
+    // Many marks and lines.
     wave.marks = (0..80)
         .map(|index| {
             let place = f64::from(index);
@@ -285,7 +286,7 @@ fn lines_asked_for_carry_their_numbers() {
         .collect();
     wave.curves = Some((-40..40).map(|level| 0.25 * f64::from(level)).collect());
     check(&wave);
-    // A quantity without a sign has lines only where they are asked for.
+    // An unsigned quantity has contour lines only if requested.
     let mut hill = figure(90, 90, |x, y| 9.0 * (-0.1 * (x - 4.0).hypot(y - 4.0)).exp());
     hill.is_signed = false;
     assert!(matches!(arranged(&hill).1.levels, Levels::None));
@@ -332,7 +333,7 @@ fn the_sign_shows_in_grey() {
     let wave = figure(80, 60, |x, _| x.sin());
     assert!(matches!(arranged(&wave).1.levels, Levels::Lines(_)));
     assert!(says(&wave, "−¼ and −½ of the scale"));
-    // Neither a constant nor noise has lines to follow.
+    // A constant field and noise have no usable contour lines.
     let constant = figure(30, 20, |_, _| -1.0);
     let noise = figure(400, 400, |x, y| (1e4 * (12.9898 * x + 78.233 * y).sin()).fract());
     for figure in [constant, noise] {

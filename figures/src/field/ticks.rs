@@ -7,14 +7,14 @@ use crate::picture::text_width;
 use crate::scale::{self, Tick, plain};
 
 impl FieldFigure {
-    /// Ticks of an axis in the axis's unit, for a length in pixels; both ends where there would be
-    /// less than two.
+    /// Computes the ticks of an axis of `length` pixels, in the unit of the axis; both ends if there would be fewer
+    /// than two ticks.
     pub(super) fn axis_ticks(axis: &FieldAxis, length: f64, upright: bool) -> Vec<Tick> {
         let (low, high) = (axis.from.min(axis.to), axis.from.max(axis.to));
         let degrees = axis.label.contains('°');
         let ticks = page::spaced(length, upright, |most| scale::ticks(low, high, most, degrees));
         let ends = [low, high].map(|end| (end, plain(end)));
-        // Too close to each other to differ in few figures, they would say nothing.
+        // Ends with equal labels are too close to be distinguished and are not labelled.
         if ticks.len() < 2 && ends[0].1 != ends[1].1 { ends.to_vec() } else { ticks }
     }
 
@@ -23,7 +23,7 @@ impl FieldFigure {
     }
 }
 
-/// The ticks with the labels left out that would touch the one before; places are in pixels.
+/// Removes the labels that would overlap the previous label; positions are in pixels.
 pub(super) fn thinned(mut ticks: Vec<Tick>, upright: bool) -> Vec<Tick> {
     ticks.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut end = f64::NEG_INFINITY;
