@@ -95,8 +95,7 @@ pub(super) fn active(entries: &Entries, medium: Medium) -> Result<Option<Vec<usi
             let allowed = format!("{meant}allowed: {}", known.join(", "));
             return Err(entries.places.error(KEY, found, allowed));
         };
-        // Both signs of one condition are active only at zero stress and zero strength, where the flow direction is
-        // undefined.
+        // Both signs of one condition are active only at zero stress and zero strength, an indeterminate case.
         let stress = |index: usize| known[index].trim_start_matches(['+', '-']);
         if active.iter().any(|&other| stress(other) == stress(index)) {
             let allowed = "name each stress once, with one sign";

@@ -1,4 +1,4 @@
-//! Growth rates against the direction and the number of a wave.
+//! Growth rates against the direction and against the wave number.
 
 use plotters::style::RGBColor;
 
@@ -10,66 +10,65 @@ use crate::picture::{
 };
 use crate::scale::{self, SymmetricLog, Tick};
 
-/// The growth rate of one model.
+/// Growth rate of one model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// Legend text. Lines of the same label in both panels share a style and are listed
-    /// once.
+    /// Legend text. Lines with the same label in both panels share a style and are listed once.
     pub label: String,
-    /// Points in the units of the axes. NaN interrupts the line, an infinite growth rate
-    /// is drawn at the edge of the panel.
+    /// Points in the units of the axes. NaN interrupts the line; an infinite growth rate is drawn at the edge of the
+    /// panel.
     pub points: Vec<[f64; 2]>,
 }
 
 /// A marked position on the horizontal axis, drawn as a thin vertical line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// A few words, written above the panel.
+    /// Label of a few words, written above the panel.
     pub label: String,
     /// Position, in the unit of the horizontal axis.
     pub x: f64,
 }
 
-/// Growth rates over one quantity.
+/// Panel of growth rates against one quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Name, symbol and unit of the horizontal axis.
     pub x_label: String,
     /// Name, symbol and unit of the growth rate.
     pub y_label: String,
-    /// Whether the horizontal axis is logarithmic; points that are not positive are left out then.
+    /// Whether the horizontal axis is logarithmic; points with non-positive abscissa are then omitted.
     pub x_log: bool,
-    /// The lines, one per model; eight have distinct styles.
+    /// Lines, one per model; the first eight have distinct styles.
     pub curves: Vec<Line>,
-    /// Pale wide lines below the others, such as asymptotes: all of one style, listed once
-    /// by the label of the first. They leave out the linear part of the vertical axis, on which
-    /// power laws are not straight.
+    /// Reference lines such as asymptotes, drawn wide and pale below the other lines in one style and listed once with
+    /// the label of the first. They are omitted in the linear part of the vertical axis, where power laws are not
+    /// straight.
     pub guides: Vec<Line>,
-    /// Marked positions, such as characteristic directions.
+    /// Marked positions, e.g. characteristic directions.
     pub marks: Vec<Mark>,
 }
 
-/// Growth rates against the direction and against the number of the wave, side by side.
+/// Growth rates against the direction and against the wave number, in two panels side by side.
 ///
-/// The vertical axes are linear about zero and logarithmic on both sides beyond, so that growth
-/// and decay over many decades show in one picture.
+/// The vertical axes are symmetric logarithmic: linear about zero and logarithmic beyond, so that growth and decay over
+/// many decades are visible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowthFigure {
     /// Title of the figure.
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// The left panel.
+    /// Left panel: growth rates against the direction.
     pub by_direction: Panel,
-    /// The right panel.
+    /// Right panel: growth rates against the wave number.
     pub by_wave_number: Panel,
 }
 
-/// A pale wide line below those of a panel, such as an asymptote.
+/// Colour of reference lines such as asymptotes.
 const GUIDE: Colour = RGBColor(203, 205, 214);
 const GUIDE_WIDTH: f64 = 11.0;
 
-/// Style of a line, distinct in colour and in greyscale.
+/// Style of a line; styles differ in colour and in greyscale.
 #[derive(Clone, Copy)]
 pub(crate) struct Look {
     pub colour: Colour,
@@ -89,7 +88,7 @@ enum Marker {
     Window,
 }
 
-/// Colours after Okabe and Ito (2008), told apart by colour-blind readers.
+/// Styles of lines; colours after Okabe and Ito (2008), distinguishable by colour-blind readers.
 pub(crate) const LOOKS: [Look; 8] = [
     Look { colour: RGBColor(0, 0, 0), dashes: &[], marker: Marker::None },
     Look { colour: RGBColor(213, 94, 0), dashes: &[16.0, 8.0], marker: Marker::Disc },
@@ -110,8 +109,8 @@ pub(crate) const LOOKS: [Look; 8] = [
 ];
 
 impl Look {
-    /// The look of a line by its place in the legend. Beyond the eight, colours meet with other
-    /// dashes and markers.
+    /// Returns the style of the line with this index in the legend. Beyond eight lines, colours are combined with other
+    /// dash patterns and markers.
     pub fn of(index: usize) -> Self {
         let count = LOOKS.len();
         let other = LOOKS[(index + index / count) % count];
@@ -119,14 +118,14 @@ impl Look {
     }
 }
 
-/// Ground of the linear part of a vertical axis.
+/// Background of the linear part of a symmetric logarithmic axis.
 pub(crate) const LINEAR: Colour = RGBColor(240, 240, 236);
 pub(crate) const GRID: Colour = RGBColor(226, 226, 226);
 pub(crate) const LINE_WIDTH: f64 = 3.4;
 const MARKER_RADIUS: f64 = 8.0;
-/// Distance between the markers of a line in pixels.
+/// Distance between the markers of a line, pixels.
 pub(crate) const MARKER_SPACING: f64 = 84.0;
-/// Size of the words above marks.
+/// Font size of the labels above marks, pixels.
 const MARK_LABEL: f64 = 22.0;
 const MARK_ROW: f64 = 1.35 * MARK_LABEL;
 
@@ -134,7 +133,7 @@ impl GrowthFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// The picture cannot be drawn or encoded.
+    /// Rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }
@@ -147,7 +146,7 @@ impl GrowthFigure {
         let heading = page::heading(&mut sheet, &self.title, &self.subtitle);
         let below = page::BOTTOM_AXIS + 22.0 + legend.height() + MARGIN - 12.0;
 
-        // Widths first: they say how many rows the labels of the marks need.
+        // Widths first: they determine the number of rows of mark labels.
         let half = 0.5 * (page::WIDTH - 2.0 * MARGIN - 40.0);
         let panels = [&self.by_direction, &self.by_wave_number];
         let mut frames = [0, 1].map(|side| {
@@ -172,7 +171,7 @@ impl GrowthFigure {
         picture
     }
 
-    /// The labels of all lines, in the order of their first appearance.
+    /// Returns the labels of all lines, in the order of their first occurrence.
     fn labels(&self) -> Vec<&str> {
         let mut labels: Vec<&str> = Vec::new();
         for line in self.by_direction.curves.iter().chain(&self.by_wave_number.curves) {
@@ -231,19 +230,19 @@ impl GrowthFigure {
 
         let baseline = |row: usize| frame.top - 8.0 - row as f64 * MARK_ROW - 0.24 * MARK_LABEL;
         for PlacedMark { x, row, label, left } in marks {
-            // A line beside its label rises to the label's full height.
+            // The line of a mark extends to the full height of its label if it is beside the label.
             let beside = *x < *left || *x > left + text_width(label, MARK_LABEL, false);
             let end = baseline(*row) + MARK_LABEL * if beside { -0.76 } else { 0.3 };
             picture.dashed(&[[*x, frame.bottom], [*x, end]], &[8.0, 5.0], 1.6, PALE_INK);
         }
         for PlacedMark { row, label, left, .. } in marks {
             let text = Text::new([*left, baseline(*row)], Anchor::Start, MARK_LABEL, label);
-            // Where marks crowd so that a line must pass through a label, the label wins.
+            // If a line has to pass through a label, the label covers it.
             picture.fill(text.bounds(), WHITE);
             picture.text(Text { colour: PALE_INK, ..text });
         }
 
-        // Infinite values run just inside the frame, which would cover them.
+        // Infinite values are drawn just inside the frame, which would cover them.
         let inset = 0.012 * (scales.high - scales.low);
         let (lowest, highest) = (scales.low + inset, scales.high - inset);
         let places = |line: &Line, lowest: f64, highest: f64| -> Vec<Point> {
@@ -273,7 +272,7 @@ impl GrowthFigure {
             for part in clip(&points, frame) {
                 picture.dashed(&part, look.dashes, LINE_WIDTH, look.colour);
             }
-            // Each line's markers start elsewhere, so that lines on top of each other show all.
+            // The first marker of each line is shifted, so that markers of coincident lines are all visible.
             let mut next = frame.left + MARKER_SPACING * (0.25 + 0.28 * index as f64);
             let inside = |[x, y]: Point| {
                 x >= frame.left && x <= frame.right && y >= frame.top && y <= frame.bottom
@@ -291,7 +290,7 @@ impl GrowthFigure {
     }
 }
 
-/// Entries of a legend for lines of these labels.
+/// Builds the legend entries of lines with these labels.
 pub(crate) fn legend_of(labels: &[&str]) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for (index, label) in labels.iter().enumerate() {
@@ -311,7 +310,7 @@ pub(crate) fn draw_marker(picture: &mut Picture, at: Point, look: &Look) {
     draw_marker_of(picture, at, look, MARKER_RADIUS);
 }
 
-/// Draws a marker of a radius in pixels.
+/// Draws a marker with a radius in pixels.
 pub(crate) fn draw_marker_of(picture: &mut Picture, [x, y]: Point, look: &Look, radius: f64) {
     let turned = |r: f64, sign: f64| {
         vec![
@@ -341,8 +340,8 @@ pub(crate) fn draw_marker_of(picture: &mut Picture, [x, y]: Point, look: &Look, 
     }
 }
 
-/// The ranges of a panel. Horizontally in the axis's unit or its log₁₀, vertically in places of
-/// the symmetric logarithm.
+/// Ranges of a panel: horizontally in the unit of the axis or its log₁₀, vertically in positions of the symmetric
+/// logarithm.
 struct Scales {
     left: f64,
     right: f64,
@@ -351,7 +350,7 @@ struct Scales {
     high: f64,
 }
 
-/// Powers of a quantity over many decades reach over still more.
+/// Number of decades of growth rates against the wave number: powers of the wave number span more decades.
 const POWER_DECADES: i32 = 24;
 
 /// Magnitude above which numbers are treated as infinite, since differences would overflow.
@@ -385,7 +384,7 @@ impl Scales {
         if low == high {
             (low, high) = (-1.0, 1.0);
         }
-        // Room on both sides of zero and beyond the extremes, where infinite values are drawn.
+        // Margins at both ends; infinite values are drawn in them.
         let room = 0.05 * (high - low);
         Self { left, right, y, low: low - room, high: high + room }
     }
@@ -412,7 +411,7 @@ impl Scales {
     }
 }
 
-/// A mark and the place of its label, in rows above the panel.
+/// A mark with the position of its label: row above the panel and left end.
 struct PlacedMark {
     x: f64,
     row: usize,
@@ -420,7 +419,7 @@ struct PlacedMark {
     left: f64,
 }
 
-/// Places the labels of marks so that none lies on another or is crossed by another's line.
+/// Places the labels of marks so that no label overlaps another label or the line of another mark.
 fn place_marks(panel: &Panel, scales: &Scales, frame: Rectangle) -> Vec<PlacedMark> {
     let mut marks: Vec<(f64, &str)> = panel
         .marks
@@ -429,8 +428,8 @@ fn place_marks(panel: &Panel, scales: &Scales, frame: Rectangle) -> Vec<PlacedMa
         .filter(|(x, _)| x.abs() < FINITE)
         .map(|(x, label)| (scales.place_x(x, frame), label))
         .collect();
-    // From the right: a label to the right of its line is then above those it would cover, and its
-    // line passes them on the left.
+    // From right to left: a label to the right of its line is then above the labels that it would otherwise cover, and
+    // its line passes to the left of them.
     marks.sort_by(|a, b| b.0.total_cmp(&a.0));
     const APART: f64 = 7.0;
     let mut placed: Vec<(PlacedMark, f64)> = Vec::new();
@@ -449,13 +448,13 @@ fn place_marks(panel: &Panel, scales: &Scales, frame: Rectangle) -> Vec<PlacedMa
                 std::cmp::Ordering::Equal => {
                     right + 2.0 * APART < other.left || left > other_right + 2.0 * APART
                 }
-                // The line of the higher label passes beside the text of the lower one.
+                // The line of the higher label passes beside the text of the lower label.
                 std::cmp::Ordering::Less => !crosses(other.x, left, right),
                 std::cmp::Ordering::Greater => !crosses(x, other.left, *other_right),
             })
         };
-        // How high the lines of the marks to come will rise is not known yet: a label that would
-        // cover one goes above all of them, as may a label that finds no place below.
+        // The heights of the following lines are not yet known. A label that would cover one of them is placed above
+        // all of them, as is a label for which there is no lower position.
         let covers = |left: f64| to_come.iter().any(|other| crosses(other.0, left, left + width));
         let count = marks.len();
         let rows = (0..count).chain((count..=2 * count).rev()).chain(2 * count + 1..=3 * count);
@@ -544,7 +543,7 @@ mod tests {
         let drawn = |last: f64| {
             let figure = figure(&[[1.0, 1.0], [2.0, 100.0], [3.0, last], [4.0, last]], &[]);
             let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
-            // Black pixels in the left panel, just below the frame's upper edge.
+            // Counts black pixels in the left panel just below the upper edge of the frame.
             let frame_top = (0..).find(|y| pixels[3 * (y * width + 400)] < 60 && *y > 150).unwrap();
             let dark = |x: usize, y: usize| pixels[3 * (y * width + x)] < 60;
             (300..750).filter(|&x| (4..12).any(|below| dark(x, frame_top + below))).count()

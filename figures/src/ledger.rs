@@ -4,44 +4,43 @@ use crate::error::FigureError;
 use crate::format::Format;
 use crate::record::{Series, Sheet, Strip};
 
-/// One term of the energy ledger, or the residual of the energy balance.
+/// A term of the energy ledger, or the residual of the energy balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LedgerTerm {
-    /// Legend text, or the text above the panel of the balance.
+    /// Legend text; for the residual the title of its panel.
     pub name: String,
-    /// A value for each time of the figure. Numbers that are not finite interrupt the line.
+    /// One value per time of the figure. Non-finite values interrupt the line.
     pub values: Vec<f64>,
 }
 
-/// Energy ledger of a simulation: stored energies, work and dissipation, with the residual of the balance in a
-/// panel of its own.
+/// Energy ledger of a simulation against time: stored energies, work and dissipation, with the residual of the balance
+/// in a separate panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LedgerFigure {
     /// Title of the figure.
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// Name, symbol and unit of the time.
+    /// Name, symbol and unit of the time axis.
     pub time_label: String,
-    /// Name and unit of the energies, such as `energy, J/m`.
+    /// Name and unit of the energies, e.g. `energy, J/m`.
     pub label: String,
-    /// The times of the values, which do not decrease, in the unit of the label.
+    /// Times of the values, non-decreasing, in the unit of the time label.
     pub times: Vec<f64>,
-    /// The energies, in the unit of the label; eight have distinct styles.
+    /// Energies, in the unit of the label; the first eight have distinct styles.
     pub terms: Vec<LedgerTerm>,
-    /// Residual of the energy balance, in the unit in its name; without values its panel is left
-    /// out.
+    /// Residual of the energy balance, in the unit given in its name; without values its panel is omitted.
     pub balance: LedgerTerm,
 }
 
-/// Least heights of the frames of the terms and of the balance in pixels.
+/// Minimum heights of the frames of the terms and of the balance, pixels.
 const LEAST: [f64; 2] = [420.0, 120.0];
 
 impl LedgerFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// A record has not one value for each time, or the picture cannot be drawn or encoded.
+    /// A term does not have one value per time, or rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.sheet().draw(format)
     }

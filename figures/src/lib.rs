@@ -1,9 +1,9 @@
-//! Pictures of verdicts, growth rates, directions and motions, ready for print.
+//! Figures of verdicts, growth rates, directions and simulations, for publication.
 //!
-//! Plain structs go in, the bytes of a PNG, SVG or GIF file come out. This crate knows no solver
-//! and no physics: names, units and symbols arrive as labels. The same struct gives the same bytes.
-//! Everything stays readable in grey: what colour tells, lightness, hatching, dashes or markers
-//! tell too. The fonts are part of the program; nothing is taken from the system.
+//! Input are plain structs, output the bytes of a PNG, SVG or GIF file. The crate depends on no solver and no physics:
+//! names, units and symbols are passed as labels. Equal structs give equal bytes. Figures are legible in greyscale:
+//! information given by colour is also given by lightness, hatching, dash patterns or markers. Fonts are embedded; no
+//! system fonts are used.
 
 #![deny(missing_docs)]
 
@@ -46,13 +46,13 @@ pub use verdict_map::{Axis, Category, Curve, Look, VerdictMap};
 
 #[cfg(test)]
 mod tests {
-    /// Width and height from the header of a PNG file.
+    /// Returns width and height from the header of a PNG file.
     pub(crate) fn png_size(bytes: &[u8]) -> [u32; 2] {
         let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         [reader.info().width, reader.info().height]
     }
 
-    /// Checks that no texts of a picture overlap, and that its files are valid and reproducible.
+    /// Asserts that no texts of a picture overlap, and that its files are valid and reproducible.
     pub(crate) fn check_drawing(
         picture: &crate::picture::Picture,
         draw: impl Fn(crate::Format) -> Result<Vec<u8>, crate::FigureError>,
@@ -66,8 +66,8 @@ mod tests {
         assert!(svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
     }
 
-    /// Curves that any figure must be able to draw: none, single points, constants, numbers that are none, and the
-    /// ends of the range of doubles.
+    /// Returns curves that every figure must be able to draw: empty, single points, constants, non-finite values, and
+    /// values at the limits of the range of doubles.
     pub(crate) fn odd_curves() -> Vec<Vec<[f64; 2]>> {
         let (nan, inf) = (f64::NAN, f64::INFINITY);
         vec![
@@ -85,7 +85,7 @@ mod tests {
         ]
     }
 
-    /// Width and pixels of a PNG file, three bytes each.
+    /// Returns the width and the pixels, three bytes each, of a PNG file.
     pub(crate) fn pixels(bytes: &[u8]) -> (usize, Vec<u8>) {
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];

@@ -1,31 +1,31 @@
-//! A page with a remark instead of a figure.
+//! Page with a note in place of a figure.
 
 use crate::error::FigureError;
 use crate::format::Format;
 use crate::page::{self, MARGIN};
 use crate::picture::{Anchor, INK, Picture, Text};
 
-/// A remark in place of a picture.
+/// A note in place of a figure, e.g. the reason why there is none.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NoteFigure {
     /// Title of the figure.
     pub title: String,
-    /// Subtitle: subject of the remark.
+    /// Subtitle: subject of the note.
     pub subtitle: String,
-    /// The remark; a dozen lines at most.
+    /// Text of the note; at most twelve lines are written.
     pub text: String,
 }
 
-/// Size of letters.
+/// Font size, pixels.
 const SIZE: f64 = 30.0;
-/// Most lines.
+/// Maximum number of lines.
 const LINES: usize = 12;
 
 impl NoteFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// The picture cannot be drawn or encoded.
+    /// Rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }

@@ -3,24 +3,24 @@
 use crate::picture::{Anchor, INK, PALE_INK, Picture, Rectangle, Text, text_width};
 use crate::scale::Tick;
 
-/// Width of every figure in pixels.
+/// Width of every figure, pixels.
 pub(crate) const WIDTH: f64 = 1600.0;
-/// Height of a figure in pixels whose legend is of common length.
+/// Usual height of a figure, pixels; a large legend increases it.
 pub(crate) const HEIGHT: f64 = 1100.0;
-/// Room along the edges of the sheet.
+/// Margin along the edges of the figure, pixels.
 pub(crate) const MARGIN: f64 = 44.0;
 
 const TITLE: f64 = 38.0;
 const SUBTITLE: f64 = 26.0;
-/// Size of names beside axes and in legends.
+/// Font size of axis names, pixels.
 pub(crate) const NAME: f64 = 28.0;
-/// Size of numbers beside ticks.
+/// Font size of tick labels and legends, pixels.
 pub(crate) const NUMBER: f64 = 26.0;
 const TICK: f64 = 9.0;
-/// Thickness of frames and ticks.
+/// Line width of frames and ticks, pixels.
 pub(crate) const RULE: f64 = 2.0;
 
-/// Breaks text into at most `most` lines of a width; what does not fit ends in an ellipsis.
+/// Breaks a text into at most `most` lines of `width` pixels; a truncated text ends in an ellipsis.
 pub(crate) fn wrap(text: &str, size: f64, bold: bool, width: f64, most: usize) -> Vec<String> {
     let fits = |line: &str| text_width(line, size, bold) <= width;
     let mut lines: Vec<String> = Vec::new();
@@ -34,7 +34,7 @@ pub(crate) fn wrap(text: &str, size: f64, bold: bool, width: f64, most: usize) -
         if !line.is_empty() {
             lines.push(std::mem::take(&mut line));
         }
-        // A word wider than the line is broken anywhere.
+        // A word wider than a line is broken at any character.
         for letter in word.chars() {
             line.push(letter);
             if !fits(&line) && line.chars().count() > 1 {
@@ -42,7 +42,7 @@ pub(crate) fn wrap(text: &str, size: f64, bold: bool, width: f64, most: usize) -
                 lines.push(std::mem::replace(&mut line, letter.to_string()));
             }
         }
-        // Enough is known for the ellipsis; text of any length is laid out in bounded time.
+        // The remaining text is truncated, which bounds the run time for long texts.
         if lines.len() > most {
             break;
         }
@@ -64,7 +64,8 @@ pub(crate) fn wrap(text: &str, size: f64, bold: bool, width: f64, most: usize) -
     lines
 }
 
-/// A text in one line of a width: made smaller, down to two thirds, and then cut.
+/// Fits a text into one line of `width` pixels: the font size is reduced by up to a third, then the text is truncated.
+/// Returns text and size.
 pub(crate) fn fit(text: &str, size: f64, width: f64) -> (String, f64) {
     let natural = text_width(text, size, false);
     if natural <= width {
@@ -75,7 +76,7 @@ pub(crate) fn fit(text: &str, size: f64, width: f64) -> (String, f64) {
     (line, smaller)
 }
 
-/// Writes title and subtitle and gives the height below them.
+/// Writes title and subtitle; returns the y position below them.
 pub(crate) fn heading(picture: &mut Picture, title: &str, subtitle: &str) -> f64 {
     let width = f64::from(picture.width) - 2.0 * MARGIN;
     let mut bottom = MARGIN;
@@ -92,10 +93,10 @@ pub(crate) fn heading(picture: &mut Picture, title: &str, subtitle: &str) -> f64
     bottom + 12.0
 }
 
-/// Room below the frame that [`bottom_axis`] takes.
+/// Height below the frame needed by [`bottom_axis`], pixels.
 pub(crate) const BOTTOM_AXIS: f64 = TICK + 1.5 * NUMBER + 1.4 * NAME;
 
-/// Draws ticks and name below a frame; ticks hold places in pixels.
+/// Draws ticks and axis name below a frame; ticks are located in pixels.
 pub(crate) fn bottom_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick], name: &str) {
     let Rectangle { left, right, bottom, .. } = frame;
     for (x, label) in ticks {
@@ -113,12 +114,12 @@ pub(crate) fn bottom_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick
     }
 }
 
-/// Room left of the frame that [`left_axis`] takes.
+/// Width to the left of the frame needed by [`left_axis`], pixels.
 pub(crate) fn left_axis_width(ticks: &[Tick]) -> f64 {
     1.4 * NAME + widest(ticks) + 10.0 + TICK
 }
 
-/// Draws ticks and name left of a frame; ticks hold places in pixels.
+/// Draws ticks and axis name to the left of a frame; ticks are located in pixels.
 pub(crate) fn left_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick], name: &str) {
     let Rectangle { left, top, bottom, .. } = frame;
     for (y, label) in ticks {
@@ -138,13 +139,13 @@ pub(crate) fn left_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick],
     picture.text(Text { upwards: true, ..text });
 }
 
-/// Width of the widest label of a set of ticks.
+/// Returns the width of the widest tick label, pixels.
 pub(crate) fn widest(ticks: &[Tick]) -> f64 {
     ticks.iter().map(|(_, label)| text_width(label, NUMBER, false)).fold(0.0, f64::max)
 }
 
-/// The most ticks of a scale whose labels stand apart along `length` pixels; `scale` gives the
-/// ticks for a number wanted.
+/// Returns the largest set of ticks whose labels do not overlap along `length` pixels; `scale` computes the ticks for a
+/// maximum number.
 pub(crate) fn spaced(length: f64, upright: bool, scale: impl Fn(usize) -> Vec<Tick>) -> Vec<Tick> {
     let most = if upright { (length / 65.0) as usize } else { (length / 70.0) as usize };
     let fits = |ticks: &Vec<Tick>| {
@@ -155,13 +156,13 @@ pub(crate) fn spaced(length: f64, upright: bool, scale: impl Fn(usize) -> Vec<Ti
     (2..=most).rev().map(&scale).find(fits).unwrap_or_else(|| scale(2))
 }
 
-/// Draws a sample of what an entry of the legend stands for.
+/// Function that draws the sample of a legend entry in an area.
 pub(crate) type Swatch = Box<dyn Fn(&mut Picture, Rectangle)>;
 
-/// An entry of the legend: its words and its sample.
+/// Legend entry: text and sample.
 pub(crate) type Entry = (String, Swatch);
 
-/// A list of samples and their meaning, row by row in aligned columns.
+/// Legend: samples with their texts, row by row in aligned columns.
 pub(crate) struct Legend {
     entries: Vec<(Vec<String>, Swatch)>,
     column_widths: Vec<f64>,
@@ -179,7 +180,7 @@ impl Legend {
         Self::with_room(entries, &words, width)
     }
 
-    /// A legend with columns wide enough for other words than those of the entries.
+    /// Creates a legend with columns wide enough for the texts `room` in place of the texts of the entries.
     pub fn with_room(entries: Vec<Entry>, room: &[String], width: f64) -> Self {
         let beside = Self::SWATCH + Self::GAP + Self::BETWEEN;
         let natural: Vec<f64> = room

@@ -1,4 +1,4 @@
-//! Lines against time, in panels one above the other.
+//! Records against time, in panels one above the other.
 
 use plotters::style::RGBColor;
 
@@ -13,26 +13,26 @@ use crate::picture::{
 use crate::scale::{self, Tick};
 use crate::verdict_map::percent;
 
-/// Values at the times of a sheet.
+/// Values of a record at the times of a figure.
 pub(crate) struct Series<'a> {
-    /// Legend text; series of the same name share a style. Without a name the line is
-    /// plain, and the panel title names it.
+    /// Legend text; series with the same name share a style. A series without name is drawn plain and is named by the
+    /// panel title.
     pub name: Option<&'a str>,
     pub values: &'a [f64],
 }
 
-/// A panel across the sheet with a vertical scale of its own.
+/// A panel across the figure with its own vertical scale.
 pub(crate) struct Strip<'a> {
-    /// Name, symbol and unit of the values, written above.
+    /// Name, symbol and unit of the values; the panel title.
     pub label: &'a str,
     pub series: Vec<Series<'a>>,
-    /// Least height of the frame in pixels.
+    /// Minimum height of the frame, pixels.
     pub least: f64,
-    /// Share of the height that is left over.
+    /// Weight with which the panel shares the remaining height.
     pub weight: f64,
 }
 
-/// Everything a figure of records shows.
+/// Content of a figure of records.
 pub(crate) struct Sheet<'a> {
     pub title: &'a str,
     pub subtitle: &'a str,
@@ -41,27 +41,27 @@ pub(crate) struct Sheet<'a> {
     pub strips: Vec<Strip<'a>>,
 }
 
-/// Size of the words above a strip.
+/// Font size of panel titles, pixels.
 const LABEL: f64 = 26.0;
-/// Room for them, and below the strip above.
+/// Height of the row of a panel title, and gap between panels, pixels.
 const LABEL_ROW: f64 = 1.4 * LABEL;
 const BETWEEN: f64 = 12.0;
-/// Ratio of line length to window width, and window width in pixels, above which a line is drawn thin to stay legible.
+/// Ratio of line length to window width above which a line is drawn thin, width of the window and width of the thin
+/// line; widths in pixels.
 const DENSE: f64 = 4.0;
 const WINDOW: f64 = 50.0;
 const DENSE_WIDTH: f64 = 1.8;
-/// Thickness of the line that runs on through the gaps of a dashed one, so that no peak falls into
-/// a gap.
+/// Width, pixels, of the thin solid line drawn along a dashed line, so that no peak is lost in a gap.
 const THREAD: f64 = 1.0;
-/// Least distance of ticks whose numbers stand one above the other.
+/// Minimum vertical distance of labelled ticks, pixels.
 const TICKS_APART: f64 = 1.15 * page::NUMBER;
 const MARKER: f64 = 6.5;
-/// Distance between the markers of one line, and of those of neighbouring lines, in pixels.
+/// Distance between the markers of one line, and between the markers of neighbouring lines, pixels.
 const MARKERS_APART: f64 = 160.0;
 const MARKERS_BESIDE: f64 = 56.0;
 /// Magnitude above which numbers are treated as infinite, since differences would overflow.
 const FINITE: f64 = 1e300;
-/// Changes below this share of a value are taken for round-off.
+/// Relative change below which values are regarded as constant up to round-off.
 const ROUND_OFF: f64 = 1e-9;
 
 const ZERO: RGBColor = RGBColor(110, 110, 110);
@@ -70,13 +70,13 @@ fn is_finite(value: f64) -> bool {
     value.abs() < FINITE
 }
 
-/// The vertical scale of a strip.
+/// Vertical scale of a panel.
 #[derive(Debug, Clone, PartialEq)]
 struct Range {
     low: f64,
     high: f64,
     ticks: Vec<Tick>,
-    /// Text shown instead of a scale.
+    /// Text shown in place of a scale, e.g. for missing values.
     words: Option<String>,
 }
 
@@ -108,11 +108,11 @@ impl Range {
             let ticks = vec![(middle, scale::plain(middle))];
             return Self { low: ends[0], high: ends[1], ticks, words: None };
         }
-        // Zero where it is near.
+        // Zero is included if it is near the range.
         let near = 0.5 * (high - low);
         let low = if low > 0.0 && low <= near { 0.0 } else { low };
         let high = if high < 0.0 && high >= -near { 0.0 } else { high };
-        // A little more room may hold the round numbers on both sides, a tick more both of them.
+        // Larger margins or one more tick may allow round numbers at both ends.
         let most = ((height / 46.0) as usize).clamp(3, 7);
         let tried = [0.06, 0.12, 0.2, 0.3].into_iter().flat_map(|room| {
             let room = room * (high - low);
@@ -142,15 +142,15 @@ impl Range {
     }
 }
 
-/// A line in parts, interrupted where its values are not finite. Of all points within a pixel's
-/// width those at its ends and the extremes between are kept, so that no peak is lost.
+/// Reduces a line to at most four points per pixel column (first, lowest, highest, last), so that no peak is lost. The
+/// line is split into parts where values are non-finite.
 fn reduced(
     times: &[f64],
     values: &[f64],
     place: impl Fn(f64, f64) -> Point,
     is_same_column: impl Fn(Point, Point) -> bool,
 ) -> Vec<Vec<Point>> {
-    /// First, lowest, highest and last point of a column, each with its index.
+    /// First, lowest, highest and last point of a pixel column, each with its index.
     struct Column([(usize, Point); 4]);
 
     impl Column {
@@ -170,7 +170,7 @@ fn reduced(
     let mut parts: Vec<Vec<Point>> = Vec::new();
     let mut part: Vec<Point> = Vec::new();
     let mut column: Option<Column> = None;
-    // Not more gaps than can be seen: within a column the line goes on behind one.
+    // Gaps within a pixel column are not visible: the line continues.
     let mut is_broken = false;
     for (index, (time, value)) in times.iter().zip(values).enumerate() {
         if !is_finite(*value) {
@@ -181,7 +181,7 @@ fn reduced(
         match &mut column {
             Some(Column(kept)) if is_same_column(kept[0].1, point) => {
                 is_broken = false;
-                // Downwards is up on the sheet.
+                // The y coordinate of the picture increases downwards.
                 if point[1] > kept[1].1[1] {
                     kept[1] = (index, point);
                 }
@@ -212,7 +212,7 @@ fn reduced(
 }
 
 impl Sheet<'_> {
-    /// Renders the sheet in a file format and returns the bytes of the file.
+    /// Renders the figure in a file format and returns the bytes of the file.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture()?.render(format)
     }
@@ -244,7 +244,7 @@ impl Sheet<'_> {
         Ok(())
     }
 
-    /// The names of the legend, in the order of their first appearance.
+    /// Returns the names of the legend, in the order of their first occurrence.
     fn names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for name in self.strips.iter().flat_map(|strip| &strip.series).filter_map(|own| own.name) {
@@ -286,7 +286,7 @@ impl Sheet<'_> {
         Legend::new(entries, page::WIDTH - 2.0 * MARGIN)
     }
 
-    /// Ends of the time axis.
+    /// Returns the ends of the time axis.
     fn ends(&self) -> [f64; 2] {
         let [from, to] = [self.times[0], self.times[self.times.len() - 1]];
         if to - from > ROUND_OFF * from.abs().max(to.abs()) {
@@ -326,7 +326,7 @@ impl Sheet<'_> {
             .map(|(strip, [top, bottom])| Range::of(strip, bottom - top))
             .collect();
         let widest = ranges.iter().map(|range| page::widest(&range.ticks)).fold(0.0, f64::max);
-        // The rightmost number of the time axis reaches beyond the frame.
+        // The rightmost tick label of the time axis extends beyond the frame.
         let left = (MARGIN + widest + 24.0).round();
         let right = page::WIDTH - MARGIN - 36.0;
 
@@ -404,7 +404,7 @@ impl Sheet<'_> {
             for (own, parts) in &lines {
                 draw_line(picture, own.map(Look::of), parts, frame);
             }
-            // Each line's markers start elsewhere, so that lines on top of each other show all.
+            // The first marker of each line is shifted, so that markers of coincident lines are all visible.
             let apart = MARKERS_APART.max(MARKERS_BESIDE * lines.len() as f64);
             for (index, (own, parts)) in lines.iter().enumerate() {
                 let Some(look) = own.map(Look::of) else { continue };
@@ -432,8 +432,8 @@ impl Sheet<'_> {
     }
 }
 
-/// A line cut where it begins and ends to swing so often that its strokes would run together, each
-/// piece with whether it does.
+/// Splits a line into pieces of low and high density, each with whether it is dense, i.e. oscillates so fast that its
+/// strokes would merge.
 fn by_density(part: Vec<Point>) -> Vec<(bool, Vec<Point>)> {
     let mut pieces: Vec<(bool, Vec<Point>)> = Vec::new();
     let mut start = 0;
@@ -459,7 +459,7 @@ fn draw_line(picture: &mut Picture, look: Option<Look>, parts: &[Vec<Point>], fr
         if let [point] = part[..] {
             picture.disc(point, 0.7 * LINE_WIDTH, colour);
         }
-        // Rounding of places may leave the frame by a hair.
+        // Rounding may place points slightly outside the frame.
         for (is_dense, piece) in clip(part, frame).into_iter().flat_map(by_density) {
             if is_dense {
                 picture.line(piece, DENSE_WIDTH, colour);
@@ -478,7 +478,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::tests::check_drawing;
 
-    /// Draws a sheet and checks what holds for all.
+    /// Checks a figure of records as [`check_drawing`] does.
     pub(crate) fn check(sheet: &Sheet) {
         check_drawing(&sheet.picture().unwrap(), |format| sheet.draw(format));
     }
@@ -504,7 +504,7 @@ pub(crate) mod tests {
             assert!(parts[0].contains(&[times[index], -values[index]]));
         }
         assert!(parts[0].windows(2).all(|pair| pair[0][0] < pair[1][0]));
-        // Few points are kept as they are.
+        // A line with few points is unchanged.
         let times = [0.0, 0.4, 0.9, 1.1, 2.7];
         let values = [1.0, 3.0, 2.0, 2.0, 5.0];
         assert_eq!(super::tests::parts(&times, &values)[0].len(), 5);
@@ -533,7 +533,7 @@ pub(crate) mod tests {
         let kinds: Vec<bool> = pieces.iter().map(|(is_dense, _)| *is_dense).collect();
         assert_eq!(kinds, [false, true, false]);
         assert!((250.0..=301.0).contains(&pieces[1].1[0][0]));
-        // Neighbours share a point and none is lost.
+        // Neighbouring pieces share a point, and no point is lost.
         let joined = pieces.iter().flat_map(|(_, piece)| &piece[1..]);
         assert!(line[1..].iter().eq(joined));
         assert!(pieces.windows(2).all(|pair| pair[0].1.last() == pair[1].1.first()));

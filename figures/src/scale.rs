@@ -1,10 +1,10 @@
-//! Scales: mapping from numbers to positions along an axis, ticks and tick labels.
+//! Axis scales: mapping from numbers to axis positions, ticks and tick labels.
 
-/// A tick: its value and its label.
+/// A tick: position and label; a minor tick has an empty label.
 pub(crate) type Tick = (f64, String);
 
-/// Round values between `low` and `high`, at most `most` of them (at least two are allowed).
-/// Degrees are divided as circles are: by 15, 30, 45 and 90.
+/// Computes ticks at round values between `low` and `high`, at most `most` ≥ 2 of them. Steps in degrees are
+/// divisors of the circle, e.g. 15, 30, 45 and 90.
 pub(crate) fn ticks(low: f64, high: f64, most: usize, degrees: bool) -> Vec<Tick> {
     let rough = (high - low) / most.max(2) as f64;
     if !(rough > 0.0 && rough.is_finite()) {
@@ -14,13 +14,13 @@ pub(crate) fn ticks(low: f64, high: f64, most: usize, degrees: bool) -> Vec<Tick
     let decimal = [1.0, 2.0, 5.0, 10.0, 20.0].map(|factor| factor * power);
     let round: &[f64] =
         if degrees && rough > 2.0 { &[5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0] } else { &decimal };
-    // One more than steps fit when both ends are ticks.
+    // With ticks at both ends there is one tick more than steps.
     let fits = |step: f64| (high / step + 1e-9).floor() - (low / step - 1e-9).ceil() < most as f64;
     let largest = decimal[4];
     let step = round.iter().copied().find(|&step| fits(step)).unwrap_or(largest);
     let first = (low / step - 1e-9).ceil();
     let last = (high / step + 1e-9).floor();
-    // Beyond 2^53 steps from zero neighbouring ticks are the same number.
+    // More than 2⁵³ steps from zero neighbouring ticks would be equal doubles.
     if first.abs().max(last.abs()) > 9e15 {
         return Vec::new();
     }
@@ -29,7 +29,7 @@ pub(crate) fn ticks(low: f64, high: f64, most: usize, degrees: bool) -> Vec<Tick
     values.into_iter().map(|value| (value, number(value, step, largest))).collect()
 }
 
-/// A number as it stands beside an axis with ticks `step` apart and none larger than `largest`.
+/// Formats a tick label of an axis with step `step` and largest tick `largest`.
 fn number(value: f64, step: f64, largest: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -38,13 +38,13 @@ fn number(value: f64, step: f64, largest: f64) -> String {
         let decimals = (-step.log10().floor()).max(0.0) as usize;
         return format!("{value:.decimals$}").replace('-', "−");
     }
-    // As many digits as tell neighbouring ticks apart.
+    // As many digits as distinguish neighbouring ticks.
     let power = |size: f64| (size.log10() + 1e-9).floor();
     let digits = (power(value.abs()) - power(step)).max(0.0) as usize;
     scientific(value, digits)
 }
 
-/// A single number with up to `digits` decimals of its leading figure: 3.2×10⁵.
+/// Formats a number in scientific notation with up to `digits` decimals: 3.2×10⁵.
 fn scientific(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$e}");
     let Some((mantissa, exponent)) = text.split_once('e') else { return text };
@@ -60,7 +60,7 @@ fn scientific(value: f64, digits: usize) -> String {
     }
 }
 
-/// A number on its own, in at most four figures.
+/// Formats a number with at most four significant digits.
 pub(crate) fn plain(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || (1e-3..1e5).contains(&size) {
@@ -75,7 +75,7 @@ pub(crate) fn plain(value: f64) -> String {
     }
 }
 
-/// A power of ten, with its sign: −10⁴.
+/// Formats a signed power of ten: −10⁴.
 pub(crate) fn power_of_ten(negative: bool, exponent: i32) -> String {
     let sign = if negative { "−" } else { "" };
     match exponent {
@@ -91,8 +91,8 @@ fn superscript(digits: &str) -> String {
     digits.chars().map(raise).collect()
 }
 
-/// Ticks of a logarithmic scale, given and returned as log₁₀: powers of ten where the range holds
-/// several, otherwise 1-2-5 or round values between them.
+/// Computes the ticks of a logarithmic axis, with range and positions in log₁₀: powers of ten if the range contains
+/// several, otherwise 1-2-5 values or round values.
 pub(crate) fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let (first, last) = ((low - 1e-9).ceil() as i32, (high + 1e-9).floor() as i32);
     if last - first >= 2 {
@@ -114,25 +114,25 @@ pub(crate) fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     values.into_iter().map(|(value, label)| (value.log10(), label)).collect()
 }
 
-/// Symmetric logarithmic scale for values of both signs: proportional to the value up to a
-/// threshold, where it reaches one, and growing by one with each decade beyond.
+/// Symmetric logarithmic scale for values of both signs: linear up to a threshold, whose position is 1, and increasing
+/// by 1 per decade beyond.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SymmetricLog {
-    /// The end of the linear part, a power of ten.
+    /// Exponent of the threshold 10^`exponent`.
     pub exponent: i32,
 }
 
 impl SymmetricLog {
-    /// Decades that are told apart where nothing else is asked for.
+    /// Default number of decades in the logarithmic part.
     pub const DECADES: i32 = 7;
 
-    /// The scale that shows all but the smallest tenth of the sizes outside its linear part, within
-    /// seven decades of the largest.
+    /// Chooses the threshold such that all but the smallest tenth of the magnitudes are in the logarithmic part, and at
+    /// most seven decades below the largest magnitude.
     pub fn for_values(values: impl Iterator<Item = f64>) -> Self {
         Self::for_values_within(values, Self::DECADES)
     }
 
-    /// The symmetric logarithmic scale within a given number of decades of the largest value.
+    /// Chooses the threshold likewise, but at most `decades` decades below the largest magnitude.
     pub fn for_values_within(values: impl Iterator<Item = f64>, decades: i32) -> Self {
         let mut sizes: Vec<f64> =
             values.map(f64::abs).filter(|size| *size > 0.0 && size.is_finite()).collect();
@@ -143,7 +143,7 @@ impl SymmetricLog {
         Self { exponent: small.clamp(most - decades, most) }
     }
 
-    /// Position of a value on the scale.
+    /// Maps a value to its position on the scale.
     pub fn forward(self, value: f64) -> f64 {
         let size = value.abs() / self.threshold();
         if size <= 1.0 {
@@ -157,7 +157,7 @@ impl SymmetricLog {
         10_f64.powi(self.exponent)
     }
 
-    /// Value at a position on the scale.
+    /// Maps a position on the scale to its value.
     #[cfg(test)]
     fn inverse(self, place: f64) -> f64 {
         if place.abs() <= 1.0 {
@@ -167,8 +167,8 @@ impl SymmetricLog {
         }
     }
 
-    /// Ticks between two places, by place: zero and powers of ten, with labels on at most about
-    /// `most` of them and empty labels between.
+    /// Computes the ticks between two positions: zero and powers of ten. About `most` of them have labels; the other
+    /// labels are empty.
     pub fn ticks(self, low: f64, high: f64, most: usize) -> Vec<Tick> {
         let step = ((high - low) / most.max(2) as f64).ceil().max(1.0) as i32;
         let mut ticks = vec![(0.0, "0".to_owned())];

@@ -1,4 +1,4 @@
-//! Seismograms: records of receivers against time.
+//! Seismograms: recorded quantities at receivers against time.
 
 use crate::error::FigureError;
 use crate::format::Format;
@@ -7,50 +7,47 @@ use crate::record::{Series, Sheet, Strip};
 /// Trace of one quantity at one receiver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
-    /// The name of the receiver, listed in the legend. Traces of the same name share a style in all
-    /// panels.
+    /// Name of the receiver, listed in the legend. Traces with the same name share a style in all panels.
     pub name: String,
-    /// A value for each time of the figure, in the unit of the panel's label. Numbers that are not
-    /// finite interrupt the line.
+    /// One value per time of the figure, in the unit of the panel's label. Non-finite values interrupt the line.
     pub values: Vec<f64>,
 }
 
-/// One quantity at all receivers, on a scale of its own.
+/// Panel of one quantity at all receivers, with its own scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeismogramPanel {
-    /// Name, symbol and unit of the quantity, such as `velocity v₁, m/s`.
+    /// Name, symbol and unit of the quantity, e.g. `velocity v₁, m/s`.
     pub label: String,
-    /// The receivers; eight have distinct styles.
+    /// Traces of the receivers; the first eight have distinct styles.
     pub traces: Vec<Trace>,
 }
 
-/// Seismograms of the receivers: a panel for each quantity, one above the other, over one
-/// axis of time.
+/// Seismograms of the receivers: one panel per quantity, one above the other, with a common time axis.
 ///
-/// Of more samples than can be shown, the extremes within each pixel are drawn, so that no peak is
-/// lost. The figure is higher where there are more than about five panels.
+/// If there are more samples than pixels, the extrema within each pixel column are drawn, so that no peak is lost. The
+/// figure is higher than usual for more than about five panels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeismogramFigure {
     /// Title of the figure.
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// Name, symbol and unit of the time.
+    /// Name, symbol and unit of the time axis.
     pub time_label: String,
-    /// The panels from above to below.
+    /// Panels from top to bottom.
     pub panels: Vec<SeismogramPanel>,
-    /// The times of the samples, which do not decrease, in the unit of the label.
+    /// Times of the samples, non-decreasing, in the unit of the time label.
     pub times: Vec<f64>,
 }
 
-/// Least height of a panel's frame in pixels.
+/// Minimum height of the frame of a panel, pixels.
 const LEAST: f64 = 110.0;
 
 impl SeismogramFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// A trace has not one value for each time, or the picture cannot be drawn or encoded.
+    /// A trace does not have one value per time, or rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.sheet().draw(format)
     }
@@ -155,7 +152,7 @@ mod tests {
         figure.panels[0].traces[0].values[617_283] = 1.0;
         let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
         let ink = |x: usize, y: usize| pixels[3 * (y * width + x)] < 128;
-        // Somewhere above the middle, away from letters and the frame.
+        // A vertical line above the middle of the figure, away from texts and the frame.
         let column = (900..1100).find(|&x| (400..500).all(|y| ink(x, y)));
         assert!(column.is_some());
         assert!(figure.draw(Format::Svg).unwrap().len() < 200_000);

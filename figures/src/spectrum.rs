@@ -1,4 +1,4 @@
-//! Spectra: a quantity against the scale, on logarithmic axes.
+//! Spectra: a quantity against the mode number, on logarithmic axes.
 
 use crate::dispersion::draw_ring;
 use crate::error::FigureError;
@@ -8,9 +8,9 @@ use crate::page::{self, Legend, MARGIN, RULE};
 use crate::picture::{INK, Picture, Rectangle, clip};
 use crate::scale::{self, Tick};
 
-/// A positive quantity against the number of a scale, both axes logarithmic, at several times.
+/// Spectra of a positive quantity at several times, against the mode number; both axes are logarithmic.
 ///
-/// Values 16 decades or more below the largest are rounding and are omitted.
+/// Values more than 16 decades below the largest value are rounding errors and are omitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrumFigure {
     /// Title of the figure.
@@ -21,21 +21,21 @@ pub struct SpectrumFigure {
     pub x_label: String,
     /// Name and unit of the quantity.
     pub y_label: String,
-    /// The lines, one for each time; eight have distinct styles. Points that are not positive or not
-    /// finite interrupt a line.
+    /// Spectra, one per time; the first eight have distinct styles. Points that are non-positive or non-finite
+    /// interrupt a line.
     pub lines: Vec<Line>,
-    /// Points that were measured, drawn as rings in the colours of the lines; fewer lists than lines will do.
+    /// Measured points of each line, drawn as rings in its colour; may have fewer lists than there are lines.
     pub rings: Vec<Vec<[f64; 2]>>,
 }
 
-/// Decades of the vertical axis, at most.
+/// Maximum number of decades of the vertical axis.
 const DECADES: f64 = 16.0;
 
 impl SpectrumFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// The picture cannot be drawn or encoded.
+    /// Rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }
@@ -48,7 +48,7 @@ impl SpectrumFigure {
         let top = page::heading(&mut picture, &self.title, &self.subtitle) + 14.0;
         let bottom = page::HEIGHT - below;
 
-        // Places: decimal logarithms, those of what has none not a number.
+        // Decimal logarithms of the coordinates; NaN for non-positive numbers.
         let place = |value: f64| if value > 0.0 { value.log10() } else { f64::NAN };
         let lines: Vec<Vec<[f64; 2]>> = self
             .lines
@@ -113,7 +113,7 @@ impl SpectrumFigure {
     }
 }
 
-/// Least and greatest of some places, with room at both ends; some range where there are none.
+/// Computes the range of the finite positions with margins; a default range if there are none.
 fn range(places: impl Iterator<Item = f64>) -> [f64; 2] {
     let finite = places.filter(|place| place.is_finite());
     let ends = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {

@@ -1,4 +1,4 @@
-//! Speeds of characteristics against the direction of the wave normal, as a polar diagram.
+//! Polar diagram of characteristic speeds against the direction of the wave normal.
 
 use plotters::style::RGBColor;
 
@@ -13,45 +13,43 @@ use crate::polar::{
 };
 use crate::scale::{self, Tick};
 
-/// Response of the solid to which a speed belongs.
+/// Response of the solid: elastic or yielding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Response {
-    /// Elastic: grey and dotted.
+    /// Elastic response: drawn grey and dotted.
     Elastic,
-    /// Yielding: solid, in colour and with markers.
+    /// Yielding response: drawn solid, in colour and with markers.
     Yielding,
 }
 
-/// A characteristic speed over the directions of the wave normal.
+/// A characteristic speed against the direction of the wave normal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedCurve {
-    /// Legend text. Curves of the same label, response and multiplicity share a style
-    /// and are listed once.
+    /// Legend text. Curves with the same label, response and multiplicity share a style and are listed once.
     pub label: String,
-    /// Direction of the normal in degrees, from 0 to 180 (opposite normals have the same speeds),
-    /// and speed. NaN interrupts the line; negative speeds are drawn by their size.
+    /// Pairs of direction of the normal, degrees from 0 to 180 (opposite normals have the same speeds), and speed. NaN
+    /// interrupts the line; the magnitude of negative speeds is drawn.
     pub points: Vec<[f64; 2]>,
-    /// Kind, which determines the style.
+    /// Response, which determines the style.
     pub response: Response,
-    /// Multiplicity of the speed; curves of more than one are drawn as that many
-    /// parallel lines, up to three, and the legend tells the number.
+    /// Multiplicity of the speed: up to three parallel lines are drawn, and the legend states the multiplicity.
     pub multiplicity: usize,
 }
 
-/// A direction of the wave normal in which a speed vanishes.
+/// A direction of the wave normal in which a characteristic speed is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vanishing {
-    /// A few words, written behind the angle; may be empty.
+    /// Label of a few words, written after the angle; may be empty.
     pub label: String,
-    /// Angle from x₁, anticlockwise, in degrees. Directions that are not finite are left out.
+    /// Angle from x₁, degrees anticlockwise. Directions with a non-finite angle are not drawn.
     pub angle_deg: f64,
 }
 
-/// Characteristic speeds of the elastic and of the yielding solid against the direction of the
+/// Polar diagram of the characteristic speeds of the elastic and of the yielding solid against the direction of the
 /// wave normal in a plane.
 ///
-/// The radius is the speed. Sectors in which speeds are complex (flutter) or imaginary are shaded, directions
-/// in which a speed vanishes are dashed lines through the centre.
+/// The radius is the speed. Sectors with complex (flutter) or imaginary speeds are shaded; directions in which a speed
+/// is zero are dashed lines through the centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedsFigure {
     /// Title of the figure.
@@ -60,16 +58,16 @@ pub struct SpeedsFigure {
     pub subtitle: String,
     /// Name and symbol of the speed, for the legend.
     pub speed_label: String,
-    /// Unit of the radius, written on the outermost ring.
+    /// Unit of the speed, written on the outermost ring.
     pub unit: String,
-    /// The curves; four of the yielding solid have distinct styles.
+    /// Curves; the first eight labels of the yielding solid have distinct styles.
     pub curves: Vec<SpeedCurve>,
-    /// Sectors of flutter: first and last direction in degrees, anticlockwise; the opposite
-    /// sectors are shaded too.
+    /// Flutter sectors: first and last direction, degrees anticlockwise; the opposite sectors are shaded as well.
     pub flutter: Vec<[f64; 2]>,
-    /// Sectors in which a speed is imaginary (a shear band grows): first and last direction in degrees.
+    /// Sectors in which a speed is imaginary (growing shear bands): first and last direction, degrees anticlockwise;
+    /// the opposite sectors are shaded as well.
     pub imaginary: Vec<[f64; 2]>,
-    /// Directions in which a speed vanishes.
+    /// Directions of the wave normal in which a speed is zero.
     pub vanishing: Vec<Vanishing>,
 }
 
@@ -77,12 +75,12 @@ const ELASTIC: Colour = RGBColor(110, 110, 110);
 const ELASTIC_DASHES: &[f64] = &[3.0, 5.0];
 const ELASTIC_WIDTH: f64 = 2.8;
 const FLUTTER: Colour = RGBColor(253, 226, 212);
-/// Lines on the ground of flutter tell it in grey.
+/// Colour of the arcs that hatch flutter sectors, for greyscale.
 const FLUTTER_ARC: Colour = RGBColor(240, 184, 160);
 const IMAGINARY: Colour = RGBColor(222, 226, 238);
-/// Rays on the ground of imaginary speeds.
+/// Colour of the rays that hatch sectors of imaginary speeds, for greyscale.
 const IMAGINARY_RAY: Colour = RGBColor(150, 158, 186);
-/// Sectors are drawn at least this wide, in degrees.
+/// Minimum width of a drawn sector, degrees.
 const NARROWEST: f64 = 0.4;
 /// Magnitude above which speeds are treated as infinite.
 const FINITE: f64 = 1e300;
@@ -91,7 +89,7 @@ impl SpeedsFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// The picture cannot be drawn or encoded.
+    /// Rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }
@@ -107,7 +105,7 @@ impl SpeedsFigure {
             .collect()
     }
 
-    /// Sectors as first angle and width.
+    /// Converts sectors from first and last direction to first angle and width, degrees.
     fn sectors(ends: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let known = ends.iter().filter(|ends| ends.iter().all(|end| end.is_finite()));
         known
@@ -120,7 +118,7 @@ impl SpeedsFigure {
             .collect()
     }
 
-    /// The place of a curve among the different labels of its response.
+    /// Returns the index of a curve's label among the distinct labels of its response, which determines the style.
     fn look_of(&self, index: usize) -> usize {
         let response = self.curves[index].response;
         let mut labels: Vec<&str> = Vec::new();
@@ -222,11 +220,11 @@ impl SpeedsFigure {
         picture
     }
 
-    /// The speed at the rim.
+    /// Returns the speed at the rim.
     fn range(&self) -> f64 {
         let speeds = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1].abs());
         let largest = speeds.filter(|speed| *speed < FINITE).fold(0.0, f64::max);
-        // Smaller ones are zero as far as a scale can tell.
+        // Smaller speeds are treated as zero.
         if largest > 1.0 / FINITE { 1.08 * largest } else { 1.0 }
     }
 
@@ -240,7 +238,7 @@ impl SpeedsFigure {
         let radius = (0.5 * area.height() - DEGREES - 0.7 * RING_LABEL).min(440.0);
         let centre = [0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom)];
         let range = self.range();
-        // Infinite speeds run just inside the rim.
+        // Infinite speeds are drawn just inside the rim.
         let radius_of = |speed: f64| radius * (speed.abs() / range).min(0.985);
 
         for (ends, ground) in [(&self.imaginary, IMAGINARY), (&self.flutter, FLUTTER)] {
@@ -260,7 +258,7 @@ impl SpeedsFigure {
             .into_iter()
             .filter(|(speed, _)| *speed > 0.0)
             .map(|(speed, label)| (radius * speed / range, label))
-            // Numbers near the centre would cover the lines.
+            // Numbers near the centre would cover the curves and are omitted.
             .map(|(size, label)| (size, if size < 0.2 * radius { String::new() } else { label }))
             .collect();
         for (size, _) in &rings {
@@ -271,7 +269,7 @@ impl SpeedsFigure {
             picture.line(ends, 1.4, RING);
         }
         for spoke in spokes {
-            // From the rim inwards, so that the dashes are the same on both sides.
+            // From the rim inwards, so that the dashes are symmetric.
             for end in [spoke.angle_deg, spoke.angle_deg + 180.0] {
                 spoke.style.draw(picture, &[at(centre, end, radius), centre]);
             }
@@ -288,7 +286,7 @@ impl SpeedsFigure {
 
         let lines: Vec<Vec<(f64, Point)>> =
             self.curves.iter().map(|curve| places(&curve.points, centre, radius_of)).collect();
-        // The elastic speeds lie below those they are compared with.
+        // Elastic speeds are drawn below the speeds of the yielding solid.
         for response in [Response::Elastic, Response::Yielding] {
             let of_it = |index: &usize| self.curves[*index].response == response;
             for index in (0..lines.len()).filter(of_it) {
@@ -312,7 +310,7 @@ impl SpeedsFigure {
     }
 }
 
-/// Draws a line as one, two or three parallel ones.
+/// Draws a line as `multiplicity` parallel lines, at most three.
 fn stroke(
     picture: &mut Picture,
     line: &[Point],
@@ -339,7 +337,7 @@ fn stroke(
     }
 }
 
-/// Points along an arc.
+/// Computes points along an arc; angles in degrees, radius in pixels.
 fn arc(centre: Point, radius: f64, from: f64, width: f64) -> Vec<Point> {
     let steps = width.ceil().max(2.0);
     (0..=steps as usize)
@@ -347,7 +345,7 @@ fn arc(centre: Point, radius: f64, from: f64, width: f64) -> Vec<Point> {
         .collect()
 }
 
-/// A sector of a disc.
+/// Computes the polygon of a circular sector.
 fn sector(centre: Point, radius: f64, from: f64, width: f64) -> Vec<Point> {
     let mut sector = arc(centre, radius, from, width);
     sector.push(centre);

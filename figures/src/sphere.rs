@@ -1,4 +1,4 @@
-//! A quantity over all wave normals in space, on a map of the hemisphere.
+//! Map of a quantity over all wave normals in space, on a hemisphere.
 
 use std::f64::consts::SQRT_2;
 
@@ -20,54 +20,51 @@ use crate::verdict_map::{BAR, BAR_GAP, LEVEL_MISSING, colour_on_shade, draw_shad
 /// A marked wave normal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphereMark {
-    /// Legend text, followed by the components. The mark is numbered there and on
-    /// the map.
+    /// Legend text, followed by the components of the normal. The number of the mark is shown in the legend and on the
+    /// map.
     pub label: String,
-    /// The normal, of any length; opposite normals are the same. Those that are zero or not finite
-    /// are left out.
+    /// Normal vector, of any length; opposite normals are equivalent. Zero and non-finite vectors are not drawn.
     pub normal: [f64; 3],
 }
 
-/// A quantity over all wave normals, on an equal-area map of a hemisphere (Lambert's azimuthal
-/// projection): x₃ in the middle, x₁ to the right and x₂ upwards on the rim. Opposite normals are
-/// the same wave, so that the hemisphere is everything.
+/// Map of a quantity over all wave normals, on a hemisphere in Lambert's azimuthal equal-area projection: x₃ at the
+/// centre, x₁ to the right and x₂ upwards on the rim. Opposite normals describe the same wave, so that a hemisphere
+/// suffices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SphereFigure {
     /// Title of the figure.
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// Angles from x₃ in degrees, from 0 to 90, ascending.
+    /// Polar angles from x₃, degrees from 0 to 90, ascending.
     pub polar_deg: Vec<f64>,
-    /// Angles from x₁ towards x₂ in degrees, ascending, over the full circle; the value at 360° may
-    /// be given or not.
+    /// Azimuths from x₁ towards x₂ over the full circle, degrees, ascending; the azimuth 360° may be omitted.
     pub azimuth_deg: Vec<f64>,
-    /// The value for each pair of angles, azimuth running fastest; NaN where there is
-    /// none. Between the angles values are interpolated; a degree between them is fine enough for
-    /// smooth edges of missing values.
+    /// Value for each pair of angles, azimuth varying fastest; NaN if missing. Values are interpolated between the
+    /// angles; with steps of one degree the edges of missing values are smooth.
     pub values: Vec<f64>,
-    /// Name, symbol and unit of the value.
+    /// Name, symbol and unit of the values.
     pub value_label: String,
-    /// Whether the colour scale is logarithmic; values that are not positive are missing then.
+    /// Whether the colour scale is logarithmic; non-positive values are then missing.
     pub value_log: bool,
-    /// Whether dark colours stand for low values instead of high ones.
+    /// Whether dark colours represent low values instead of high values.
     pub dark_is_low: bool,
-    /// Legend text for normals without a value.
+    /// Legend text for normals with missing values.
     pub missing_label: String,
     /// Marked normals.
     pub marks: Vec<SphereMark>,
 }
 
-/// Edge of a cell of the map in pixels.
+/// Edge of a cell of the map, pixels.
 const CELL: f64 = 3.0;
-/// Open contour lines are at least this long.
+/// Minimum length of open contour lines, pixels.
 const SHORTEST: f64 = 60.0;
 const GRATICULE: Colour = RGBColor(125, 125, 125);
 /// Magnitude above which values are treated as infinite, since differences would overflow.
 const FINITE: f64 = 1e300;
 const MISSING: Colour = LEVEL_MISSING;
 
-/// The hemisphere as a disc.
+/// Projection of the hemisphere to a disc.
 #[derive(Clone, Copy)]
 struct Disc {
     centre: Point,
@@ -75,14 +72,14 @@ struct Disc {
 }
 
 impl Disc {
-    /// The place of a direction given by its angles in degrees.
+    /// Projects a direction, given by its angles in degrees, to a point.
     fn place(self, polar_deg: f64, azimuth_deg: f64) -> Point {
         let radius = self.radius * SQRT_2 * (0.5 * polar_deg.to_radians()).sin();
         at(self.centre, azimuth_deg, radius)
     }
 
-    /// The angles of the direction at a place, from x₃ and from x₁ in degrees; beyond the rim
-    /// those of the opposite direction, which lies in the hemisphere.
+    /// Computes the angles (degrees, from x₃ and from x₁) of the direction projected to a point; outside the rim the
+    /// angles of the opposite direction, which is in the hemisphere.
     fn angles(self, [x, y]: Point) -> [f64; 2] {
         let (dx, dy) = (x - self.centre[0], self.centre[1] - y);
         let half_sine = (dx.hypot(dy) / (SQRT_2 * self.radius)).min(1.0);
@@ -92,7 +89,7 @@ impl Disc {
     }
 }
 
-/// The colours' range, in values or their logarithms.
+/// Range of the colour scale, in values or their log₁₀.
 struct Range {
     low: f64,
     high: f64,
@@ -102,7 +99,7 @@ impl SphereFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// Angles do not ascend, there is not one value for each pair of them, or the picture cannot be drawn or encoded.
+    /// Angles are not ascending, there is not one value per pair of angles, or rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture()?.render(format)
     }
@@ -125,7 +122,7 @@ impl SphereFigure {
         Err(FigureError::CellCount { field: "values", found, columns, rows })
     }
 
-    /// A value as the colours and the lines see it; NaN where it is missing.
+    /// Returns the level of a value, i.e. the value or its log₁₀; NaN if missing.
     fn level(&self, value: f64) -> f64 {
         match self.value_log {
             true if value > 0.0 => value.log10(),
@@ -150,9 +147,9 @@ impl SphereFigure {
         Range { low, high }
     }
 
-    /// The level in a direction, interpolated between those of the four nearest ones that have a
-    /// value; NaN where these weigh less than `least` of all. Infinite levels reach half
-    /// the way to the next direction.
+    /// Interpolates the level in a direction bilinearly between the four nearest grid directions, without those with
+    /// missing values; NaN if the sum of the remaining weights is less than `least`. If one of the four levels is
+    /// infinite, the nearest of them is returned.
     fn level_at(&self, [polar, azimuth]: [f64; 2], least: f64) -> f64 {
         let (Some(&first), Some(&last)) = (self.azimuth_deg.first(), self.azimuth_deg.last())
         else {
@@ -169,7 +166,7 @@ impl SphereFigure {
         let down = between(self.polar_deg[row], self.polar_deg[next_row], polar);
         let azimuth = first + (azimuth - first).rem_euclid(360.0);
         let column = self.azimuth_deg.partition_point(|angle| *angle <= azimuth).saturating_sub(1);
-        // Behind the last angle comes the first one again.
+        // The first azimuth follows the last azimuth.
         let (next_column, next_angle) = match self.azimuth_deg.get(column + 1) {
             Some(angle) => (column + 1, *angle),
             None => (0, (first + 360.0).max(last)),
@@ -198,7 +195,7 @@ impl SphereFigure {
         known().map(|(corner, weight)| corner * weight / share).sum()
     }
 
-    /// The marks that are drawn, as their angles and place in the list.
+    /// Returns the drawable marks: angles (degrees), unit normal and label.
     fn known_marks(&self) -> Vec<([f64; 2], [f64; 3], &str)> {
         let known = self.marks.iter().filter_map(|mark| {
             let largest = mark.normal.iter().fold(0.0_f64, |size, part| size.max(part.abs()));
@@ -219,7 +216,7 @@ impl SphereFigure {
     fn legend(&self, has_missing: bool) -> Vec<Entry> {
         let mut entries: Vec<Entry> = Vec::new();
         for (index, (_, normal, label)) in self.known_marks().into_iter().enumerate() {
-            // Adding zero makes a negative zero positive.
+            // Adding 0.0 converts a negative zero to a positive zero.
             let parts = normal.map(|part| plain((1000.0 * part).round() / 1000.0 + 0.0));
             let comma = if label.is_empty() { "" } else { ", " };
             let words = format!("{label}{comma}n = ({})", parts.join(", "));
@@ -312,7 +309,7 @@ impl SphereFigure {
                 let run = (start + 1..count)
                     .find(|&column| colours[column] != colours[start])
                     .unwrap_or(count);
-                // Reaching under the next cells keeps hairlines from showing between cells.
+                // Each area extends below the following cells, which prevents hairlines between cells.
                 let area = Rectangle {
                     left: (corner[0] + start as f64 * CELL).max(centre[0] - half),
                     top: y - 0.5 * CELL,
@@ -327,10 +324,10 @@ impl SphereFigure {
         }
     }
 
-    /// Draws the contour lines at the ticks of the bar.
+    /// Draws the contour lines at the ticks of the colour bar.
     fn draw_contours(&self, picture: &mut Picture, disc: Disc, range: &Range, ticks: &[Tick]) {
         let Disc { centre, radius } = disc;
-        // One cell more all around, so that the lines reach the rim.
+        // One additional cell on each side, so that the lines reach the rim.
         let count = (2.0 * radius / CELL).ceil() as usize + 3;
         let place = |[x, y]: Point| {
             [centre[0] - radius + (x - 1.0) * CELL, centre[1] - radius + (y - 1.0) * CELL]
@@ -342,7 +339,7 @@ impl SphereFigure {
                 (x - centre[0]).hypot(y - centre[1]) <= radius + 1.5 * CELL
             };
             for column in (0..count).filter(inside) {
-                // No lines along the edges of missing values.
+                // Only complete cells have contour lines, so that there are none along the edges of missing values.
                 let angles = disc.angles(place([column as f64, row as f64]));
                 levels[row * count + column] = self.level_at(angles, 1.0);
             }
@@ -354,7 +351,7 @@ impl SphereFigure {
                 let points: Vec<Point> = line.into_iter().map(place).collect();
                 let outside = |&[x, y]: &Point| (x - centre[0]).hypot(y - centre[1]) > radius;
                 for (from, to) in runs(points.len(), |index| !outside(&points[index])) {
-                    // Scraps along the edges of missing values tell nothing.
+                    // Short pieces along the edges of missing values are omitted.
                     let scrap = from + 1 >= to || polyline_length(&points[from..to]) < SHORTEST;
                     let closed = points.first() == points.last();
                     if !scrap || (closed && to - from == points.len()) {
@@ -401,7 +398,7 @@ impl SphereFigure {
         }
         for (&[x, y], (angles, _, _)) in points.iter().zip(&marks) {
             draw_point(picture, [x, y]);
-            // A normal on the rim is there twice.
+            // A normal on the rim is drawn at both of its ends.
             if angles[0] > 89.9 {
                 draw_point(picture, [2.0 * disc.centre[0] - x, 2.0 * disc.centre[1] - y]);
             }
@@ -439,14 +436,14 @@ fn draw_point(picture: &mut Picture, at: Point) {
     picture.disc(at, 5.5, INK);
 }
 
-/// The name of the axis in the middle.
+/// Returns the label x₃ of the axis at the centre.
 fn centre_name(disc: Disc) -> Text {
     let [x, y] = disc.centre;
     let at = [x + 12.0 + 0.5 * text_width("x₃", RING_LABEL, false), y + 12.0 + RING_LABEL];
     Text::new(at, Anchor::Middle, RING_LABEL, "x₃")
 }
 
-/// Draws the rim with angles and axes, and the circles about x₃.
+/// Draws the rim with angles and axis names, and the circles at 30° and 60° from x₃.
 fn draw_graticule(picture: &mut Picture, disc: Disc) {
     let Disc { centre, radius } = disc;
     for polar in [30.0, 60.0] {
@@ -460,7 +457,7 @@ fn draw_graticule(picture: &mut Picture, disc: Disc) {
         picture.line([[x - arm, y], [x + arm, y]], width, colour);
         picture.line([[x, y - arm], [x, y + arm]], width, colour);
     }
-    // The edges of the cells stand out by a pixel or two.
+    // Covers the edges of cells that extend beyond the rim.
     ring(picture, centre, radius + 3.0, 6.0, WHITE);
     ring(picture, centre, radius, 2.4, INK);
     let turns = [0.0, 90.0, 180.0, 270.0];
@@ -557,10 +554,10 @@ mod tests {
             assert!((back[0] - polar).abs() < 1e-6, "{back:?}");
             assert!(polar == 0.0 || (back[1] - azimuth).abs() < 1e-6, "{back:?}");
         }
-        // Half of the hemisphere's area lies within 60° of the pole.
+        // Equal areas: half of the area of the hemisphere is within 60° of the pole.
         let [x, _] = disc.place(60.0, 0.0);
         assert!((((x - 500.0) / 400.0).powi(2) - 0.5).abs() < 1e-12);
-        // Beyond the rim comes the other side.
+        // Outside the rim are the opposite directions.
         let [polar, azimuth] = disc.angles([905.0, 500.0]);
         assert!(polar < 90.0 && (azimuth - 180.0).abs() < 1e-9);
     }

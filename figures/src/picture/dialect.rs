@@ -1,4 +1,4 @@
-//! Placing of text and strokes of lines, which differ between bitmaps and SVG.
+//! Drawing of text and lines, which differs between PNG and SVG.
 
 use plotters::backend::DrawingBackend;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -9,22 +9,22 @@ use super::geometry::{Point, Rectangle, circle};
 use super::text::{Anchor, Colour, Text};
 use crate::error::FigureError;
 
-/// Fine pixels along the edge of a pixel of the finished picture.
+/// Supersampling factor: fine pixels per pixel along each axis.
 pub(super) const FINENESS: u32 = 3;
 
-/// Conventions of an output format for text and lines. The two libraries below plotters read the
-/// same size and place differently; without the correction the two formats would not agree.
+/// Conventions of an output format for text and lines. The two backends of plotters interpret font size and text
+/// position differently; the corrections make both formats agree.
 pub(super) struct Dialect {
-    /// The library's font size for an em square of one pixel.
+    /// Font size of the backend for an em square of one pixel.
     size_per_em: f64,
-    /// Distance from the place handed over to the baseline, in em.
+    /// Distance from the position passed to the backend to the baseline, in em.
     baseline: f64,
-    /// Whether the output is text: a line is given to the library whole, patches become paths.
+    /// Whether the format is SVG: a line is passed to the backend as a whole, and patches are written as paths.
     pub(super) is_text: bool,
 }
 
-/// The library's polygon of a thick line has holes where a line turns back on itself, so lines are drawn
-/// piece by piece.
+/// Bitmap backend. Its polygon of a thick line has holes where the line reverses direction, so lines are drawn segment
+/// by segment.
 pub(super) const BITMAP: Dialect =
     Dialect { size_per_em: BITMAP_SIZE_PER_EM, baseline: 0.582, is_text: false };
 pub(super) const SVG: Dialect = Dialect { size_per_em: 1.24, baseline: 0.76, is_text: true };
@@ -85,7 +85,7 @@ impl Dialect {
                 ];
                 on.fill_polygon(corners.map(fine), &colour).map_err(refused)?;
             }
-            // A disc closes the notch between two pieces.
+            // A disc closes the notch between two segments.
             if index > 0 && width > 1.0 {
                 let joint = circle(piece[0], 0.5 * width, 12).into_iter().map(fine);
                 on.fill_polygon(joint, &colour).map_err(refused)?;
@@ -100,10 +100,10 @@ pub(super) fn fine([x, y]: Point) -> (i32, i32) {
     ((scale * x).round() as i32, (scale * y).round() as i32)
 }
 
-/// First coordinate of the polygons that stand for patches in an SVG; far from the sheet.
+/// First coordinate of the placeholder polygons of patches in an SVG, far outside the picture.
 pub(super) const PATCHES: i32 = -1_000_000;
 
-/// The corners of a patch in fine pixels; none where it is smaller than one of these.
+/// Returns the corners of a patch in fine pixels; `None` if the patch is smaller than a fine pixel.
 pub(super) fn fine_patch(area: &Rectangle) -> Option<([i32; 2], [i32; 2])> {
     let (from, to) = (fine([area.left, area.top]), fine([area.right, area.bottom]));
     (from.0 < to.0 && from.1 < to.1).then_some(([from.0, from.1], [to.0, to.1]))

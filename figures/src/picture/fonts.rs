@@ -1,14 +1,14 @@
-//! Fonts, and the width of text.
+//! Embedded fonts, and the width of texts.
 
 use std::sync::Once;
 
 use plotters::style::{FontDesc, FontFamily, FontStyle, IntoFont, register_font};
 
-/// The font size for an em square of one pixel in bitmaps: the height from ascender to descender,
-/// 1.164 em in DejaVu Sans.
+/// Font size of the bitmap backend for an em square of one pixel: the height from ascender to descender, 1.164 em in
+/// DejaVu Sans.
 pub(super) const BITMAP_SIZE_PER_EM: f64 = 1.164;
 
-/// The name under which the fonts are registered. SVG viewers read it as a list of preferences.
+/// Name under which the fonts are registered; SVG viewers interpret it as a list of fallbacks.
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
 pub(super) fn register_fonts() {
@@ -17,8 +17,7 @@ pub(super) fn register_fonts() {
         let fonts =
             [(FontStyle::Normal, dejavu::sans::regular()), (FontStyle::Bold, dejavu::sans::bold())];
         for (style, bytes) in fonts {
-            // Part of the program, so that a failure is one of the build; text would be refused
-            // with a typed error at its first use.
+            // The fonts are embedded, so that an error here is a build error; drawing text would then return an error.
             let _ = register_font(FAMILY, style, bytes);
         }
     });
@@ -29,9 +28,9 @@ pub(super) fn font(size: f64, bold: bool) -> FontDesc<'static> {
     (FontFamily::Name(FAMILY), size, style).into_font()
 }
 
-/// Width of a line of text in pixels, `size` being that of the em square.
+/// Computes the width of a line of text, pixels; `size` is the size of the em square, pixels.
 pub(crate) fn text_width(content: &str, size: f64, bold: bool) -> f64 {
-    // Measured large: the library rounds to whole pixels.
+    // Measured at a large size, since the library rounds to whole pixels.
     const LARGE: f64 = 200.0;
     register_fonts();
     let layout = font(LARGE * BITMAP_SIZE_PER_EM, bold).layout_box(content);

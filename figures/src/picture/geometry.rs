@@ -1,9 +1,9 @@
-//! Points, rectangles and lines in pixels: circles, dashes and clipping.
+//! Geometry in pixels: points, rectangles, circles, dashes and clipping.
 
-/// A place in pixels, from the upper left corner to the right and down.
+/// A point in pixels from the upper left corner: to the right and downwards.
 pub(crate) type Point = [f64; 2];
 
-/// An vertical rectangle in pixels.
+/// An axis-aligned rectangle in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rectangle {
     pub left: f64,
@@ -44,7 +44,7 @@ pub(crate) fn circle([x, y]: Point, radius: f64, corners: usize) -> Vec<Point> {
         .collect()
 }
 
-/// The dashes of a line; `pattern` holds their lengths and those of the gaps in turn.
+/// Computes the dashes of a line; `pattern` has the lengths of dashes and gaps alternately, pixels.
 pub(crate) fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     let mut dashes = Vec::new();
     let (mut turn, mut left) = (0, pattern[0]);
@@ -77,13 +77,12 @@ pub(crate) fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     dashes
 }
 
-/// The length of a line.
+/// Computes the length of a polyline.
 pub(crate) fn polyline_length(line: &[Point]) -> f64 {
     line.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum()
 }
 
-/// The parts of a line inside an area, the line being interrupted where a coordinate is not
-/// finite.
+/// Clips a polyline to an area; returns the parts inside. Non-finite coordinates interrupt the line.
 pub(crate) fn clip(points: &[Point], area: Rectangle) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
     let mut open = false;
@@ -101,7 +100,7 @@ pub(crate) fn clip(points: &[Point], area: Rectangle) -> Vec<Vec<Point>> {
     parts
 }
 
-/// The part of a straight piece inside an area (Liang and Barsky 1984).
+/// Clips a line segment to an area (Liang and Barsky 1984).
 fn clip_piece(from: Point, to: Point, area: Rectangle) -> Option<(Point, Point)> {
     if !from.iter().chain(&to).all(|coordinate| coordinate.is_finite()) {
         return None;

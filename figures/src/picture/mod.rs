@@ -1,6 +1,6 @@
-//! A picture as a list of shapes, and its rendering.
+//! Picture as a list of shapes, and its rendering.
 //!
-//! Figures are laid out in pixels with fractions.
+//! Coordinates are fractional pixels.
 
 mod dialect;
 mod fonts;

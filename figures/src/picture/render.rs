@@ -1,7 +1,7 @@
-//! Rendering to PNG and SVG.
+//! Rendering of pictures to PNG and SVG.
 //!
-//! Rendering multiplies by [`FINENESS`]: the drawing library places on whole pixels and leaves the
-//! edges of thick lines jagged, averaging the fine pixels afterwards smooths both.
+//! Pictures are supersampled by [`FINENESS`]: the drawing library rounds coordinates to whole pixels and does not
+//! antialias thick lines; averaging the fine pixels does both.
 
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::RGBColor;
@@ -15,7 +15,7 @@ use crate::error::FigureError;
 use crate::format::Format;
 
 impl Picture {
-    /// The picture as the bytes of a file.
+    /// Renders the picture in a file format and returns the bytes of the file.
     pub fn render(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         register_fonts();
         let (width, height) = (self.width * FINENESS, self.height * FINENESS);
@@ -31,7 +31,7 @@ impl Picture {
         }
     }
 
-    /// The pixels of the picture row by row, three bytes each.
+    /// Renders the pixels of the picture row by row, three bytes each.
     pub fn pixels(&self) -> Result<Vec<u8>, FigureError> {
         register_fonts();
         let (width, height) = (self.width * FINENESS, self.height * FINENESS);
@@ -40,13 +40,13 @@ impl Picture {
         Ok(self.averaged(&fine))
     }
 
-    /// The SVG with the paths of the patches in place of the polygons that stand for them.
+    /// Replaces the placeholder polygons of patches in the SVG by paths.
     fn with_patches(&self, text: &str) -> String {
         let mut whole = String::with_capacity(text.len());
         let mut rest = text;
         for (index, shape) in self.shapes.iter().enumerate() {
             let Shape::Patches(areas, RGBColor(red, green, blue)) = shape else { continue };
-            // Quotes within texts are escaped, so that no text holds the words looked for.
+            // Quotes in texts are escaped, so that no text contains the placeholder.
             let stand_in = format!("points=\"{PATCHES},{index} \"/>");
             let Some(place) = rest.find(&stand_in) else { continue };
             let start = rest[..place].rfind('<').unwrap_or(place);
@@ -64,7 +64,7 @@ impl Picture {
         whole
     }
 
-    /// Averages the fine pixels.
+    /// Averages the fine pixels of each pixel.
     fn averaged(&self, fine: &[u8]) -> Vec<u8> {
         let fineness = FINENESS as usize;
         let width = 3 * self.width as usize;

@@ -1,4 +1,4 @@
-//! The list of shapes.
+//! Shapes of a picture.
 
 use super::geometry::{Point, Rectangle, circle, dashes};
 use super::text::{Colour, Text};
@@ -11,7 +11,7 @@ pub(super) enum Shape {
     Text(Text),
 }
 
-/// A white sheet with shapes on it, later ones above earlier ones.
+/// Picture: a white sheet with shapes; later shapes cover earlier shapes.
 pub(crate) struct Picture {
     pub width: u32,
     pub height: u32,
@@ -27,8 +27,8 @@ impl Picture {
         self.shapes.push(Shape::Rectangle(area, colour));
     }
 
-    /// Fills many areas at once, with edges on whole fine pixels and none shared: a fifth of the
-    /// bytes of single areas in an SVG, and no hairlines between neighbours.
+    /// Fills many areas with one shape. Edges are rounded to whole fine pixels and have no outline: an SVG has a fifth
+    /// of the bytes of single areas, and no hairlines between adjacent areas.
     pub fn patches(&mut self, areas: Vec<Rectangle>, colour: Colour) {
         self.shapes.push(Shape::Patches(areas, colour));
     }
@@ -47,12 +47,12 @@ impl Picture {
 
     pub fn frame(&mut self, area: Rectangle, width: f64, colour: Colour) {
         let corners = area.corners();
-        // The first edge is drawn twice so that all four corners are mitred.
+        // The first edge is repeated, so that all four corners are joined.
         self.line([&corners[..], &corners[..2]].concat(), width, colour);
     }
 
-    /// A line interrupted by gaps: `pattern` holds the lengths of dashes and gaps in turn, in
-    /// pixels; without a pattern the line is solid.
+    /// Draws a dashed line: `pattern` has the lengths of dashes and gaps alternately, in pixels; an empty pattern gives
+    /// a solid line.
     pub fn dashed(&mut self, points: &[Point], pattern: &[f64], width: f64, colour: Colour) {
         if pattern.is_empty() {
             return self.line(points, width, colour);
@@ -66,7 +66,7 @@ impl Picture {
         self.shapes.push(Shape::Text(text));
     }
 
-    /// The texts of the picture.
+    /// Returns the texts of the picture.
     #[cfg(test)]
     pub fn texts(&self) -> impl Iterator<Item = &Text> {
         self.shapes.iter().filter_map(|shape| match shape {
@@ -75,7 +75,7 @@ impl Picture {
         })
     }
 
-    /// Fails when a text leaves the sheet or lies on another text.
+    /// Panics if a text extends beyond the picture or overlaps another text.
     #[cfg(test)]
     pub fn assert_texts_are_apart(&self) {
         let texts: Vec<&Text> = self.texts().collect();

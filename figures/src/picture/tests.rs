@@ -33,8 +33,7 @@ fn dashes_have_their_lengths_also_around_corners() {
 
 #[test]
 fn every_symbol_of_the_field_is_in_the_fonts() {
-    // A missing symbol is drawn as an empty box, which has the width of no other symbol that
-    // stands next to it here: compare pictures of single symbols instead of widths.
+    // A missing glyph is drawn as an empty box; pictures are compared, since widths of glyphs may coincide.
     let drawn = |symbol: char| {
         let mut picture = Picture::new(40, 40);
         picture.text(Text::new([5.0, 30.0], Anchor::Start, 28.0, symbol));
@@ -47,14 +46,14 @@ fn every_symbol_of_the_field_is_in_the_fonts() {
     }
 }
 
-/// Texts of a user have any characters; XML 1.0 does not allow some, and a file that has one is read by nobody.
+/// Verifies that SVG texts have no characters that XML 1.0 does not allow; files with such characters cannot be read.
 #[test]
 fn texts_hold_what_xml_allows() {
     let odd = "\u{fffe}a\u{ffff}b\u{0}c\u{1b}d\u{7f}\u{e000}\u{1fffe}";
     let mut picture = Picture::new(200, 20);
     picture.text(Text::new([2.0, 18.0], Anchor::Start, 5.0, odd));
     let svg = String::from_utf8(picture.render(Format::Svg).unwrap()).unwrap();
-    // Production 2 of the standard: `Char ::= #x9 | #xA | #xD | [#x20-#xD7FF] | [#xE000-#xFFFD] | [#x10000-#x10FFFF]`.
+    // Production 2 of XML 1.0: `Char ::= #x9 | #xA | #xD | [#x20-#xD7FF] | [#xE000-#xFFFD] | [#x10000-#x10FFFF]`.
     let is_char = |c: char| {
         let point = u32::from(c);
         [0x9, 0xa, 0xd].contains(&point) || (point >= 0x20 && ![0xfffe, 0xffff].contains(&point))

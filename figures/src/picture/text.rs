@@ -1,4 +1,4 @@
-//! Lines of text, and the colours of text and paper.
+//! Lines of text, and the colours of text and background.
 
 use plotters::style::RGBColor;
 
@@ -11,7 +11,7 @@ pub(crate) const INK: Colour = RGBColor(25, 25, 25);
 pub(crate) const PALE_INK: Colour = RGBColor(95, 95, 95);
 pub(crate) const WHITE: Colour = RGBColor(255, 255, 255);
 
-/// Anchor of a text: the part at its position.
+/// Anchor of a text: its start, middle or end is at the given position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Anchor {
     Start,
@@ -22,20 +22,20 @@ pub(crate) enum Anchor {
 /// A line of text.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Text {
-    /// A point on the baseline.
+    /// Anchor point on the baseline, pixels.
     pub at: Point,
     pub content: String,
-    /// Size of the font's em square in pixels.
+    /// Size of the em square of the font, pixels.
     pub size: f64,
     pub bold: bool,
     pub colour: Colour,
     pub anchor: Anchor,
-    /// Whether the text runs upwards instead of to the right.
+    /// Whether the text is vertical, reading upwards.
     pub upwards: bool,
 }
 
-/// A text with a replacement character (U+FFFD) for each that XML 1.0 does not allow (production 2, `Char`): no reader takes
-/// an SVG that has one.
+/// Replaces each character that XML 1.0 does not allow (production 2, `Char`) by U+FFFD; an SVG with such characters
+/// cannot be read.
 fn writable(text: String) -> String {
     let is_allowed = |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..);
     match text.chars().all(is_allowed) {
@@ -53,7 +53,7 @@ impl Text {
         Self { at, content, size, bold: false, colour: INK, anchor, upwards: false }
     }
 
-    /// The room taken by capitals, ascenders and descenders.
+    /// Returns the bounding box of the text, with capitals, ascenders and descenders.
     pub fn bounds(&self) -> Rectangle {
         let width = text_width(&self.content, self.size, self.bold);
         let before = match self.anchor {

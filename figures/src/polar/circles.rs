@@ -1,4 +1,4 @@
-//! Circles about the centre, and points in polar coordinates.
+//! Circles about a centre, and points in polar coordinates.
 
 use plotters::style::RGBColor;
 
@@ -7,16 +7,16 @@ use crate::picture::{Colour, Picture, Point, circle};
 pub(crate) const RING: Colour = RGBColor(205, 205, 205);
 pub(crate) const NEUTRAL: Colour = RGBColor(110, 110, 110);
 
-/// Size of the numbers on rings and of the degrees around them.
+/// Font size of the numbers on rings and of the angles around the rim, pixels.
 pub(crate) const RING_LABEL: f64 = 22.0;
 
-/// A point in polar coordinates about a centre, angles in degrees anticlockwise.
+/// Converts polar coordinates about a centre to a point; angle in degrees anticlockwise.
 pub(crate) fn at(centre: Point, angle_deg: f64, radius: f64) -> Point {
     let (sin, cos) = angle_deg.to_radians().sin_cos();
     [centre[0] + radius * cos, centre[1] - radius * sin]
 }
 
-/// Draws a full circle.
+/// Draws a circle.
 pub(crate) fn ring(picture: &mut Picture, centre: Point, radius: f64, width: f64, colour: Colour) {
     let mut rim = circle(centre, radius, 360);
     rim.extend_from_within(..2);

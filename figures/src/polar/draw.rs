@@ -1,4 +1,4 @@
-//! The drawing of a polar diagram.
+//! Drawing of a polar diagram.
 
 use super::circles::{NEUTRAL, RING, RING_LABEL, at, ring};
 use super::curves::{draw_curve, places};
@@ -17,7 +17,7 @@ impl PolarFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// The picture cannot be drawn or encoded.
+    /// Rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture().render(format)
     }
@@ -58,7 +58,7 @@ impl PolarFigure {
             .iter()
             .flat_map(|style| self.drawn().filter(move |spoke| spoke.style == *style))
         {
-            // From the rim inwards, so that the dashes are the same on both sides.
+            // From the rim inwards, so that the dashes are symmetric.
             for end in [spoke.angle_deg, spoke.angle_deg + 180.0] {
                 let points = [at(centre, end, radius), at(centre, end, HOLE * radius)];
                 spoke.style.draw(picture, &points);

@@ -1,4 +1,4 @@
-//! The data of a polar diagram.
+//! Data of a polar diagram.
 
 use plotters::style::RGBColor;
 
@@ -9,9 +9,9 @@ use crate::scale::plain;
 /// Kind of a spoke of a polar diagram, which determines its style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpokeStyle {
-    /// Normal to a characteristic of the steady equations: a wide pale band.
+    /// Normal to a characteristic of the steady equations: drawn as a wide pale band.
     CharacteristicNormal,
-    /// A direction in which a leading coefficient vanishes: thin dashes, to be seen on a band too.
+    /// Direction in which a leading coefficient vanishes: thin dashes, visible also on a band.
     Degenerate,
 }
 
@@ -33,21 +33,20 @@ impl SpokeStyle {
     }
 }
 
-/// A marked direction of the wave vector; opposite directions are the same.
+/// A marked direction of the wave vector; opposite directions are equivalent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spoke {
-    /// A few words, written behind the angle; may be empty. Spokes on one angle share a label.
+    /// Label of a few words, written after the angle; may be empty. Spokes with the same angle share a label.
     pub label: String,
-    /// Angle from x₁, anticlockwise, in degrees. Directions that are not finite are left out.
+    /// Angle from x₁, degrees anticlockwise. Spokes with a non-finite angle are not drawn.
     pub angle_deg: f64,
     /// Kind, which determines the style.
     pub style: SpokeStyle,
 }
 
-/// Growth rates against the direction of the wave vector, over the full circle.
+/// Polar diagram of growth rates against the direction of the wave vector, over the full circle.
 ///
-/// The radius is linear about zero and logarithmic on both sides beyond; a bold circle is where
-/// waves neither grow nor decay.
+/// The radius is symmetric logarithmic: linear about zero and logarithmic beyond. A bold circle marks zero growth rate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarFigure {
     /// Title of the figure.
@@ -56,23 +55,22 @@ pub struct PolarFigure {
     pub subtitle: String,
     /// Symbol of the growth rate, for the legend.
     pub symbol: String,
-    /// Unit of the radius, written on the outermost ring.
+    /// Unit of the growth rate, written on the outermost ring.
     pub unit: String,
-    /// The lines, one per model, over directions in degrees from 0 to 180; opposite directions grow
-    /// alike.
+    /// Curves, one per model, over directions from 0 to 180 degrees; opposite directions have the same growth rate.
     pub curves: Vec<Line>,
-    /// Marked directions.
+    /// Marked directions of the wave vector.
     pub spokes: Vec<Spoke>,
 }
 
 impl Spoke {
-    /// The angle of the end in the upper half, in degrees; one that rounds to 180° is 0°.
+    /// Returns the angle of the upper end, degrees in [0, 180); an angle that rounds to 180° gives 0°.
     pub(super) fn upper_angle(&self) -> f64 {
         let angle = self.angle_deg.rem_euclid(180.0);
         if angle >= 179.995 { 0.0 } else { angle }
     }
 
-    /// The angle in words, to a hundredth of a degree.
+    /// Formats the angle, rounded to 0.01°.
     pub(super) fn words(&self) -> String {
         format!("{}°", plain((100.0 * self.upper_angle()).round() / 100.0))
     }

@@ -1,4 +1,4 @@
-//! Labels of the spokes beside the disc, and degrees around it.
+//! Labels of spokes beside the disc, and angles around its rim.
 
 use super::circles::{NEUTRAL, RING_LABEL, at};
 use super::figure::Spoke;
@@ -9,13 +9,13 @@ use crate::picture::{Anchor, PALE_INK, Picture, Point, Rectangle, Text, clip, te
 
 pub(crate) const ROW: f64 = 1.4 * NUMBER;
 
-/// Distance from the rim to the middle of the degrees around it.
+/// Distance from the rim to the centre of the angles around it, pixels.
 pub(crate) const DEGREES: f64 = 32.0;
 
-/// The label of one or several spokes on an angle.
+/// Label of all spokes with the same angle.
 pub(crate) struct Label {
     pub(super) angle_deg: f64,
-    /// The angle, and what is on it.
+    /// Formatted angle, followed by the labels of its spokes.
     pub(super) words: Vec<String>,
 }
 
@@ -28,8 +28,8 @@ impl Label {
     }
 }
 
-/// The labels on the right and on the left of the disc, from top to bottom: at the upper ends
-/// of the spokes, those on one angle together.
+/// Builds the labels on the right and on the left of the disc, from top to bottom, at the upper ends of the spokes;
+/// spokes with the same angle share a label.
 pub(crate) fn labels<'a>(spokes: impl Iterator<Item = &'a Spoke>) -> [Vec<Label>; 2] {
     let mut labels: Vec<Label> = Vec::new();
     let mut spokes: Vec<&Spoke> = spokes.collect();
@@ -58,7 +58,7 @@ pub(crate) fn labels<'a>(spokes: impl Iterator<Item = &'a Spoke>) -> [Vec<Label>
     [right, left]
 }
 
-/// Writes the degrees around the rim, but for those that the leader of a label passes.
+/// Writes the angles around the rim, except where a leader line passes.
 pub(crate) fn draw_degrees(
     picture: &mut Picture,
     centre: Point,
@@ -71,7 +71,7 @@ pub(crate) fn draw_degrees(
         let ends = [at(centre, angle, radius), at(centre, angle, radius + length)];
         picture.line(ends, 1.8, NEUTRAL);
         let words = format!("{angle}°");
-        // The nearest point of the text is as far from the rim at all angles.
+        // The distance of the text's nearest point from the rim is about the same at all angles.
         let (sin, cos) = angle.to_radians().sin_cos();
         let half = 0.5 * text_width(&words, RING_LABEL, false);
         let away = radius + 18.0 + half * cos.abs() + 0.38 * RING_LABEL * sin.abs();
@@ -84,7 +84,7 @@ pub(crate) fn draw_degrees(
     }
 }
 
-/// Writes labels beside the disc, tied to the ends of their spokes; gives the ties.
+/// Writes the labels beside the disc, with leader lines to the ends of their spokes; returns the leader lines.
 pub(crate) fn draw_labels(
     picture: &mut Picture,
     area: Rectangle,
@@ -95,7 +95,7 @@ pub(crate) fn draw_labels(
 ) -> Vec<[Point; 2]> {
     let mut leaders = Vec::new();
     let sign = if right { 1.0 } else { -1.0 };
-    // Beyond the degrees around the rim.
+    // Labels are outside the angles around the rim.
     let away = radius + 2.0 * DEGREES + 12.0;
     let wanted: Vec<f64> =
         labels.iter().map(|label| at(centre, label.angle_deg, away)[1]).collect();

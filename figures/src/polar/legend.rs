@@ -1,4 +1,4 @@
-//! The legend of a polar diagram.
+//! Legend of a polar diagram.
 
 use super::circles::NEUTRAL;
 use super::figure::{PolarFigure, SpokeStyle};

@@ -1,4 +1,4 @@
-//! Growth rates against the direction of the wave vector, as a polar diagram.
+//! Polar diagram of growth rates against the direction of the wave vector.
 
 mod circles;
 mod curves;

@@ -1,12 +1,12 @@
-//! Numbers on the rings, clear of lines and spokes.
+//! Numbers on the rings, placed clear of curves and spokes.
 
 use super::circles::{RING_LABEL, at};
 use crate::page::{self};
 use crate::picture::{Anchor, Point, Rectangle, Text, circle, clip};
 use crate::scale::Tick;
 
-/// The numbers of rings, each given by its radius, where a ray crosses them, the unit beside the
-/// outermost.
+/// Places the numbers of the rings, given by their radii, where a ray at the angle `ray` (degrees) crosses them; the
+/// unit follows the outermost number.
 pub(super) fn numbers(rings: &[Tick], unit: &str, centre: Point, rim: f64, ray: f64) -> Vec<Text> {
     let labelled = || rings.iter().filter(|(_, label)| !label.is_empty());
     let outermost = labelled().map(|(radius, _)| *radius).fold(f64::NEG_INFINITY, f64::max);
@@ -20,8 +20,8 @@ pub(super) fn numbers(rings: &[Tick], unit: &str, centre: Point, rim: f64, ray: 
     labelled().map(number).collect()
 }
 
-/// The numbers of the rings on the steep ray in the lower half on which they cover the least of
-/// the lines, and then that is farthest from all `spokes`, given by their angles in degrees.
+/// Places the numbers of the rings on the steep ray in the lower half with the least cost: covered numbers count 1, and
+/// spokes (angles in degrees) near the ray count as well.
 pub(crate) fn best_numbers(
     rings: &[Tick],
     unit: &str,
@@ -32,7 +32,7 @@ pub(crate) fn best_numbers(
 ) -> Vec<Text> {
     let mut lines: Vec<Vec<Point>> =
         lines.iter().map(|line| line.iter().map(|(_, point)| *point).collect()).collect();
-    // Nor the rim, behind which the degrees stand.
+    // The rim counts as a line, since the angles are written outside it.
     lines.push(circle(centre, rim, 360));
     let room = |ray: f64| {
         spokes
@@ -47,24 +47,24 @@ pub(crate) fn best_numbers(
             .iter()
             .map(backing)
             .filter(|area| lines.iter().any(|line| !clip(line, *area).is_empty()));
-        // A spoke behind the numbers is as bad as a covered line.
+        // A spoke behind the numbers costs as much as covered curves.
         let cost = covered.count() as f64 + numbers.len() as f64 * (1.0 - room(ray) / MOST_ROOM);
         (cost, numbers)
     });
     best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, numbers)| numbers)
 }
 
-/// As many numbers as find room on a steep ray over a length.
+/// Returns the maximum number of numbers on a steep ray of `length` pixels.
 pub(crate) fn most_numbers(length: f64) -> usize {
     (length * STEEP[0].to_radians().sin().abs() / (1.3 * RING_LABEL)) as usize
 }
 
-/// Numbers stand on a ray between these degrees, so that they find room above each other; one that
-/// is this far from all spokes is far enough.
+/// Range of the angles of the ray of numbers, degrees: steep, so that numbers do not overlap. Angular distance to
+/// spokes, degrees, above which spokes cost nothing.
 const STEEP: [f64; 2] = [242.0, 298.0];
 const MOST_ROOM: f64 = 12.0;
 
-/// The ground of a number on a ring.
+/// Returns the background area of a number on a ring.
 pub(crate) fn backing(text: &Text) -> Rectangle {
     let bounds = text.bounds();
     Rectangle { left: bounds.left - 4.0, right: bounds.right + 4.0, ..bounds }

@@ -81,14 +81,14 @@ fn growth_lies_outside_the_neutral_circle_and_decay_inside() {
     let radii = radii.map(|growth| radial.at(growth));
     assert!(radii.windows(2).all(|pair| pair[0] < pair[1]), "{radii:?}");
     assert!(radii[0] > HOLE * 400.0 && radii[6] < 400.0 && radii[3] == neutral);
-    // Decades are as far apart on both sides.
+    // Decades have equal widths.
     let step = radial.at(1e5) - radial.at(1e4);
     assert!((radial.at(1e4) - radial.at(1e3) - step).abs() < 1e-9);
 }
 
 #[test]
 fn the_angle_is_anticlockwise_and_the_circle_is_full() {
-    // Growth in a sector about 45° alone: black in the upper right and the lower left quarter.
+    // Growth only in a sector about 45°: black pixels in the upper right and lower left quarters only.
     let points: Vec<[f64; 2]> = (35..=55).map(|angle| [f64::from(angle), 1e3]).collect();
     let figure = figure(&points, &[]);
     let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
@@ -96,7 +96,7 @@ fn the_angle_is_anticlockwise_and_the_circle_is_full() {
     let count = |columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| {
         columns.flat_map(|x| rows.clone().map(move |y| (x, y))).filter(|&(x, y)| dark(x, y)).count()
     };
-    // Between the heading and the legend, about the middle of the sheet's plane.
+    // Rows between heading and legend, above and below the centre.
     let (upper, lower) = (160..540, 620..960);
     assert!(count(810..1200, upper.clone()) > 200 && count(400..790, lower.clone()) > 200);
     assert_eq!(count(400..790, upper), 0);
@@ -105,7 +105,7 @@ fn the_angle_is_anticlockwise_and_the_circle_is_full() {
 
 #[test]
 fn numbers_stand_clear_of_lines_and_spokes() {
-    // A line that runs along the ray at 270°, and spokes beside it.
+    // A curve along the ray at 270°, and spokes beside it.
     let mut figure = figure(&circle_of(-2.0), &[60.0, 75.0, 105.0]);
     for [angle, growth] in &mut figure.curves[0].points {
         if *angle >= 90.0 {

@@ -1,11 +1,11 @@
-//! The axes of the map: whole cells around uniformly spaced points.
+//! Axes of the map: whole cells around uniformly spaced points.
 
 use super::figure::Axis;
 use crate::error::FigureError;
 use crate::page::{self};
 use crate::scale::{self, Tick};
 
-/// The extent of an axis: whole cells around its points.
+/// Extent of an axis: whole cells around its points.
 pub(super) struct Extent {
     pub(super) low: f64,
     pub(super) high: f64,
@@ -23,7 +23,7 @@ impl Extent {
             return Err(refuse("has a point that is not a finite number"));
         }
         if values.len() == 1 {
-            // A single cell has no natural width.
+            // The width of a single cell is arbitrary.
             let half = 0.5 * first.abs().max(1.0);
             return Ok(Self { low: first - half, high: first + half, descending: false });
         }
@@ -42,7 +42,7 @@ impl Extent {
         Ok(Self { low, high, descending: step < 0.0 })
     }
 
-    /// The share of the axis below a value.
+    /// Returns the position of a value as a share of the axis length.
     pub(super) fn share(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }

@@ -1,4 +1,4 @@
-//! Cells in their colours and hatches.
+//! Drawing of the cells with their colours and hatching.
 
 use super::colour_map::{INFINITE, LEVEL_MISSING, shade};
 use super::figure::{Look, VerdictMap};
@@ -8,7 +8,7 @@ use super::raster::{Raster, cell_size};
 use crate::picture::{Colour, Picture, Point, Rectangle};
 
 impl VerdictMap {
-    /// Fills the cells, runs of one colour in a row at once.
+    /// Fills the cells; runs of one colour in a row are filled as one rectangle.
     pub(super) fn draw_cells(
         &self,
         picture: &mut Picture,
@@ -45,8 +45,8 @@ impl VerdictMap {
                 let run = (start + 1..raster.columns)
                     .find(|&column| colour(raster.at(column, row)) != ground)
                     .unwrap_or(raster.columns);
-                // Reaching under the next cells keeps hairlines from showing between cells when
-                // a viewer scales the picture.
+                // Each area extends below the following cells, which prevents hairlines between cells in scaled
+                // pictures.
                 let area = Rectangle {
                     left: frame.left + start as f64 * width,
                     top: frame.bottom - (row + 1) as f64 * height,

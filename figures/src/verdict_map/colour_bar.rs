@@ -1,4 +1,4 @@
-//! The colour bar of growth levels.
+//! Colour bar of growth levels.
 
 use super::colour_map::{ARROW, BAR, BAR_GAP, INFINITE, draw_shades, shade};
 use super::figure::VerdictMap;
@@ -25,7 +25,7 @@ impl VerdictMap {
             picture.text(Text::new(at, Anchor::Start, NUMBER, "∞"));
             bar.top = cap.bottom + 0.6 * NUMBER;
         }
-        // Arrows say that the colours at the ends stand for all levels beyond.
+        // Arrows indicate that the colours at the ends also represent levels beyond.
         let middle = 0.5 * (bar.left + bar.right);
         for (end, beyond) in range.beyond.into_iter().enumerate() {
             if beyond {

@@ -1,10 +1,10 @@
-//! Curves over the map, dashed and with a rim.
+//! Curves over the map, dashed and with a white rim.
 
 use plotters::style::RGBColor;
 
 use crate::picture::{Colour, Picture, Point, WHITE, dashes};
 
-/// Dashes and colours of the curves, in the order of their labels.
+/// Dash patterns and colours of the curves, by the index of their labels.
 const CURVES: [(&[f64], Colour); 4] = [
     (&[22.0, 11.0], RGBColor(10, 10, 10)),
     (&[5.0, 8.0], RGBColor(0, 60, 150)),
@@ -14,14 +14,14 @@ const CURVES: [(&[f64], Colour); 4] = [
 
 pub(super) fn draw_curve(picture: &mut Picture, points: &[Point], index: usize) {
     let (pattern, colour) = CURVES[index % CURVES.len()];
-    // A white rim keeps the dashes readable on dark shades; the gaps show the cells below.
+    // The white rim keeps dashes visible on dark shades; gaps show the cells below.
     for dash in dashes(points, pattern) {
         picture.line(lengthened(&dash, 2.0), 8.5, WHITE);
         picture.line(dash, 4.5, colour);
     }
 }
 
-/// A line made longer at both ends.
+/// Extends a polyline at both ends by `by` pixels.
 fn lengthened(line: &[Point], by: f64) -> Vec<Point> {
     let mut line = line.to_vec();
     let beyond = |end: Point, inner: Point| {

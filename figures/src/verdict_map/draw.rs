@@ -1,4 +1,4 @@
-//! The drawing of a verdict map.
+//! Drawing of a verdict map.
 
 use super::axes::Extent;
 use super::colour_map::{BAR, BAR_GAP};
@@ -16,8 +16,8 @@ impl VerdictMap {
     /// Renders the map in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// An axis is not a uniform grid, a list has not one value for each cell, a category is not described, or the picture
-    /// cannot be drawn or encoded.
+    /// An axis is not a uniform grid, a list does not have one value per cell, a cell has an undefined category, or
+    /// rendering or encoding fails.
     pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
         self.picture()?.render(format)
     }
@@ -28,7 +28,7 @@ impl VerdictMap {
         let range = Range::of(self.levels().map(|(_, level)| level));
         let legend = Legend::new(self.legend(range.as_ref()), page::WIDTH - 2.0 * MARGIN);
 
-        // The heading's height is known once it is written; the sheet grows with the legend.
+        // The heading is laid out first to find its height; the figure grows with the legend.
         let top =
             page::heading(&mut Picture::new(page::WIDTH as u32, 1), &self.title, &self.subtitle);
         let below = page::BOTTOM_AXIS + 22.0 + legend.height() + MARGIN - 12.0;

@@ -1,73 +1,73 @@
-//! The data of a verdict map, and their checks.
+//! Data of a verdict map, and their checks.
 
 use crate::error::FigureError;
 
-/// An axis of a map: a uniform grid of at least one point, in either order.
+/// Axis of a verdict map: a uniform grid of at least one point, ascending or descending.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Name, symbol and unit.
     pub label: String,
-    /// The values at the grid points, in the unit of the label.
+    /// Values at the grid points, in the unit of the label.
     pub values: Vec<f64>,
 }
 
 /// Fill style of the cells of a category.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
-    /// Nearly white.
+    /// Well-posed: nearly white.
     WellPosed,
-    /// By the cell's level; plain orange without. A second and further category of this look is
-    /// hatched, each in its own direction.
+    /// Ill-posed: coloured by the level of the cell, or orange without levels. Further categories of this style are
+    /// hatched, each in another direction.
     IllPosed,
-    /// Nearly black with white cross-hatching.
+    /// Unbounded growth at a finite wave number: nearly black with white cross-hatching.
     UnboundedAtFiniteWaveNumber,
-    /// Green with vertical hatching.
+    /// Marginal: green with vertical hatching.
     Marginal,
-    /// Grey with dense falling hatching.
+    /// Indeterminate: grey with dense falling hatching.
     Indeterminate,
-    /// Pale grey with sparse rising hatching.
+    /// Outside the model: pale grey with sparse rising hatching.
     OutsideModel,
 }
 
-/// A category of verdicts of a cell.
+/// A category of verdicts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Category {
     /// Legend text.
     pub label: String,
-    /// The fill.
+    /// Fill style.
     pub look: Look,
 }
 
-/// A line drawn over the map, such as a bound in closed form.
+/// A curve over the map, e.g. a bound in closed form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Legend text. Curves of the same label share a style and are listed once.
+    /// Legend text. Curves with the same label share a style and are listed once.
     pub label: String,
-    /// Points in the units of the axes; a point that is not finite interrupts the line.
+    /// Points in the units of the axes; a non-finite point interrupts the curve.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Verdict regions over two parameters, with growth levels where the verdict is ill-posed.
+/// Map of verdicts over two parameters, with growth levels where the verdict is ill-posed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerdictMap {
     /// Title of the figure.
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// Parameter drawn to the right.
+    /// Horizontal axis: first parameter.
     pub x: Axis,
-    /// Parameter drawn upwards.
+    /// Vertical axis: second parameter.
     pub y: Axis,
-    /// Categories; those that occur are listed with their share of the area.
+    /// Categories; those present are listed with their share of the area.
     pub categories: Vec<Category>,
-    /// Index into `categories` for each cell; x runs fastest.
+    /// Index into `categories` for each cell; x varies fastest.
     pub category: Vec<u8>,
-    /// Growth level for each cell, positive, in the unit of `level_label`; NaN where
-    /// there is none. x runs fastest. Used in cells that look [`Look::IllPosed`].
+    /// Growth level of each cell, positive, in the unit of `level_label`; NaN if there is none. x varies fastest. Used
+    /// in cells with the style [`Look::IllPosed`].
     pub level: Vec<f64>,
-    /// Name and unit of the level.
+    /// Name and unit of the growth level.
     pub level_label: String,
-    /// Lines on top.
+    /// Curves drawn over the map.
     pub curves: Vec<Curve>,
 }
 
@@ -86,7 +86,7 @@ impl VerdictMap {
         }
     }
 
-    /// The cells coloured by level, each with its level.
+    /// Returns the cells coloured by level, each with its level.
     pub(super) fn levels(&self) -> impl Iterator<Item = (usize, f64)> {
         let ill_posed =
             |category: u8| self.categories[usize::from(category)].look == Look::IllPosed;
@@ -96,13 +96,13 @@ impl VerdictMap {
             .map(|(cell, (_, l))| (cell, *l))
     }
 
-    /// Number of categories before this one that look the same.
+    /// Returns the number of preceding categories with the same style.
     pub(super) fn variant(&self, category: usize) -> usize {
         let look = self.categories[category].look;
         self.categories[..category].iter().filter(|other| other.look == look).count()
     }
 
-    /// The curve whose look this one shares, counted without repetitions.
+    /// Returns the index of a curve's label among the distinct labels, which determines the style.
     pub(super) fn first_of_label(&self, index: usize) -> usize {
         let mut labels: Vec<&str> = Vec::new();
         for curve in &self.curves[..=index] {

@@ -1,4 +1,4 @@
-//! Fills of the categories: grounds and hatches.
+//! Fills of the categories: background colours and hatching.
 
 use plotters::style::RGBColor;
 
@@ -10,9 +10,9 @@ use crate::picture::{Colour, Picture, Point, Rectangle, clip};
 /// A set of parallel lines over the cells of a category.
 #[derive(Clone, Copy)]
 pub(super) struct Hatch {
-    /// Direction of the lines, in pixels.
+    /// Direction of the lines; y increases downwards.
     pub(super) along: [f64; 2],
-    /// Distance between lines in pixels.
+    /// Distance between the lines, pixels.
     spacing: f64,
     pub(super) width: f64,
     pub(super) colour: Colour,
@@ -23,8 +23,8 @@ const FALLING: [f64; 2] = [1.0, 1.0];
 const LEVEL: [f64; 2] = [1.0, 0.0];
 const UPRIGHT: [f64; 2] = [0.0, 1.0];
 
-/// The fill of a category without the levels: a ground, and lines on it. `variant` counts the
-/// categories before it that look the same.
+/// Returns the fill of a category without levels: background colour and hatching. `variant` is the number of preceding
+/// categories with the same style.
 pub(super) fn fill(look: Look, variant: usize) -> (Colour, Vec<Hatch>) {
     let hatch = |along, spacing, width, grey| Hatch {
         along,
@@ -35,7 +35,7 @@ pub(super) fn fill(look: Look, variant: usize) -> (Colour, Vec<Hatch>) {
     match look {
         Look::WellPosed => (RGBColor(243, 248, 253), vec![]),
         Look::IllPosed => {
-            // A light line beside a dark one shows on every shade.
+            // Pairs of a white and a dark line are visible on every shade.
             let along = [&[][..], &[RISING], &[FALLING], &[LEVEL], &[UPRIGHT], &[RISING, FALLING]];
             let pair =
                 |&along: &[f64; 2]| [hatch(along, 30.0, 3.4, 255), hatch(along, 30.0, 1.4, 20)];
@@ -51,7 +51,7 @@ pub(super) fn fill(look: Look, variant: usize) -> (Colour, Vec<Hatch>) {
     }
 }
 
-/// Draws the lines of a hatch over the part of an area that `covers` selects.
+/// Draws the lines of a hatching over the points of an area that `covers` selects.
 pub(super) fn draw_hatch(
     picture: &mut Picture,
     area: Rectangle,
@@ -60,8 +60,8 @@ pub(super) fn draw_hatch(
 ) {
     let length = hatch.along[0].hypot(hatch.along[1]);
     let [dx, dy] = hatch.along.map(|part| part / length);
-    // Lines are counted by their distance from the corner of the sheet, so that those of one
-    // direction continue across separate areas.
+    // Lines are numbered by their distance from the corner of the picture, so that the hatching of separate areas is
+    // aligned.
     let distance = |[x, y]: Point| (dx * y - dy * x) / hatch.spacing;
     let corners = [
         [area.left, area.top],

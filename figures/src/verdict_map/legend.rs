@@ -1,4 +1,4 @@
-//! The legend: categories with their shares, and curves.
+//! Legend of a verdict map: categories with their shares, and curves.
 
 use super::colour_map::{LEVEL_MISSING, draw_shades};
 use super::curves::draw_curve;

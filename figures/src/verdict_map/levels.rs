@@ -1,4 +1,4 @@
-//! The range of growth levels and contour lines.
+//! Range of the growth levels, and their contour lines.
 
 use super::colour_map::colour_on_shade;
 use super::figure::{Look, VerdictMap};
@@ -7,19 +7,19 @@ use crate::contour;
 use crate::picture::{Colour, Picture, Point, Rectangle};
 use crate::scale::Tick;
 
-/// The range of the colour map, in log₁₀ of the level.
+/// Range of the colour map, in log₁₀ of the growth level.
 pub(super) struct Range {
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Whether finite levels lie below `low` or above `high`.
+    /// Whether finite levels lie below `low` and above `high`.
     pub(super) beyond: [bool; 2],
-    /// Whether some level is infinite.
+    /// Whether at least one level is infinite.
     pub(super) infinite: bool,
 }
 
 impl Range {
-    /// The range of the positive levels. A few cells far from all others, such as those that
-    /// touch a singular line, do not take the colours from the rest.
+    /// Computes the range of the positive levels; `None` if there are none. Outliers (at most 1 % of the levels at
+    /// either end, e.g. near a singular line) are excluded if they would more than double the range.
     pub(super) fn of(levels: impl Iterator<Item = f64>) -> Option<Self> {
         let mut infinite = false;
         let mut logs: Vec<f64> = Vec::new();
@@ -41,7 +41,7 @@ impl Range {
         let low = trim(inner_low - least, inner_low).max(least);
         let high = trim(most - inner_high, inner_high).min(most);
         let beyond = [low > least, high < most];
-        // Equal levels are given a decade, so that the bar has ticks.
+        // Equal levels are extended to one decade, so that the bar has ticks.
         let (low, high) = if high - low < 1e-6 { (low - 0.5, high + 0.5) } else { (low, high) };
         Some(Self { low, high, beyond, infinite })
     }
@@ -52,8 +52,8 @@ impl Range {
 }
 
 impl VerdictMap {
-    /// Draws the contour lines at the ticks of the bar. Levels of different categories may
-    /// be of different kinds and are not joined.
+    /// Draws the contour lines at the ticks of the colour bar, separately for each category, since levels of different
+    /// categories may be different quantities.
     pub(super) fn draw_contours(
         &self,
         picture: &mut Picture,

@@ -1,9 +1,9 @@
-//! The cells as they are drawn, and the borders between categories.
+//! Raster of a verdict map, and the boundaries between categories.
 
 use super::figure::VerdictMap;
 use crate::picture::{INK, Picture, Rectangle};
 
-/// The map as it is drawn: both axes ascending, no more cells than pixels.
+/// Raster of a verdict map: both axes ascending, at most one raster cell per pixel.
 pub(super) struct Raster {
     pub(super) columns: usize,
     pub(super) rows: usize,
@@ -22,7 +22,7 @@ impl VerdictMap {
         let (all_columns, all_rows) = (self.x.values.len(), self.y.values.len());
         let columns = all_columns.min(frame.width() as usize);
         let rows = all_rows.min(frame.height() as usize);
-        // The cell below the middle of a drawn one.
+        // Index of the cell at the centre of a raster cell.
         let nearest = |index: usize, drawn: usize, all: usize, flip: bool| {
             let cell = (2 * index + 1) * all / (2 * drawn);
             if flip { all - 1 - cell } else { cell }
@@ -40,14 +40,14 @@ pub(super) fn cell_size(frame: Rectangle, raster: &Raster) -> (f64, f64) {
     (frame.width() / raster.columns as f64, frame.height() / raster.rows as f64)
 }
 
-/// Draws the lines between cells of different categories.
+/// Draws lines between cells of different categories.
 pub(super) fn draw_borders(picture: &mut Picture, frame: Rectangle, raster: &Raster) {
     let (width, height) = cell_size(frame, raster);
     let category = |column: usize, row: usize| raster.category[raster.at(column, row)];
     let place = |column: usize, row: usize| {
         [frame.left + column as f64 * width, frame.bottom - row as f64 * height]
     };
-    // A line leaves the colour of cells one pixel or a few wide visible.
+    // The line width is limited, so that cells a few pixels wide remain visible.
     let thickness = |size: f64| (0.3 * size).clamp(0.7, 2.4);
     for column in 1..raster.columns {
         let differs = |row| category(column - 1, row) != category(column, row);
@@ -63,7 +63,7 @@ pub(super) fn draw_borders(picture: &mut Picture, frame: Rectangle, raster: &Ras
     }
 }
 
-/// The runs of indices below `count` that are selected, each from its first to behind its last.
+/// Returns the maximal runs of selected indices below `count`, as half-open ranges.
 pub(crate) fn runs(count: usize, selected: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     let mut runs = Vec::new();
     let mut start = None;

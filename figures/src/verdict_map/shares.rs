@@ -1,6 +1,6 @@
-//! Shares of the area in words.
+//! Formatting of area shares.
 
-/// A share of the area in words that never claim all or nothing wrongly.
+/// Formats a share in percent; 0 % and 100 % are written only if exact.
 pub(crate) fn percent(part: usize, whole: usize) -> String {
     let share = 100.0 * part as f64 / whole.max(1) as f64;
     if part == whole {

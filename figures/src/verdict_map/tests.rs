@@ -9,7 +9,8 @@ use crate::format::Format;
 
 use crate::tests::check_drawing;
 
-/// Half of the map well-posed, half ill-posed with a level that rises to the right.
+/// Builds a map whose left half is well-posed and whose right half is ill-posed, with a level that increases to the
+/// right.
 fn map(columns: usize, rows: usize) -> VerdictMap {
     let axis = |label: &str, points: usize| Axis {
         label: label.to_owned(),
@@ -40,7 +41,7 @@ fn texts(map: &VerdictMap) -> Vec<String> {
     map.picture().unwrap().texts().map(|text| text.content.clone()).collect()
 }
 
-/// Draws in both formats and checks what holds for every map.
+/// Checks a verdict map as [`check_drawing`] does.
 fn check(map: &VerdictMap) {
     check_drawing(&map.picture().unwrap(), |format| map.draw(format));
 }
@@ -59,7 +60,7 @@ fn the_legend_lists_what_is_present_with_its_share() {
 
 #[test]
 fn cells_lie_where_the_axes_say() {
-    // The cell at x = 10, y = 20, whatever the order in which the axes are given.
+    // The cell at x = 10, y = 20 is at the same position for ascending and for descending axes.
     let mut map = map(4, 3);
     map.curves.clear();
     map.category.fill(0);
@@ -73,7 +74,7 @@ fn cells_lie_where_the_axes_say() {
     assert_eq!(drawn, turned.draw(Format::Png).unwrap());
     let (width, pixels) = crate::tests::pixels(&drawn);
     let grey = |x: usize, y: usize| pixels[3 * (y * width + x)];
-    // In the row of y = 20, which is the uppermost, only the second column is dark.
+    // In the uppermost row (y = 20) only the second column is dark.
     let dark = |from: usize, to: usize| {
         (from..to).filter(|&x| (200..280).any(|y| grey(x, y) < 200)).count()
     };
