@@ -18,7 +18,7 @@ macro_rules! named_enum {
             /// All variants, the default first.
             pub const ALL: &[Self] = &[Self::$first $(, Self::$other)*];
 
-            /// Name of the variant in case files.
+            /// Returns the name of the variant in case files.
             pub const fn name(self) -> &'static str {
                 match self {
                     Self::$first => $first_word,

@@ -352,7 +352,7 @@ fn sector(centre: Point, radius: f64, from: f64, width: f64) -> Vec<Point> {
     sector
 }
 
-/// Hatching of flutter sectors, visible in greyscale.
+/// Draws the hatching of flutter sectors, visible in greyscale.
 fn draw_arcs(picture: &mut Picture, centre: Point, radius: f64, from: f64, width: f64) {
     let mut size = 14.0;
     while size < radius {
@@ -361,7 +361,7 @@ fn draw_arcs(picture: &mut Picture, centre: Point, radius: f64, from: f64, width
     }
 }
 
-/// Hatching of sectors of imaginary speeds, visible in greyscale.
+/// Draws the hatching of sectors of imaginary speeds, visible in greyscale.
 fn draw_rays(picture: &mut Picture, centre: Point, radius: f64, from: f64, width: f64) {
     let count = (width / 3.0).ceil().max(2.0);
     for ray in 0..=count as usize {

@@ -1,6 +1,6 @@
 //! Geometry in pixels: points, rectangles, circles, dashes and clipping.
 
-/// A point in pixels from the upper left corner: to the right and downwards.
+/// A point: pixels to the right of and below the upper left corner of the picture.
 pub(crate) type Point = [f64; 2];
 
 /// An axis-aligned rectangle in pixels.

@@ -9,7 +9,7 @@ pub(super) const HOLE: f64 = 0.12;
 /// Magnitude above which growth rates are treated as infinite.
 const FINITE: f64 = 1e300;
 
-/// Radial scale: maps positions of the symmetric logarithm in [`low`, `high`] to radii, pixels.
+/// Radial scale: maps positions of the symmetric logarithm between `low` and `high` to radii, pixels.
 pub(super) struct Radial {
     pub(super) scale: SymmetricLog,
     pub(super) low: f64,
