@@ -114,7 +114,7 @@ pub(crate) fn bottom_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick
     }
 }
 
-/// Width to the left of the frame needed by [`left_axis`], pixels.
+/// Computes the width to the left of the frame needed by [`left_axis`], pixels.
 pub(crate) fn left_axis_width(ticks: &[Tick]) -> f64 {
     1.4 * NAME + widest(ticks) + 10.0 + TICK
 }

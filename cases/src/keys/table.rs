@@ -103,7 +103,7 @@ pub fn keys() -> &'static [Key] {
             Field::YieldConstant(name) => (&of_sets, name),
             _ => continue,
         };
-        // If the ranges of models with this constant differ, the range is checked by each model only.
+        // If registry entries with this constant have different ranges, only the model or yield set checks the range.
         if all.iter().any(|own| own.name == name && own.range != key.range) {
             key.range = Range::Finite;
         }
