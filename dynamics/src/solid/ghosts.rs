@@ -1,10 +1,9 @@
 //! Boundary conditions as ghost cells.
 //!
-//! Across a plane of symmetry ghosts are mirror images, which is exact. Elsewhere the normal derivative of the
-//! velocity at a free boundary, or of the stress at a fixed one, is not zero: an image has a kink at the
-//! boundary, which limiters and linear reconstructions take for an extremum, and the error of the face state is
-//! of first order. Ghosts are therefore chosen such that the sweeps, which treat them like all cells, make
-//! better face states from them: [`limited`] and [`fourth_order`].
+//! Across a plane of symmetry, ghost values are mirror images, which is exact. At a free (fixed) boundary the normal
+//! derivative of the velocity (stress) is not zero: an image has a kink at the boundary, which limiters take for an
+//! extremum, and the face state has a first-order error. Ghost values are therefore chosen such that the unmodified
+//! sweep computes more accurate face states from them: [`limited`] and [`fourth_order`].
 
 use crate::simd::{self, Group, Number, Real};
 use crate::solid::boundary::{Boundary, Condition, Load, Signal};
@@ -12,19 +11,18 @@ use crate::solid::cell::CellConstants;
 use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::{RiemannInvariants, State};
 
-/// The faces at an end of an axis, ready for the sweeps.
+/// Boundary at an end of an axis, in the form that the sweeps use.
 #[derive(Clone)]
 pub(crate) enum BoundaryFaces<T: Real> {
-    /// Periodic.
     Periodic,
-    /// The end of a halo: ghosts are arbitrary there.
+    /// Outer end of a halo: ghost values are arbitrary.
     Exchange,
-    /// A mirror: ghosts are (±v + a, ±s + b), or nothing.
+    /// Physical boundary with ghost values (±v + a, ±s + b); signs and shifts are zero at non-reflecting faces.
     Physical(GhostRule<T>),
 }
 
 impl<T: Real> BoundaryFaces<T> {
-    /// How waves are reconstructed beside it; without slopes ghosts are images.
+    /// Returns the reconstruction beside the boundary; [`Slopes::Godunov`] means that ghost values are images.
     #[inline(always)]
     pub(crate) fn closure(&self) -> Closure {
         match self {
@@ -33,7 +31,7 @@ impl<T: Real> BoundaryFaces<T> {
         }
     }
 
-    /// The mirror, where there is one.
+    /// Returns the ghost rule of a physical boundary.
     pub(crate) fn mirror(&self) -> Option<&GhostRule<T>> {
         match self {
             Self::Physical(mirror) => Some(mirror),
@@ -42,7 +40,7 @@ impl<T: Real> BoundaryFaces<T> {
     }
 }
 
-/// Both sides of an axis as they are at a time.
+/// Evaluates the loads on both boundaries of an axis at time `time`, s.
 pub(crate) fn set_time<T: Real>(sides: &mut [BoundaryFaces<T>; 2], time: f64) {
     for side in sides {
         if let BoundaryFaces::Physical(mirror) = side {
@@ -51,48 +49,47 @@ pub(crate) fn set_time<T: Real>(sides: &mut [BoundaryFaces<T>; 2], time: f64) {
     }
 }
 
-/// Where a face stands: a group of faces, and a lane.
+/// Storage position of a face: group index and lane.
 pub(crate) type Slot = (usize, usize);
 
-/// Signs and shifts by pair and face.
+/// Ghost rule of a boundary: signs and shifts by wave pair and face.
 #[derive(Clone)]
 pub(crate) struct GhostRule<T: Real> {
-    /// Sign of v, shift of v, sign of s, shift of s; 1 where the arriving wave is reconstructed from its own side,
-    /// 0 where ghosts are images.
+    /// Sign of v, shift of v, sign of s, shift of s, weight. Weight 1: one-sided reconstruction of the wave that
+    /// arrives at the boundary, 0: mirror image.
     by_face: Vec<[T::Lanes; 5]>,
-    /// Groups of faces of a pair; one stands for all where they are alike.
+    /// Number of face groups per pair; 1 if all faces have the same rule.
     groups: usize,
-    /// Whether all faces are alike, as most are.
+    /// Whether all faces have the same rule (the usual case).
     pub(crate) is_uniform: bool,
     loads: Vec<SideLoad>,
-    /// Whether any wave is reconstructed from its own side.
+    /// Whether any face has a one-sided reconstruction.
     pub(crate) is_one_sided: bool,
-    /// How.
     closure: Closure,
-    /// Whether work may be done here.
+    /// Whether boundary work can be non-zero.
     pub(crate) does_work: bool,
 }
 
-/// How waves are reconstructed beside a side.
+/// Reconstruction beside a boundary.
 #[derive(Clone, Copy)]
 pub(crate) struct Closure {
     pub(crate) slopes: Slopes,
-    /// Whether any face is open.
+    /// Whether any face is non-reflecting.
     pub(crate) is_open: bool,
 }
 
 #[derive(Clone)]
 struct SideLoad {
-    /// Places in `by_face`, which of the four, and twice the amplitude.
+    /// Slot in `by_face`, index of the shift (1 or 3), and twice the amplitude.
     entries: Vec<(Slot, usize, f64)>,
-    /// The same places without any load.
+    /// Shifts of the same entries without load.
     bases: Vec<f64>,
     signal: Signal,
 }
 
 impl<T: Real> GhostRule<T> {
-    /// The rule of a boundary for its faces in a region: the number of each face there, in ascending order, and its slot. A uniform boundary stores
-    /// one entry, since it is looked up at both ends of every row.
+    /// Ghost rule of `boundary` for the faces of a region. `faces`: face index in the boundary's list, ascending, and
+    /// slot. A uniform boundary stores one entry, since it is read at both ends of every row.
     pub(crate) fn new(
         boundary: &Boundary,
         pairs: usize,
@@ -100,9 +97,9 @@ impl<T: Real> GhostRule<T> {
         is_loaded: bool,
         slopes: Slopes,
     ) -> Self {
-        // Without slopes images give the same face states.
+        // Without slopes, images give the same face states.
         let one_sided = if slopes == Slopes::Godunov { 0.0 } else { 1.0 };
-        // Of conditions by face a part of a grid may see some: it must not depend on which.
+        // A subdomain holds only some of the faces of a by-face boundary: its closure must not depend on which.
         let is_by_face = matches!(boundary, Boundary::ByFace(_));
         let entry = |condition| match condition {
             Some(Condition::Velocity(given)) => [-1.0, 2.0 * given, 1.0, 0.0, one_sided],
@@ -163,7 +160,7 @@ impl<T: Real> GhostRule<T> {
         }
     }
 
-    /// Adds a load; on faces of open sides there is nothing to be given.
+    /// Adds a load; it has no effect on non-reflecting faces.
     pub(crate) fn add(&mut self, load: &Load, faces: &[(usize, Slot)]) {
         let (mut entries, mut bases) = (Vec::new(), Vec::new());
         for &(face, amplitude) in &load.faces {
@@ -184,7 +181,7 @@ impl<T: Real> GhostRule<T> {
         }
     }
 
-    /// The shifts at a time.
+    /// Evaluates the shifts at time `time`, s.
     pub(crate) fn set_time(&mut self, time: f64) {
         for load in &self.loads {
             for (&((place, lane), which, _), &base) in load.entries.iter().zip(&load.bases) {
@@ -200,40 +197,39 @@ impl<T: Real> GhostRule<T> {
         }
     }
 
-    /// Whether work is done on a face now: neither its velocity nor its traction is zero.
+    /// Returns whether a face can do work now: it is non-reflecting, or its prescribed velocity or traction is non-zero.
     pub(crate) fn does_work_on(&self, pair: usize, slot: Slot) -> bool {
         let [sign, velocity, _, stress, _] = self.face_at(pair, slot);
         self.does_work && (sign == T::ZERO || velocity != T::ZERO || stress != T::ZERO)
     }
 
-    /// How waves are reconstructed beside it.
     pub(crate) fn closure(&self) -> Closure {
         self.closure
     }
 
-    /// Sign of v, shift of v, sign of s, shift of s, and whether the arriving wave is reconstructed from its own side.
+    /// Returns the rule of a group of faces, in the order of `by_face`.
     #[inline(always)]
     pub(crate) fn face(&self, pair: usize, group: usize) -> &[T::Lanes; 5] {
         &self.by_face[pair * self.groups + group.min(self.groups - 1)]
     }
 
-    /// The same of one face.
+    /// Returns the rule of one face.
     pub(crate) fn face_at(&self, pair: usize, (group, lane): Slot) -> [T; 5] {
         self.face(pair, group).map(|lanes| lanes.lanes()[lane])
     }
 }
 
-/// The image of a value by a sign and a shift.
+/// Computes the mirror image sign · value + shift.
 #[inline(always)]
 pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
     sign * own + shift
 }
 
-/// Cells beside a side that its ghosts depend on.
+/// Number of cells next to a boundary that determine its ghost values.
 pub(crate) const BESIDE: usize = 3;
 
-/// The ghosts beyond an end (0 towards smaller coordinates, 1 towards greater ones), the nearest first, from the
-/// outermost cells, their constants, the [`GhostCoefficients`] of the outermost one and what [`GhostRule::face`] gives.
+/// Computes the ghost states beyond an end of a line (0: lower, 1: upper), nearest first. `beside`, `cells`: states and
+/// constants of the outermost cells; `mirror`: result of [`GhostRule::face`]; `coefficients`: of the outermost cell.
 #[inline(always)]
 pub(crate) fn ghosts<N: Number>(
     closure: Closure,
@@ -260,15 +256,15 @@ pub(crate) fn ghosts<N: Number>(
     }
 }
 
-/// The wave that arrives at an end and the one that leaves it.
+/// Returns the characteristic variables that arrive at the boundary and leave it.
 #[inline(always)]
 fn by_way<N: Number>(end: usize, state: State<N>, cell: &CellConstants<N>) -> [N; 2] {
     let RiemannInvariants { right, left } = RiemannInvariants::of(state, cell);
     if end == 0 { [left, right] } else { [right, left] }
 }
 
-/// Reflecting closure: flux corrections over 1 − C, as [flux][power of C][difference of the unfolded arriving
-/// wave], the differences between the two outermost cells and their images, from inside to outside.
+/// Reflecting closure: flux corrections/(1 − C) by flux, power of C and difference: those of the unfolded arriving wave
+/// over the two outermost cells and their images, outwards.
 const REFLECTING: [[[f64; 3]; 4]; 3] = [
     [
         [-0.020542, -0.082548, 0.066958],
@@ -290,16 +286,15 @@ const REFLECTING: [[[f64; 3]; 4]; 3] = [
     ],
 ];
 
-/// Non-reflecting closure: (face value − upwind mean)/(1 − C), as [face][power of C][difference]. Faces: of the
-/// arriving wave the last interior face and the boundary, of the leaving wave the last interior face.
-/// Differences: between the three outermost cells in the direction of the wave.
+/// Non-reflecting closure: (face value − upwind mean)/(1 − C) by face, power of C and difference. Faces: last interior
+/// face and boundary (arriving wave), last interior face (leaving wave). Differences: between the three outermost
+/// cells, in the direction of propagation.
 const OPEN: [[[f64; 2]; 3]; 3] = [
     [[1.0 / 12.0, 0.33211 + 1.0 / 12.0], [0.25089, -0.24095], [-0.0514, 0.02737]],
     [[0.0, 0.40692], [-0.25572, 0.25506], [0.24459, -0.22165]],
     [[0.5, -1.0 / 12.0], [0.12798, -0.15611], [-0.02068, 0.03919]],
 ];
 
-/// Polynomials of C.
 #[inline(always)]
 fn polynomials<N: Number, const POWERS: usize, const COUNT: usize>(
     coefficients: &[[f64; COUNT]; POWERS],
@@ -314,26 +309,23 @@ fn polynomials<N: Number, const POWERS: usize, const COUNT: usize>(
     values
 }
 
-/// The dot product.
 #[inline(always)]
 fn dot<N: Number>([a, b, c]: [N; 3], [one, two, three]: [N; 3]) -> N {
     a * one + b * two + c * three
 }
 
-/// The coefficients by which [`fourth_order`] makes ghost values of the differences beside a side. They depend on the
-/// Courant number of the outermost cell alone.
+/// Coefficients of [`fourth_order`]: ghost value corrections per difference beside the boundary. They depend only on
+/// the Courant number of the outermost cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GhostCoefficients<N> {
-    /// 0 at Courant number 1, where waves move by a cell and nothing is to be corrected; else 1.
+    /// 0 at C = 1 (exact shift by one cell, no correction), else 1.
     moves: N,
-    /// Beside a free or fixed side: of the arriving wave in the nearest and in the farther ghost, and of the leaving wave
-    /// there by the coefficient of reflection.
+    /// Reflecting boundary: arriving wave in the nearest and farther ghost; leaving wave, per reflection coefficient.
     reflecting: [[N; 3]; 4],
-    /// Beside an open side: of the arriving wave in both ghosts and of the leaving one in the nearest, by two differences
-    /// each; of the leaving one in the farther ghost, by what it is in the nearest one and in the outermost cell and by
-    /// its difference there.
+    /// Non-reflecting boundary, per two differences: arriving wave in both ghosts, leaving wave in the nearest ghost;
+    /// last row: leaving wave in the farther ghost, from its nearest ghost and outermost cell values and a difference.
     open: [[N; 3]; 4],
-    /// The difference that gives the farther ghost no upwind difference at an open side of one or two cells.
+    /// Coefficient that cancels the upwind difference in the farther ghost where cells are not of one medium.
     plain: N,
 }
 
@@ -344,7 +336,7 @@ impl<N: Number> GhostCoefficients<N> {
         let courant = N::ONE - one_minus_courant;
         let moving = (one_minus_courant - N::from_f64(1e-6)).max(N::ZERO);
         let per_staying = N::ONE / one_minus_courant.max(N::from_f64(1e-6));
-        // Weights of the fourth order over 1 − C.
+        // Fourth-order weights divided by 1 − C.
         let twelfth = N::from_f64(1.0 / 12.0);
         let upwind = N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE + courant);
         let central = N::HALF - twelfth * courant * (N::ONE + courant);
@@ -352,7 +344,7 @@ impl<N: Number> GhostCoefficients<N> {
         let (per_upwind, per_downwind) = (N::ONE / upwind, N::ONE / downwind);
         let passed = N::ONE + cell.upwind - cell.central;
 
-        // The arriving wave sees ghosts downwind, the leaving one upwind.
+        // Ghosts are downwind of the boundary for the arriving wave and upwind for the leaving wave.
         let [inside, at_side, outside] = [
             polynomials(&REFLECTING[0], courant),
             polynomials(&REFLECTING[1], courant),
@@ -418,7 +410,7 @@ impl<N: Number> GhostCoefficients<N> {
         own
     }
 
-    /// Stores them as a group of lanes.
+    /// Stores the coefficients as a group of lanes.
     #[inline(always)]
     pub(crate) fn group<T: Real>(&self) -> GhostCoefficients<T::Lanes>
     where
@@ -437,17 +429,15 @@ impl<N: Number> GhostCoefficients<N> {
     }
 }
 
-/// The ghosts of [`Slopes::FourthOrder`]: a linear closure that lets no energy grow.
+/// Ghost values for [`Slopes::FourthOrder`]: a linear, energy-stable closure.
 ///
-/// Beside a free or fixed side the arriving wave goes on as the leaving one, unfolded W = (O₁, O₀ | I₀′, I₁′) with the
-/// arriving wave O in the two outermost cells and in their images. These alone conserve as the interior does, but ∂W
-/// has a kink at the side, and the errors beside it are of first order. No closure that is exact on straight waves
-/// keeps the energy: with slopes a before the side and b after it a sweep would change the energy by
-/// C(1 − C²)/12 (a² − b²). [`REFLECTING`] corrects the fluxes at the side, and both the arriving and the leaving one at
-/// the next face. It is a mean of two closures, one fitted to pulses and one to the kink; the sweep stays a
-/// contraction (singular values of lines: `no_line_gains_energy`). At an open side nothing comes in, and the outgoing wave
-/// is reconstructed from its own side: [`OPEN`]. Where the three outermost cells are not of one medium the ghosts are
-/// images; on an open side the face value of the outgoing wave is then its value in the outermost cell.
+/// At a reflecting boundary the unfolded wave is W = (O₁, O₀ | I₀′, I₁′): the arriving wave O in the two outermost cells
+/// and its images. Images alone conserve energy, but ∂W has a kink at the boundary: first-order error. No closure
+/// that is exact for linear waves conserves energy: slopes a inside and b outside change it by C(1 − C²)/12 (a² − b²).
+/// [`REFLECTING`], a mean of fits to pulses and to the kink, corrects the flux at the boundary and both fluxes at the
+/// next face; the sweep remains a contraction (test `no_line_gains_energy`). At a non-reflecting boundary the incoming
+/// wave is zero and the arriving wave is reconstructed one-sidedly: [`OPEN`]. If the three outermost cells are not of
+/// one medium, images are used, and non-reflecting faces take the arriving wave of the outermost cell.
 #[inline(always)]
 fn fourth_order<N: Number>(
     is_open: bool,
@@ -503,7 +493,7 @@ fn fourth_order<N: Number>(
         ];
     }
     let half_admittance = N::HALF / cell.impedance;
-    // Faces that reflect are alike whether others of the side are open or not.
+    // The result at reflecting faces must not depend on whether other faces are non-reflecting.
     let open_face = N::ONE - reflection * reflection;
     let of_one = if is_open { open_face + (N::ONE - open_face) * of_one } else { of_one };
     let one_sided = one_sided * of_one;
@@ -514,14 +504,13 @@ fn fourth_order<N: Number>(
     [chosen(one_sided, made[0], images[0]), chosen(one_sided, made[1], images[1])]
 }
 
-/// The ghosts of [`Slopes::Limited`].
+/// Ghost values for [`Slopes::Limited`].
 ///
-/// O is the wave that arrives and I the one that leaves, with index 0 in the outermost cell and 1 behind it, C the
-/// Courant number, γ = ½(σ_s − σ_v) the coefficient of reflection: −1 for given tractions, 1 for given velocities, 0
-/// for open sides. The condition gives I* = γ O* + 2g_s ∓ 2z g_v at the face, where O* = O₀ + (1 − C) x, and x is half
-/// of the slope a = O₀ − O₁ where the state is smooth. In rough states that could increase the energy; what the cell
-/// loses at the least by averaging the wave that leaves, (w − Cy)² − β with w = γ(I₀ − I*) and y half of the limited
-/// slope there, pays for it, and
+/// O is the arriving, I the leaving wave, index 0 in the outermost and 1 in the next cell; C the Courant number;
+/// γ = ½(σ_s − σ_v) the reflection coefficient (−1: traction, 1: velocity, 0: non-reflecting). At the face
+/// I* = γ O* + 2g_s ∓ 2z g_v and O* = O₀ + (1 − C) x. In smooth states x is half the slope a = O₀ − O₁; in rough states
+/// this could increase the energy. The averaging of the leaving wave dissipates at least (w − Cy)² − β, with
+/// w = γ(I₀ − I*) and y half of its limited slope, which bounds x:
 ///
 /// ```text
 /// x = a (½ − κ(1 − t)),  t = min(1, 15/4 · max(0, (w − Cy)² − β)/(C a²)),
@@ -529,8 +518,8 @@ fn fourth_order<N: Number>(
 /// β = max(0, y² − ((1 − ½C)b − (1 − C)y)² + ¼(1 − C)b²),  b = γ(I₁ − I₀).
 /// ```
 ///
-/// No state is known in which a sweep increases the energy (`tests/solid/energy.rs` looks for one). The nearest ghost has the
-/// O that makes this half_slope in the outermost cell, 4x − a beyond O₀, and the I of a straight wave through I* and I₀.
+/// `tests/solid/energy.rs` searches for states that gain energy in a sweep; none is known. The nearest ghost has
+/// O = O₀ + 4x − a, which yields this half slope in the outermost cell, and I of the linear wave through I* and I₀.
 #[inline(always)]
 fn limited<N: Number>(
     [own, behind]: [State<N>; 2],
@@ -539,7 +528,7 @@ fn limited<N: Number>(
     end: usize,
     [cell, cell_behind]: [&CellConstants<N>; 2],
 ) -> [State<N>; GHOSTS] {
-    // Images where the two cells are of different media: the payment is that of one.
+    // Images where the two cells are of different media: the dissipation bound holds in one medium only.
     let one_sided = one_sided * (N::ONE - cell.contrast(cell_behind));
     let is_lower = end == 0;
     let [arriving, leaving] = by_way(end, own, cell);
@@ -551,11 +540,11 @@ fn limited<N: Number>(
     let courant = cell.half_courant + cell.half_courant;
     let one_minus_courant = N::ONE - courant;
     let passed = N::ONE + courant;
-    // From the middle of the step at the face to the middle of the cell, and on to the middle of a ghost.
+    // Extrapolation from the face at mid-step to the cell centre, then to the ghost centre.
     let stretch = N::ONE + reflects * (one_minus_courant / passed);
     let steep = arriving - arriving_behind;
 
-    // Paid by averaging.
+    // Lower bound of the dissipation by averaging.
     let w = reflection * (leaving - given) - arriving - N::HALF * one_minus_courant * steep;
     let b = reflection * (leaving_behind - leaving);
     let upwind = stretch * w;
@@ -567,7 +556,7 @@ fn limited<N: Number>(
     let kept = y * y - passing * passing + N::QUARTER * one_minus_courant * (b * b);
     let budget = averaged * averaged - kept.max(N::ZERO);
     let needed = (courant * (steep * steep)).max(N::MIN_POSITIVE);
-    // 4 would be all that is paid.
+    // 4 would use the whole dissipation.
     let most = (N::ONE + N::ONE) + (N::ONE + N::ONE) - N::QUARTER;
     let share = (most * budget.max(N::ZERO) / needed).min(N::ONE);
     let root = (passed * passed - courant * (one_minus_courant * passed)).sqrt();
@@ -586,7 +575,7 @@ fn limited<N: Number>(
     [chosen(one_sided, nearest, images[0]), chosen(one_sided, farther, images[1])]
 }
 
-/// The state of an arriving and a leaving wave.
+/// Converts the arriving and the leaving characteristic variable to a state.
 #[inline(always)]
 fn state_of<N: Number>(
     is_lower: bool,
@@ -597,7 +586,7 @@ fn state_of<N: Number>(
     State { velocity: half_admittance * difference, stress: N::HALF * (arriving + leaving) }
 }
 
-/// By weight 1 the first state, by weight 0 the second one, to the bit.
+/// Selects by weight: 1 gives `one`, 0 gives `other`, bit for bit.
 #[inline(always)]
 fn chosen<N: Number>(weight: N, one: State<N>, other: State<N>) -> State<N> {
     let rest = N::ONE - weight;
