@@ -1,14 +1,14 @@
-//! Time-domain solvers: elastoplastic solids by sweeps along coordinate lines (Godunov-type, dimensionally split), granular
-//! flow by Fourier series, both with energy ledgers.
+//! Time-domain solvers: elastoplastic solids by dimensionally split Godunov-type sweeps along coordinate lines,
+//! granular flow by Fourier series; both with energy ledgers.
 //!
-//! This crate knows no case file and nothing of the analysis: records, snapshots and checkpoints go to an observer.
+//! This crate knows neither case files nor the analysis: records, snapshots and checkpoints are passed to an observer.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | [`solid`] | media, problems, boundary conditions; one-dimensional sweeps; the fused solver, [`domain`]; a plain one with the full energy account, [`mod@reference`] |
-//! | [`decomposition`] | domain decomposition: subdomains in threads, and the halo between them |
-//! | [`simulation`] | the time loop of solids and flows: stop rules, observers, snapshots |
-//! | [`flow`] | granular flow in a box that deforms with it, by Fourier series |
+//! | [`solid`] | media, problems, boundary conditions; one-dimensional sweeps; the fused solver, [`domain`]; the reference solver with a full energy account, [`mod@reference`] |
+//! | [`decomposition`] | domain decomposition: subdomains on threads, halo exchange |
+//! | [`simulation`] | time loop of solids and flows: end of a run, observers, output times |
+//! | [`flow`] | granular flow in a box that deforms with the mean flow, by Fourier series |
 //! | [`simd`] | numbers in SIMD lanes, instruction sets, dispatch |
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

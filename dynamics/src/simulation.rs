@@ -1,19 +1,19 @@
-//! One driver for all that is solved in time.
+//! Time loop of all time-domain simulations.
 //!
-//! A [`Simulation`] holds a state and makes steps, an [`Observer`] takes the output, and [`drive`] is the loop:
+//! A [`Simulation`] holds a state and advances it, an [`Observer`] receives the output, and [`drive`] is the loop:
 //!
-//! 1. Where the state is unsound before the first step, the run ends with it.
-//! 2. A run from its beginning delivers the record, the account and the snapshot of its first state. A resumed one has
-//!    delivered all that was due up to its state, which the observer kept with it.
-//! 3. Until the duration is over, the simulation makes a batch of steps towards the next time at which an account or
-//!    a snapshot is due. The observer takes the records of all these steps, the accounts and the snapshots that are
-//!    due by now, and then looks at the simulation itself: for progress and for checkpoints.
-//! 4. A run ends at its duration; or by a fault, an unsound state: then the simulation stands at its last sound state,
-//!    whose records and account are delivered if they have not been; or by an error of the observer, which is how it is
-//!    interrupted.
+//! 1. If the initial state is unsound, the run ends with it.
+//! 2. A new run delivers the record, the account and the snapshot of its initial state. For a resumed run all output
+//!    due up to the restored state has been delivered before.
+//! 3. Until the end of the duration, the simulation advances by a batch of steps towards the next time at which an
+//!    account or a snapshot is due. The observer receives the records of these steps and the accounts and snapshots
+//!    that are due, then the simulation itself (progress, checkpoints).
+//! 4. A run ends at its duration, by a fault (an unsound state), or by an error of the observer (which is how it is
+//!    interrupted). After a fault the simulation is at its last sound state, whose records and account are delivered if
+//!    they have not been.
 //!
-//! Steps do not depend on the output. What goes on from a saved [`State`] delivers the same bits as a run that was
-//! never interrupted. No files here: they are the observer's.
+//! Steps do not depend on the output. A run resumed from a saved [`State`] delivers the same bits as an uninterrupted
+//! one. This module writes no files; observers do.
 
 mod flow;
 mod regular_times;
@@ -30,28 +30,28 @@ pub use time_steps::{StepLimit, TimeSteps, TooManySteps};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-/// All that the steps to come depend on, bit for bit.
+/// State of a simulation, sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Steps done.
+    /// Number of steps done.
     pub steps: usize,
-    /// The time that these led to, s.
+    /// Time of the state, s.
     pub time: f64,
-    /// Energy at the beginning, J, of flows J/m³.
+    /// Energy at time 0: J (solids), J/m³ (flows).
     pub initial_energy: f64,
-    /// Numbers by name, as bytes, the least significant first.
+    /// Arrays by name, as little-endian bytes.
     pub sections: BTreeMap<String, Vec<u8>>,
 }
 
 impl State {
-    /// Sections of that name with their numbers from 0 on.
+    /// Iterates over the sections `name0`, `name1`, …
     fn numbered(&self, name: &str) -> impl Iterator<Item = &[u8]> {
         (0..)
             .map_while(move |index| self.sections.get(&format!("{name}{index}")).map(Vec::as_slice))
     }
 }
 
-/// Sections under a name with their numbers from 0 on.
+/// Names sections `name0`, `name1`, …
 fn number(
     name: &str,
     sections: impl Iterator<Item = Vec<u8>>,
@@ -63,22 +63,22 @@ fn to_bytes(numbers: &[f64]) -> Vec<u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
-/// `None` where one is not whole.
+/// Decodes little-endian `f64` values; `None` if the length is no multiple of 8.
 fn from_bytes(bytes: &[u8]) -> Option<Vec<f64>> {
     let (numbers, []) = bytes.as_chunks() else { return None };
     Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
 }
 
-/// A state that makes steps in time.
+/// A state that can be advanced step by step.
 pub trait Simulation {
-    /// Energies of a state, and what steps have done to them.
+    /// Energies of a state and the work and dissipation of the steps so far.
     type Account: Clone;
-    /// All fields of a state.
+    /// All output fields of a state.
     type Fields;
-    /// Why it does not go on.
+    /// Reason why the simulation cannot continue.
     type Fault;
 
-    /// Steps done.
+    /// Number of steps done.
     fn steps(&self) -> usize;
 
     /// Time of the state, s.
@@ -87,30 +87,29 @@ pub trait Simulation {
     /// Whether the duration is over.
     fn is_finished(&self) -> bool;
 
-    /// How a time, s, compares with that of the state: `Less` where it is past, `Equal` where it is that of the
-    /// state but for rounding.
+    /// Compares `time`, s, with the time of the state: `Less` if it is earlier, `Equal` up to rounding.
     fn compare(&self, time: f64) -> Ordering;
 
-    /// Whether the present state is sound.
+    /// Checks whether the present state is sound.
     ///
     /// # Errors
-    /// Why it is not.
+    /// The fault of an unsound state.
     fn check(&self) -> Result<(), Self::Fault> {
         Ok(())
     }
 
-    /// Makes one step or more: never more than end at or beyond `due`, s, a time to come, of which
-    /// [`account_at`](Self::account_at) and [`fields_at`](Self::fields_at) are wanted then.
+    /// Makes one step or more, and no further step once `due`, s, is reached or passed; output at that time is then
+    /// available from [`account_at`](Self::account_at) and [`fields_at`](Self::fields_at).
     ///
     /// # Errors
-    /// A state is unsound: [`recover`](Self::recover) is to go back to the last one that is not.
+    /// A state is unsound: [`recover`](Self::recover) must then return to the last sound one.
     fn advance(&mut self, due: f64) -> Result<(), Self::Fault>;
 
-    /// Goes back to the last sound state after a fault, and says what is wrong with the one after it. Where steps have to
-    /// be made again for that, `go_on` is asked before each batch of them.
+    /// Returns to the last sound state after a fault and gives the fault of the state after it. If steps must be
+    /// repeated, `go_on` is called before each batch of them.
     ///
     /// # Errors
-    /// The first one of `go_on`; the simulation is of no use then.
+    /// The first error of `go_on`; the simulation is unusable afterwards.
     fn recover<E>(
         &mut self,
         fault: Self::Fault,
@@ -120,62 +119,62 @@ pub trait Simulation {
         Ok(fault)
     }
 
-    /// Hands over what the probes recorded since the last call, of each step its time, s, and the quantities of all
-    /// probes, probe by probe.
+    /// Delivers the probe records since the last call: for each step its time, s, and the quantities of all probes,
+    /// probe by probe.
     ///
     /// # Errors
-    /// The first one of `deliver`.
+    /// The first error of `deliver`.
     fn drain_records<E>(
         &mut self,
         deliver: impl FnMut(f64, &[f64]) -> Result<(), E>,
     ) -> Result<(), E>;
 
-    /// The account of the present state.
+    /// Returns the energy account of the present state.
     fn account(&self) -> Self::Account;
 
-    /// The account at a time, s, that the last [`advance`](Self::advance) came to or passed.
+    /// Returns the account at `time`, s, which the last [`advance`](Self::advance) reached or passed.
     ///
     /// # Errors
-    /// There is no sound state then.
+    /// There is no sound state at that time.
     fn account_at(&self, time: f64) -> Result<Self::Account, Self::Fault>;
 
-    /// The fields of the present state.
+    /// Returns the output fields of the present state.
     fn fields(&self) -> Self::Fields;
 
-    /// The fields at a time, s, that the last [`advance`](Self::advance) came to or passed.
+    /// Returns the output fields at `time`, s, which the last [`advance`](Self::advance) reached or passed.
     ///
     /// # Errors
-    /// There is no sound state then.
+    /// There is no sound state at that time.
     fn fields_at(&self, time: f64) -> Result<Self::Fields, Self::Fault>;
 
-    /// All that the steps to come depend on.
+    /// Returns the state for a checkpoint.
     fn state(&self) -> State;
 
-    /// Goes to a state of the same problem, of which nothing is recorded; `false` where it is one of another.
+    /// Restores a state without recording it; `false` if it belongs to another problem.
     fn restore(&mut self, state: &State) -> bool;
 }
 
-/// Takes the output of a simulation.
+/// Receiver of the output of a simulation.
 pub trait Observer<S: Simulation> {
-    /// Why output cannot be taken, or that somebody has interrupted the run.
+    /// Output failure or interruption of the run.
     type Error;
 
-    /// What the probes recorded of a state: its time, s, and the quantities of all probes, probe by probe.
+    /// Receives a record: the time, s, and the quantities of all probes, probe by probe.
     ///
     /// # Errors
-    /// It cannot be taken.
+    /// The record cannot be written.
     fn record(&mut self, time: f64, values: &[f64]) -> Result<(), Self::Error>;
 
-    /// An account that was due.
+    /// Receives an account that is due.
     ///
     /// # Errors
-    /// It cannot be taken.
+    /// The account cannot be written.
     fn account(&mut self, account: &S::Account) -> Result<(), Self::Error>;
 
-    /// A snapshot that was due: its number from 0 on, its time, s, and the fields.
+    /// Receives a snapshot that is due: index from 0, time, s, and fields.
     ///
     /// # Errors
-    /// It cannot be taken.
+    /// The snapshot cannot be written.
     fn snapshot(
         &mut self,
         simulation: &S,
@@ -184,8 +183,8 @@ pub trait Observer<S: Simulation> {
         fields: S::Fields,
     ) -> Result<(), Self::Error>;
 
-    /// Steps are about to be made again, to find the last sound state before a fault. There is no state to resume from
-    /// then but those of earlier looks.
+    /// Called before steps are repeated to find the last sound state before a fault. No checkpoint can be made then;
+    /// only those of earlier [`after_steps`](Self::after_steps) calls exist.
     ///
     /// # Errors
     /// The run is to end here.
@@ -193,37 +192,36 @@ pub trait Observer<S: Simulation> {
         Ok(())
     }
 
-    /// A look at the simulation between two batches of steps, when all output that is due has been taken: its
-    /// [`state`](Simulation::state) now is one to resume from. `last` is the last account delivered.
+    /// Called between batches of steps after all output that is due: the [`state`](Simulation::state) can be saved as a
+    /// checkpoint. `last` is the last account delivered.
     ///
     /// # Errors
     /// The run is to end here.
     fn after_steps(&mut self, simulation: &S, last: &S::Account) -> Result<(), Self::Error>;
 }
 
-/// When output is due.
+/// Output times.
 #[derive(Clone, Copy, Debug)]
 pub struct OutputTimes {
-    /// Accounts.
+    /// Times of accounts.
     pub accounts: RegularTimes,
-    /// Snapshots, if there are to be any.
+    /// Times of snapshots, if any.
     pub snapshots: Option<RegularTimes>,
 }
 
-/// The end of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct End<S: Simulation> {
-    /// The account of the last state.
+    /// Account of the last state.
     pub last: S::Account,
-    /// The unsound state that ended it.
+    /// Fault that ended the run.
     pub fault: Option<S::Fault>,
 }
 
-/// Makes all steps of a simulation, from its beginning or, where it `is_resumed`, from the state that it was restored
-/// to.
+/// Runs a simulation from its initial state or, if `is_resumed`, from a restored state to the end of its duration.
 ///
 /// # Errors
-/// The first one of the observer.
+/// The first error of the observer.
 pub fn drive<S: Simulation, O: Observer<S>>(
     simulation: &mut S,
     output: &OutputTimes,
@@ -244,7 +242,7 @@ pub fn drive<S: Simulation, O: Observer<S>>(
     Ok(End { last: driver.last, fault })
 }
 
-/// What ends a run early.
+/// Cause of an early end of a run.
 enum Stop<F, E> {
     Fault(F),
     Observer(E),
@@ -252,16 +250,16 @@ enum Stop<F, E> {
 
 type Run<S, O> = Result<(), Stop<<S as Simulation>::Fault, <O as Observer<S>>::Error>>;
 
-/// A run under way.
+/// State of a run in progress.
 struct Driver<'a, S: Simulation, O> {
     simulation: &'a mut S,
     observer: &'a mut O,
     output: &'a OutputTimes,
-    /// Accounts delivered.
+    /// Number of accounts delivered.
     accounts: usize,
-    /// Snapshots delivered.
+    /// Number of snapshots delivered.
     snapshots: usize,
-    /// The last account delivered; that of the first state before there is any.
+    /// Last account delivered; before the first one, that of the initial state.
     last: S::Account,
 }
 
@@ -291,7 +289,7 @@ impl<S: Simulation, O: Observer<S>> Driver<'_, S, O> {
         Ok(())
     }
 
-    /// The next time at which an account or a snapshot is due, s.
+    /// Returns the next time at which an account or a snapshot is due, s.
     fn next_output(&self) -> f64 {
         let account = self.output.accounts.time(self.accounts);
         let snapshot = self.output.snapshots.and_then(|own| own.time(self.snapshots));
@@ -321,12 +319,12 @@ impl<S: Simulation, O: Observer<S>> Driver<'_, S, O> {
         self.simulation.drain_records(|time, values| self.observer.record(time, values))
     }
 
-    /// The time of that number, s, if the simulation has come to it.
+    /// Returns output time `index`, s, if the simulation has reached it.
     fn due(&self, times: RegularTimes, index: usize) -> Option<f64> {
         times.time(index).filter(|time| self.simulation.compare(*time) != Ordering::Greater)
     }
 
-    /// Delivers the records and the account of the last sound state, if the account was not due.
+    /// Delivers the records and, unless it was due, the account of the last sound state.
     fn close(&mut self) -> Result<(), O::Error> {
         self.deliver_records()?;
         let last = self.accounts.checked_sub(1).and_then(|last| self.output.accounts.time(last));

@@ -1,66 +1,66 @@
-//! A flow as a simulation: one step after the other, each as long as its tolerance allows.
+//! Simulation of a flow with error-controlled step sizes.
 //!
-//! The duration has 200 parts of one length, at whose ends steps end, whatever output is asked for. Output within
-//! a step comes from a flow that goes from the state before the step to the time that is asked for on its own
-//! way, as accurate as all steps.
+//! The duration is divided into 200 equal intervals, at whose ends steps end whatever output is requested. Output
+//! within a step comes from a copy of the flow that is restored to the state before the step and advanced to the output
+//! time with the same tolerance.
 
 use super::{RegularTimes, Simulation, State, from_bytes, number, to_bytes};
 use crate::flow::{Energy, Flow, FlowError, Left, Problem, Snapshot};
 use std::cmp::Ordering;
 
-/// Parts of the duration at whose ends steps end.
+/// Number of intervals of the duration at whose ends steps end.
 const PARTS: f64 = 200.0;
 
-/// Energy of a flow's perturbation, and what changed it.
+/// Energy of a flow's perturbation and its balance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowAccount {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// Energy and works.
+    /// Kinetic energy and works, J/m³.
     pub energy: Energy,
-    /// Kinetic energy at the beginning, J/m³.
+    /// Kinetic energy at time 0, J/m³.
     pub initial_energy: f64,
     /// Kinetic energy by shells of modes, J/m³; see [`Flow::spectrum`].
     pub spectrum: Vec<f64>,
 }
 
 impl FlowAccount {
-    /// Energy that no term accounts for, J/m³: the error of the steps.
+    /// Returns the energy change not explained by the works, J/m³: the time integration error.
     pub fn balance(&self) -> f64 {
         self.energy.kinetic - self.initial_energy - self.energy.background - self.energy.stress
     }
 }
 
-/// All fields of a flow.
+/// Output fields of a flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowFields {
-    /// By [field](Flow::fields) and point, x₁ running fastest.
+    /// By [field](Flow::fields) and point (x₁ fastest).
     pub values: Vec<Vec<f64>>,
-    /// Where the box is; see [`Flow::deformation`].
+    /// Deformation gradient of the box; see [`Flow::deformation`].
     pub deformation: [[f64; 2]; 2],
 }
 
-/// A flow in time. Runs on the threads of the surrounding pool; bits do not depend on their number.
+/// Time-domain simulation of a flow. Uses the surrounding thread pool; results do not depend on the number of threads.
 pub struct FlowSimulation {
     flow: Flow,
     duration: f64,
-    /// Ends of the parts of the duration.
+    /// Ends of the intervals of the duration.
     ends: RegularTimes,
     /// Points whose fields are recorded.
     probes: Vec<usize>,
     initial_energy: f64,
-    /// The state before the last step.
+    /// Snapshot before the last step.
     before: Option<Snapshot>,
-    /// Whether the present state has not been handed over as a record.
+    /// Whether the present state has not been recorded yet.
     is_new: bool,
 }
 
 impl FlowSimulation {
-    /// The background alone, for a duration in s; it is to be [perturbed](Self::perturb) or
-    /// [restored](Simulation::restore). `probes` are points, x₁ running fastest.
+    /// The unperturbed background flow for a duration, s; to be [perturbed](Self::perturb) or
+    /// [restored](Simulation::restore). `probes`: point indices, x₁ fastest.
     ///
     /// # Errors
-    /// The first number of the problem that cannot be.
+    /// The first invalid number of the problem.
     pub fn new(problem: &Problem, duration: f64, probes: Vec<usize>) -> Result<Self, FlowError> {
         Ok(Self {
             flow: Flow::new(problem)?,
@@ -73,13 +73,13 @@ impl FlowSimulation {
         })
     }
 
-    /// Adds the perturbation that the flow begins with; see [`Flow::perturb`].
+    /// Adds the initial perturbation; see [`Flow::perturb`].
     ///
     /// # Errors
-    /// A point has no stress.
+    /// The stress is undetermined at a point.
     ///
     /// # Panics
-    /// The number of values is not that of the points.
+    /// The number of values differs from the number of points.
     pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
         self.flow.perturb(velocity, inner)?;
         self.initial_energy = self.flow.energy().kinetic;
@@ -87,7 +87,7 @@ impl FlowSimulation {
         Ok(())
     }
 
-    /// The flow.
+    /// Returns the flow.
     pub fn flow(&self) -> &Flow {
         &self.flow
     }
@@ -101,7 +101,7 @@ impl FlowSimulation {
         }
     }
 
-    /// Looks at the flow at a time, s, during the last step.
+    /// Evaluates `look` for the flow at `time`, s, within the last step.
     fn at<R>(&self, time: f64, look: impl FnOnce(&Flow) -> R) -> Result<R, Left> {
         let Some(before) = self.before.as_ref().filter(|_| self.compare(time) == Ordering::Less)
         else {

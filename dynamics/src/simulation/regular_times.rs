@@ -1,30 +1,31 @@
-//! Times at equal intervals.
+//! Equidistant output times.
 
 use super::Simulation;
 use std::cmp::Ordering;
 
-/// The multiples of an interval from 0 on. The last one is the duration, which stands for a multiple next to it.
+/// Multiples of an interval from 0 on; the last time is the duration, which replaces a multiple equal to it up to
+/// rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct RegularTimes {
-    /// s.
+    /// Interval, s.
     interval: f64,
-    /// s.
+    /// Duration, s.
     duration: f64,
     count: usize,
 }
 
-/// Most times between the first and the last one: numbers of more are not told apart as floating-point numbers.
+/// Maximum number of times between the first and the last one: 2⁵³, the largest index that `f64` resolves.
 const MOST_INSIDE: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
 
 impl RegularTimes {
-    /// Both in s, and positive. An interval that is too short for the duration, more than 2⁵³ times, ends early but for
-    /// the last time.
+    /// `interval` and `duration` in s, positive. If the duration exceeds 2⁵³ intervals, the times between are cut off
+    /// there.
     pub fn new(interval: f64, duration: f64) -> Self {
         let inside = (duration / interval - 1e-6).floor().clamp(0.0, MOST_INSIDE);
         Self { interval, duration, count: inside as usize + 2 }
     }
 
-    /// A time by its number from 0 on, s; `None` beyond the last one.
+    /// Returns time `index` (from 0), s; `None` beyond the last one.
     pub fn time(&self, index: usize) -> Option<f64> {
         match self.count.checked_sub(index)? {
             0 => None,
@@ -33,15 +34,15 @@ impl RegularTimes {
         }
     }
 
-    /// Whether two times, s, are one but for rounding.
+    /// Whether two times, s, are equal up to 10⁻¹² of the duration.
     pub fn is_one(&self, time: f64, other: f64) -> bool {
         (time - other).abs() <= 1e-12 * self.duration
     }
 
-    /// How many come before a time, s, that one included where it is one of them but for rounding.
+    /// Counts the times up to `time`, s, inclusive up to rounding.
     pub fn until(&self, time: f64) -> usize {
         let is_past = |own: f64| own <= time || self.is_one(own, time);
-        // Counted from just below, for what rounding does to the quotient.
+        // Start one lower: the quotient may be rounded up.
         let before = (time.min(self.duration) / self.interval).floor().max(1.0) as usize - 1;
         let mut count = before.min(self.count - 1);
         while self.time(count).is_some_and(is_past) {
@@ -50,7 +51,7 @@ impl RegularTimes {
         count
     }
 
-    /// How many a simulation has come to.
+    /// Counts the times that a simulation has reached.
     pub fn reached(&self, simulation: &impl Simulation) -> usize {
         let is_reached = |time: f64| simulation.compare(time) != Ordering::Greater;
         (0..).take_while(|index| self.time(*index).is_some_and(is_reached)).count()
@@ -61,7 +62,7 @@ impl RegularTimes {
 mod tests {
     use super::RegularTimes;
 
-    /// Multiples that a sum would miss come once each, the last one when the run ends.
+    /// Verifies that each time occurs once, in order, without accumulated rounding, and that the last is the duration.
     #[test]
     fn every_time_once() {
         for (interval, duration, count) in [
@@ -83,7 +84,7 @@ mod tests {
         }
     }
 
-    /// Far more times than there are numbers for.
+    /// Verifies the limit of 2⁵³ + 2 times for intervals far shorter than `f64` resolves.
     #[test]
     fn absurd_intervals_have_an_end() {
         for interval in [1e-300, f64::MIN_POSITIVE, 5e-324, 1e-17] {
@@ -95,7 +96,7 @@ mod tests {
             assert_eq!(times.time(count), None);
             assert_eq!(times.time(usize::MAX), None);
         }
-        // Shorter than any: one step of the last bit is left.
+        // An interval longer than the duration: first and last time only.
         assert_eq!(RegularTimes::new(f64::MAX, 1.0).until(1.0), 2);
     }
 }

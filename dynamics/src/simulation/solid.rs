@@ -1,10 +1,9 @@
-//! A solid as a simulation: batches of equal steps, and a look after each whether the energy is still a number.
+//! Simulation of a solid: batches of equal steps, each followed by a check that the energy is finite.
 //!
-//! Energies tell a batch of steps in which some value has ceased to be finite, not the step. The simulation then goes back to
-//! the last state that was [saved](Simulation::state) or restored, or to its beginning, makes the same steps as far as they
-//! were sound, and goes on one by one to the last sound state.
-//! Steps are as long as waves let them be: fields between two steps are on the straight line between the states,
-//! so that stresses stay in their convex yield sets.
+//! A non-finite energy identifies the batch in which a value became non-finite, not the step. The simulation then
+//! returns to the last [saved](Simulation::state) or restored state (else the initial one), repeats the sound batches,
+//! and proceeds step by step to the last sound state. Output between two steps is interpolated linearly between the
+//! states, so that stresses stay in their convex yield sets.
 
 use super::solver::{Solver, SolverChoice};
 use super::{Simulation, State, TimeSteps, from_bytes, number, to_bytes};
@@ -18,51 +17,51 @@ use models::solid::waves::Field;
 use std::cell::RefCell;
 use std::cmp::Ordering;
 
-/// Steps between two looks whether all values are finite, at most.
+/// Maximum number of steps between two checks for non-finite energies.
 const LOOK: usize = 64;
 
-/// Cells times steps between two looks, at most: a few seconds of one thread in space, after which a run can be
-/// interrupted.
+/// Maximum of cells × steps between two checks: a few seconds of one thread in three dimensions. A run can be
+/// interrupted only between batches.
 const CELLS: usize = 20_000_000;
 
-/// Energy of a solid, and what steps did to it.
+/// Energy of a solid and its ledger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidAccount {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// Energy there is.
+    /// Present energy, J.
     pub energy: Energy,
-    /// What steps did to it.
+    /// Work and dissipation of the steps so far, J.
     pub ledger: Ledger,
-    /// Energy at the beginning, J.
+    /// Energy at time 0, J.
     pub initial_energy: f64,
 }
 
 impl SolidAccount {
-    /// Energy that no term accounts for, J: rounding where the ledger is full; else it is what the scheme
-    /// dissipates, with the sign turned.
+    /// Returns the energy change not explained by the ledger, J: rounding if the ledger is full, else minus the
+    /// numerical dissipation.
     pub fn balance(&self) -> f64 {
         self.energy.total() - self.initial_energy - self.ledger.change()
     }
 
-    /// Whether its energies are numbers.
+    /// Whether energy and ledger are finite.
     fn is_sound(&self) -> bool {
         self.energy.total().is_finite() && self.ledger.change().is_finite()
     }
 }
 
-/// All that is seen of a solid.
+/// Output fields of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidFields {
-    /// By quantity and cell, the first axis running fastest: all fields of the media, stresses with the initial one,
-    /// then the integrals of the problem.
+    /// By quantity and cell (first axis fastest): all fields of the media with total stresses, then the time integrals
+    /// of the problem.
     pub values: Vec<Vec<f64>>,
-    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     pub dissipated: Vec<f64>,
 }
 
 impl SolidFields {
-    /// On the straight line to another state, at a part of it.
+    /// Interpolates linearly to another state; `part` in \[0, 1\].
     fn towards(&self, other: &Self, part: f64) -> Self {
         let line = |(a, b): (&f64, &f64)| (1.0 - part) * a + part * b;
         let field = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(line).collect();
@@ -73,43 +72,43 @@ impl SolidFields {
     }
 }
 
-/// A state whose energies are no numbers.
+/// A state whose energy is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidFault {
-    /// When, s.
+    /// Time of the state, s.
     pub time: f64,
-    /// The first value that is not finite: its field and its cell; `None` where the energy alone is not.
+    /// Field and cell of the first non-finite value; `None` if only the energy is non-finite.
     pub place: Option<(Field, usize)>,
 }
 
-/// A solid in time.
+/// Time-domain simulation of a solid.
 pub struct SolidSimulation<T: SolverReal, const D: usize> {
     problem: Problem<D>,
     steps: TimeSteps,
-    /// Values of the fields that are not zero at the beginning, by cell.
+    /// Initial values by cell of the fields that are not zero at time 0.
     initial: Vec<(Field, Vec<f64>)>,
-    /// By places among the watched cells.
+    /// Probes; cells are indices into `watched`.
     probes: Vec<Probe>,
-    /// The cells that these need, ascending.
+    /// Cells that the probes need, ascending.
     watched: Vec<usize>,
     solver: Box<dyn Solver<T>>,
     threads: usize,
-    /// Steps done.
+    /// Number of steps done.
     done: usize,
-    /// The account after these.
+    /// Account after `done` steps.
     account: SolidAccount,
-    /// What is seen before the last step, where it is needed after it.
+    /// Output fields before the last step, if output within that step is due.
     before: Option<SolidFields>,
-    /// What was recorded of watched cells up to the present state, and has not been handed over.
+    /// Records of the watched cells that have not been delivered yet.
     records: Vec<f64>,
-    /// Steps done at the first of these records.
+    /// Number of steps done at the first of the records.
     first_record: usize,
-    /// The last state that was saved or restored; `None`: the beginning.
+    /// Last saved or restored state; `None`: the initial one.
     saved: RefCell<Option<Snapshot<T>>>,
 }
 
 impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
-    /// A solid at its beginning. `initial` are the values of fields that are not zero, by cell.
+    /// A solid at time 0. `initial`: values by cell of fields that are not zero.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -155,7 +154,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         Ok(own)
     }
 
-    /// Sets the fields at the beginning, where all are zero.
+    /// Sets the initial values; all fields must be zero.
     fn set_initial(&mut self) {
         for (field, values) in &self.initial {
             let values: Vec<T> = values.iter().map(|value| T::of(*value)).collect();
@@ -164,27 +163,27 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         self.solver.initialise_interlayers();
     }
 
-    /// What is solved.
+    /// Returns the problem.
     pub fn problem(&self) -> &Problem<D> {
         &self.problem
     }
 
-    /// Its steps.
+    /// Returns the time steps.
     pub fn time_steps(&self) -> TimeSteps {
         self.steps
     }
 
-    /// Threads that steps run on.
+    /// Returns the number of threads of the solver.
     pub fn threads(&self) -> usize {
         self.threads
     }
 
-    /// The first cell whose stress is not in its yield set.
+    /// Returns the first cell whose stress is outside its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         self.solver.first_beyond_yield()
     }
 
-    /// The account of what is computed, which so many steps have led to.
+    /// Computes the account after `done` steps from the solver's state.
     fn account_after(&self, done: usize) -> SolidAccount {
         SolidAccount {
             time: self.steps.time(done),
@@ -194,7 +193,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         }
     }
 
-    /// Takes over what was recorded, of which the first record is that after `first` steps.
+    /// Fetches the solver's records, the first of which is that of step `first`.
     fn keep_records(&mut self, first: usize) {
         if self.watched.is_empty() {
             return;
@@ -207,17 +206,17 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         }
     }
 
-    /// Steps between two looks.
+    /// Returns the number of steps between two checks.
     fn batch(&self) -> usize {
         (CELLS / self.problem.grid.count().max(1)).clamp(1, LOOK)
     }
 
-    /// What is wrong with the fields that are computed.
+    /// Returns the fault of the solver's state.
     fn fault(&self) -> SolidFault {
         SolidFault { time: self.solver.time(), place: self.solver.first_non_finite() }
     }
 
-    /// The same bits again as far as they were sound.
+    /// Restores the last saved state and repeats the sound steps, with the same bits.
     fn replay<E>(&mut self, mut go_on: impl FnMut() -> Result<(), E>) -> Result<(), E> {
         let saved = self.saved.take().filter(|saved| saved.steps <= self.done);
         let start = match saved {
@@ -238,7 +237,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         Ok(())
     }
 
-    /// Step by step up to the last sound state.
+    /// Advances step by step to the last sound state and returns the fault of the next one.
     fn step_to_fault(&mut self) -> SolidFault {
         loop {
             let sound = self.solver.snapshot();
@@ -334,7 +333,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         self.account
     }
 
-    /// That of the step that ended then.
+    /// Returns the account of the present state, which is the end of the step that reached or passed `_time`.
     fn account_at(&self, _time: f64) -> Result<SolidAccount, SolidFault> {
         Ok(self.account)
     }

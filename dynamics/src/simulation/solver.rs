@@ -1,4 +1,4 @@
-//! The solvers of a solid, as its simulation calls them.
+//! Choice of the solver of a solid, and the interface through which its simulation calls it.
 
 use crate::decomposition::DecomposedDomain;
 use crate::simd::Real;
@@ -9,20 +9,20 @@ use crate::solid::reference::Reference;
 use crate::solid::snapshot::Snapshot;
 use models::solid::waves::Field;
 
-/// Which solver carries a solid through time.
+/// Solver of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverChoice {
-    /// The fused solver, on as many of these threads as the layers allow. Its ledger lacks the dissipation of the scheme.
+    /// Fused solver; threads are limited by the number of layers. Its ledger lacks the numerical dissipation.
     Fused {
-        /// At most.
+        /// Maximum number of threads.
         threads: usize,
     },
-    /// The reference solver, on one thread and many times slower: its ledger is full.
+    /// Reference solver: single-threaded, many times slower, with a full ledger.
     Reference,
 }
 
 impl SolverChoice {
-    /// Threads that a problem takes.
+    /// Returns the number of threads used for a problem.
     pub(super) fn threads<T: SolverReal, const D: usize>(self, problem: &Problem<D>) -> usize {
         match self {
             Self::Fused { threads } => {
@@ -32,7 +32,7 @@ impl SolverChoice {
         }
     }
 
-    /// The solver of a problem, at rest.
+    /// Creates the solver of a problem, at rest.
     pub(super) fn start<T: SolverReal, const D: usize>(
         self,
         problem: &Problem<D>,
@@ -47,41 +47,41 @@ impl SolverChoice {
     }
 }
 
-/// What a simulation asks of a solver; both have methods of these names.
+/// Interface of the solvers; both have methods of these names.
 pub(super) trait Solver<T: Real>: Send {
-    /// Advances all fields by so many time steps.
+    /// Advances all fields by `steps` time steps.
     fn advance(&mut self, steps: usize);
     /// Time, s.
     fn time(&self) -> f64;
-    /// Energy of the deviation from the initial stress.
+    /// Energy of the deviation from the initial stress, J.
     fn energy(&self) -> Energy;
-    /// What steps did to the energy so far.
+    /// Work and dissipation of the steps so far, J.
     fn ledger(&self) -> Ledger;
     /// Sets the values of a field, by cell of the problem.
     fn set(&mut self, field: Field, values: &[T]);
-    /// Lets interlayers move with the cells beside them.
+    /// Sets interlayer velocities to the mean of the two adjacent cells, and their stresses to zero.
     fn initialise_interlayers(&mut self);
-    /// Goes back to rest, before the first step.
+    /// Returns to the state of rest before the first step.
     fn reset(&mut self);
-    /// All that the steps to come depend on.
+    /// Returns the state for a checkpoint.
     fn snapshot(&self) -> Snapshot<T>;
-    /// Goes to a snapshot of the same problem; `false` where it is one of another.
+    /// Restores a snapshot; `false` if it belongs to another problem.
     fn restore(&mut self, snapshot: &Snapshot<T>) -> bool;
-    /// Numbers that are shown of a cell.
+    /// Number of output quantities per cell.
     fn width(&self) -> usize;
-    /// All that is shown, by quantity and cell.
+    /// Output by quantity and cell.
     fn shown(&self) -> Vec<Vec<f64>>;
-    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     fn dissipated(&self) -> Vec<f64>;
     /// Records these cells after each step.
     fn watch(&mut self, cells: &[usize]);
-    /// Records the watched cells as they are.
+    /// Records the watched cells in the present state.
     fn record(&mut self);
-    /// What was recorded since the last call.
+    /// Returns the records since the last call.
     fn records(&mut self) -> Vec<f64>;
-    /// The first value that is not finite.
+    /// Returns field and cell of the first non-finite value.
     fn first_non_finite(&self) -> Option<(Field, usize)>;
-    /// The first cell whose stress is not in its yield set.
+    /// Returns the first cell whose stress is outside its yield set.
     fn first_beyond_yield(&self) -> Option<usize>;
 }
 

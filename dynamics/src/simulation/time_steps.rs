@@ -1,32 +1,32 @@
-//! Equal steps that end with the run, and where times lie among them.
+//! Equal time steps that end with the run, and the position of times among them.
 
 use crate::solid::medium::Medium;
 
-/// Most steps of a run.
+/// Maximum number of steps of a run.
 const MOST_STEPS: f64 = 1e12;
 
-/// Part of a step that counts as rounding.
+/// Fraction of a step that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What the length of a step is limited by.
+/// Criterion that limits the time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepLimit {
-    /// The Courant number of the fastest wave.
+    /// Courant number of the fastest wave.
     Wave,
-    /// The angle of the natural rotation of spins against antisymmetric stress.
+    /// Rotation angle per step of the spin oscillation driven by antisymmetric stress.
     Rotation,
 }
 
-/// Equal steps that end with the run.
+/// Equal time steps that end with the run.
 #[derive(Clone, Copy, Debug)]
 pub struct TimeSteps {
-    /// How many.
+    /// Number of steps.
     pub count: usize,
     /// Δt, s.
     pub step: f64,
-    /// What makes them as short as they are.
+    /// Criterion that limits Δt.
     pub limit: StepLimit,
-    /// Of all steps, s.
+    /// Duration of the run, s.
     duration: f64,
 }
 
@@ -34,19 +34,19 @@ pub struct TimeSteps {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{count:.3e} steps of {longest:.3e} s")]
 pub struct TooManySteps {
-    /// How many there would be.
+    /// Number of steps required.
     count: f64,
-    /// The longest step, s.
+    /// Longest admissible step, s.
     longest: f64,
 }
 
 impl TimeSteps {
-    /// The longest steps of which a sweep, half a step along an axis, has at most the Courant number `courant` and
-    /// which turn spins by at most `rotation`, rad, shortened until they end with the `duration`, s. `spacing` are
-    /// the edges of a cell, m.
+    /// Chooses the longest steps for which each sweep (half a step along an axis) has at most the Courant number
+    /// `courant` and spins rotate by at most `rotation`, rad, per step, shortened to divide the `duration`, s.
+    /// `spacing`: cell edges, m.
     ///
     /// # Errors
-    /// There are too many.
+    /// More than 10¹² steps.
     pub fn new(
         media: &[Medium],
         spacing: &[f64],
@@ -59,7 +59,7 @@ impl TimeSteps {
             let pairs = media.iter().flat_map(|m| &m.pairs[axis]);
             greatest(&mut pairs.map(|pair| pair.speed())) / spacing
         });
-        // A step is two sweeps along each axis.
+        // A step has two sweeps along each axis.
         let by_waves = 2.0 * courant / greatest(&mut { rates });
         let frequencies = media.iter().filter_map(|m| Some(m.rotation?.frequency));
         let by_rotation = rotation / greatest(&mut { frequencies });
@@ -72,14 +72,14 @@ impl TimeSteps {
         Ok(Self { count: count as usize, step: duration / count, limit, duration })
     }
 
-    /// The time after so many steps, s: after the last one the duration to the last bit, which a sum of
-    /// steps misses.
+    /// Returns the time after `done` steps, s; after the last step exactly the duration, which a sum of steps would
+    /// miss.
     pub fn time(&self, done: usize) -> f64 {
         done as f64 / self.count as f64 * self.duration
     }
 
-    /// Steps that end at a time, s, or before it, and the part of the next one up to it, in [0, 1): 0 where a step ends
-    /// at that time but for rounding.
+    /// Returns the number of steps that end at or before `time`, s, and the fraction of the next step up to it, in \[0,
+    /// 1), which is 0 if a step ends at that time up to rounding.
     pub fn place(&self, time: f64) -> (usize, f64) {
         let place = time / self.duration * self.count as f64;
         let nearest = place.round();
@@ -96,7 +96,8 @@ mod tests {
     use super::super::RegularTimes;
     use super::*;
 
-    /// Every multiple of an interval lies between the steps around it, the last one at the end.
+    /// Verifies the position of all multiples of an interval among the steps, and that the last one is the end of the
+    /// run.
     #[test]
     fn times_lie_among_steps() {
         for (interval, duration, count) in

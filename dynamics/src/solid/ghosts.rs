@@ -197,7 +197,7 @@ impl<T: Real> GhostRule<T> {
         }
     }
 
-    /// Returns whether a face can do work now: it is non-reflecting, or its prescribed velocity or traction is non-zero.
+    /// Returns whether a face can do work now: it is non-reflecting, or its given velocity or traction is non-zero.
     pub(crate) fn does_work_on(&self, pair: usize, slot: Slot) -> bool {
         let [sign, velocity, _, stress, _] = self.face_at(pair, slot);
         self.does_work && (sign == T::ZERO || velocity != T::ZERO || stress != T::ZERO)
@@ -431,7 +431,7 @@ impl<N: Number> GhostCoefficients<N> {
 
 /// Ghost values for [`Slopes::FourthOrder`]: a linear, energy-stable closure.
 ///
-/// At a reflecting boundary the unfolded wave is W = (O₁, O₀ | I₀′, I₁′): the arriving wave O in the two outermost cells
+/// At a reflecting boundary the unfolded wave is W = (O₁, O₀ | I₀′, I₁′): arriving wave O in the two outermost cells
 /// and its images. Images alone conserve energy, but ∂W has a kink at the boundary: first-order error. No closure
 /// that is exact for linear waves conserves energy: slopes a inside and b outside change it by C(1 − C²)/12 (a² − b²).
 /// [`REFLECTING`], a mean of fits to pulses and to the kink, corrects the flux at the boundary and both fluxes at the
