@@ -1,16 +1,15 @@
-//! Granular flow in time: the equations of Harris & Grekova (2005) and of their relatives, ν = 0, in a box
-//! that moves with a homogeneous flow Γx and outside of which all perturbations repeat.
+//! Time-domain granular flow: the equations of Harris & Grekova (2005) and related models, ν = 0, in a periodic box
+//! that deforms with a homogeneous flow Γx.
 //!
-//! - [`Closure`]: what determines the stress angle;
-//! - `equations`: the right-hand side, written from the balance laws;
-//! - `pressure`: what keeps the flow free of divergence;
-//! - [`spectral`]: Fourier series in the box, whose wave vectors k(t) = exp(−Γᵀt) k₀ move with it;
-//! - [`perturbation`]: what it begins with;
-//! - `chebyshev`: stages of a step; [`Flow`] chooses their number and the step.
+//! - [`Closure`]: equation for the stress angle;
+//! - `equations`: right-hand side, from the balance laws;
+//! - `pressure`: equation for the pressure, from the incompressibility constraint;
+//! - [`spectral`]: Fourier series in the box, whose wave vectors k(t) = exp(−Γᵀt) k₀ deform with it;
+//! - [`perturbation`]: initial perturbations;
+//! - `chebyshev`: Runge–Kutta–Chebyshev coefficients; [`Flow`] chooses the number of stages and the step size.
 //!
-//! Γ needs the body force (Γ² − tr Γ²/2) x, which vanishes: Γ² of a traceless Γ is a multiple of the unit
-//! tensor, a force −det Γ x that has no curl. A steady spin needs the body moment −2r/ρ of the rotational
-//! stress r, which is uniform.
+//! The body force that maintains Γ is (Γ² − ½ tr Γ²) x = 0, since Γ² = −det Γ I for traceless Γ; the remaining force
+//! −det Γ x is curl-free. A steady spin requires the uniform body moment −2r/ρ of the rotational stress r.
 
 mod chebyshev;
 mod closure;
@@ -27,15 +26,15 @@ use models::common::elementary::{Elementary, cr_cis};
 use num_complex::Complex64;
 use pressure::combine;
 
-/// Most stages of a step.
+/// Maximum number of stages of a step.
 const MOST_STAGES: usize = 2000;
-/// Steps, and deformation and turn of the box, after which the greatest rate is looked for again.
+/// Number of steps, and deformation of the box, after which the spectral radius is estimated again.
 const LOOK: (usize, f64) = (25, 0.02);
-/// Successive cuts of a step, after which it cannot be made.
+/// Maximum number of successive reductions of a step.
 const MOST_CUTS: usize = 20;
-/// Shear of the box in a step, at most.
+/// Maximum deformation of the box in a step, Δt |Γ|.
 const SHEAR: f64 = 0.25;
-/// Rounding of a step, relative to all of the state.
+/// Rounding error of a step relative to the norm of the state.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A field of a flow.
@@ -45,7 +44,7 @@ pub enum Field {
     Velocity(usize),
     /// The spin ω, rad/s.
     Spin,
-    /// The angle ψ of the greater principal stress from x₁, rad; in (−π/2, π/2] where it does not evolve.
+    /// Angle ψ of the major principal stress from x₁, rad; in (−π/2, π/2] unless it is an evolving variable.
     StressAngle,
     /// The pressure p, Pa.
     Pressure,
@@ -53,64 +52,66 @@ pub enum Field {
     ShearRate,
 }
 
-/// A homogeneous flow and the box in which it is perturbed; SI units, radians.
+/// A homogeneous flow and the box in which it is perturbed; SI units, angles in radians.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// What determines the stress angle.
+    /// Equation for the stress angle.
     pub closure: Closure,
     /// Density ρ, kg/m³; > 0.
     pub density: f64,
     /// Friction angle φ, rad; in (0, π/2).
     pub friction_angle: f64,
-    /// e_r/c_r of the flow rule, sin φ in double shearing at constant volume: relative rotation
-    /// (ω − s₂₁)/Q_D times this is sin 2(ψ − ψ_D). Unused by coaxial models.
+    /// e_r/c_r of the flow rule (sin φ in double shearing at constant volume): sin 2(ψ − ψ_D) is this ratio times the
+    /// relative rotation (ω − s₂₁)/Q_D. Unused by coaxial models.
     pub rotation_ratio: f64,
     /// Cohesion c, Pa; ≥ 0.
     pub cohesion: f64,
-    /// Mean pressure P₀, Pa; beyond −c cot φ.
+    /// Mean pressure P₀, Pa; > −c cot φ.
     pub pressure: f64,
-    /// Γ, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s; of trace 0, and no rotation alone.
+    /// Velocity gradient Γ, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s; traceless, with non-zero deformation rate.
     pub velocity_gradient: [[f64; 2]; 2],
-    /// Stress angle Ψ of the background at the beginning, rad.
+    /// Initial stress angle Ψ of the background, rad.
     pub stress_angle: f64,
-    /// Spin Ω of the background at the beginning, rad/s: Harris–Grekova alone.
+    /// Initial spin Ω of the background, rad/s (Harris–Grekova only).
     pub spin: f64,
-    /// DΩ/Dt, rad/s²: Harris–Grekova alone.
+    /// DΩ/Dt, rad/s² (Harris–Grekova only).
     pub spin_acceleration: f64,
-    /// Points along each axis of the box; even, at least 4.
+    /// Number of points along each axis of the box; even, at least 4.
     pub points: [usize; 2],
-    /// Edges of the box at the beginning, along x₁ and x₂, m.
+    /// Initial edge lengths of the box along x₁ and x₂, m.
     pub lengths: [f64; 2],
-    /// Error of a step relative to the perturbation, at most.
+    /// Maximum error of a step relative to the norm of the perturbation.
     pub tolerance: f64,
-    /// Residual of the pressure's equation relative to its right-hand side, at most.
+    /// Maximum residual of the pressure equation relative to its right-hand side.
     pub pressure_tolerance: f64,
-    /// Q_D over that of the background below which a run ends: plastic potential alone.
+    /// Q_D relative to that of the background below which a run ends (plastic potential only).
     pub least_shear_rate: f64,
 }
 
-/// A problem that cannot be.
+/// An invalid problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FlowError {
     /// Too few points, or an odd number of them.
     #[error("{0:?} points: an even number of at least 4 is needed along each axis")]
     Points([usize; 2]),
-    /// A number out of its range.
+    /// A parameter out of its range.
     #[error("{name} cannot be {value}")]
     Number {
-        /// Which one.
+        /// Name of the parameter.
         name: &'static str,
-        /// What it is.
+        /// Value of the parameter.
         value: f64,
     },
-    /// A background that changes volume, or does not deform.
+    /// A background flow that changes volume or does not deform.
     #[error("the velocity gradient {0:?} must have trace 0 and deform")]
     Gradient([[f64; 2]; 2]),
 }
 
 impl Problem {
+    /// Checks all parameters.
+    ///
     /// # Errors
-    /// The first number that cannot be.
+    /// The first invalid parameter.
     fn check(&self) -> Result<(), FlowError> {
         if self.points.iter().any(|points| *points < 4 || points % 2 == 1) {
             return Err(FlowError::Points(self.points));
@@ -146,99 +147,99 @@ impl Problem {
         Ok(())
     }
 
-    /// q of the background, Pa.
+    /// Returns the deviatoric stress q of the background, Pa.
     fn deviator(&self) -> f64 {
         self.pressure * self.friction_angle.cr_sin() + self.cohesion * self.friction_angle.cr_cos()
     }
 }
 
-/// Q_D of a velocity gradient, 1/s.
+/// Computes Q_D of a velocity gradient, 1/s.
 fn shear_rate_of(gradient: [[f64; 2]; 2]) -> f64 {
     closure::Deformation::new(gradient).shear_rate()
 }
 
-/// A point has left the fully deforming region, or there is no solution.
+/// A point has left the fully deforming region, or the equations have no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{what}")]
 pub struct Left {
-    /// What happened, with its values.
+    /// Description with values.
     pub what: String,
-    /// Where, in coordinates of the box at the beginning, m; `None` where it is not one point's doing.
+    /// Position in the initial box, m; `None` if no single point is concerned.
     pub at: Option<[f64; 2]>,
-    /// When, s.
+    /// Time, s.
     pub time: f64,
 }
 
-/// Energy of the perturbation per volume, J/m³, and what changed it.
+/// Energy of the perturbation and works since time 0 per volume, J/m³.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// ½ρ⟨|v′|²⟩.
+    /// Kinetic energy ½ρ⟨|v′|²⟩.
     pub kinetic: f64,
-    /// −∫ρ⟨v′·Γv′⟩dt: from the background.
+    /// Work of the background flow, −∫ρ⟨v′·Γv′⟩dt.
     pub background: f64,
-    /// −∫⟨qN : ∇v′⟩dt: from the stress.
+    /// Work of the stress, −∫⟨qN : ∇v′⟩dt.
     pub stress: f64,
     /// Internal power ⟨2Q_D q cos 2Δ⟩, W/m³.
     pub power: f64,
 }
 
-/// All that a flow needs to go on with the same bits.
+/// State of a flow, sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
-    /// Steps done.
+    /// Number of steps done.
     pub steps: usize,
-    /// Numbers by kind, always as many and in the same order.
+    /// Arrays in a fixed order: numbers of the step size control, state, pressure modes, direction of the power method.
     pub parts: Vec<Vec<f64>>,
 }
 
-/// What chooses the steps.
+/// Step size control.
 #[derive(Clone, Debug)]
 struct Control {
-    /// The next step, s; not a number before the first one.
+    /// Next step size, s; NaN before the first step.
     step: f64,
-    /// Error of the last step, over the tolerance.
+    /// Error of the last step divided by its tolerance.
     error: f64,
-    /// Greatest rate of the equations, 1/s; not a number where it is to be looked for.
+    /// Estimated spectral radius of the equations, 1/s; NaN if it must be computed.
     rate: f64,
-    /// Steps since it was looked for.
+    /// Number of steps since the last estimate.
     age: usize,
-    /// When that was, s.
+    /// Time of the last estimate, s.
     looked: f64,
-    /// The perturbation that has it.
+    /// Eigenvector estimate of the power method.
     direction: Vec<Complex64>,
 }
 
-/// A flow in time. Runs on the threads of the surrounding pool; bits do not depend on their number.
+/// Time-domain flow. Uses the surrounding thread pool; results do not depend on the number of threads.
 pub struct Flow {
-    /// At rest its fields at the points are those of the state.
+    /// Right-hand side; between steps its point values are those of the state.
     equations: Equations,
     time: f64,
     steps: usize,
-    /// ζ, then ω or ψ, in modes, then the works of background and stress, then ω or ψ of the background.
+    /// Modes of ζ, then of ω or ψ; then works of background and stress; then ω or ψ of the background.
     state: Vec<Complex64>,
-    /// Its rates of change.
+    /// Time derivative of the state.
     rates: Vec<Complex64>,
     control: Control,
-    /// Stages of the last step.
+    /// Number of stages of the last step.
     stages: usize,
 }
 
 impl Flow {
-    /// The background alone; its [`values`](Self::values) are there once it has been perturbed, or restored.
+    /// The unperturbed background flow; [`values`](Self::values) are defined after perturbing or restoring it.
     ///
     /// # Errors
-    /// The first number that cannot be. That the background has a stress is found by [`perturb`](Self::perturb).
+    /// The first invalid parameter. Whether the background stress exists is checked by [`perturb`](Self::perturb).
     pub fn new(problem: &Problem) -> Result<Self, FlowError> {
         problem.check()?;
         Ok(Self::background(problem.clone()))
     }
 
-    /// The background of the same problem alone.
+    /// Returns the unperturbed background flow of the same problem.
     pub(crate) fn unperturbed(&self) -> Self {
         Self::background(self.equations.problem().clone())
     }
 
-    /// The background of a problem that has been checked.
+    /// The background flow of a checked problem.
     fn background(problem: Problem) -> Self {
         let closure = problem.closure;
         let background = match closure {
@@ -270,15 +271,14 @@ impl Flow {
         flow
     }
 
-    /// Adds perturbations at the points (i + ½)L₁/N₁, (j + ½)L₂/N₂, x₁ running fastest: of the velocity,
-    /// m/s, and of ω, rad/s, or ψ, rad. What is not free of divergence, and what is too short for the grid,
-    /// is left out.
+    /// Adds perturbations at the points (i + ½)L₁/N₁, (j + ½)L₂/N₂ (x₁ fastest): of the velocity, m/s, and of ω, rad/s,
+    /// or ψ, rad. The velocity is projected onto divergence-free fields, and both onto the resolved modes.
     ///
     /// # Errors
-    /// A point has no stress; then nothing is added.
+    /// The stress is undetermined at a point; the flow is then unchanged.
     ///
     /// # Panics
-    /// The number of values is not that of the points.
+    /// The number of values differs from the number of points.
     pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
         self.or_back(|flow| flow.add(velocity, inner))
     }
@@ -310,11 +310,10 @@ impl Flow {
         self.equations.rates(self.time, &self.state, &mut self.rates)
     }
 
-    /// One step as long as the tolerance allows, not beyond `until`, s.
+    /// Makes one step of the size that the tolerance allows, at most to `until`, s.
     ///
     /// # Errors
-    /// A point has left the fully deforming region, or no step keeps to the tolerance; the state is that before
-    /// the step.
+    /// A point has left the fully deforming region, or no step meets the tolerance; the state is then unchanged.
     pub fn advance(&mut self, until: f64) -> Result<(), Left> {
         if until <= self.time {
             return Ok(());
@@ -322,10 +321,10 @@ impl Flow {
         self.or_back(|flow| flow.step_towards(until))
     }
 
-    /// A step of a given length, s, whatever its error, in at least so many stages, on which its error depends.
+    /// Makes a step of size `step`, s, without error control, with at least `least_stages` stages.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance), or the step needs more stages than any has.
+    /// See [`advance`](Self::advance); or the step requires more than the maximum number of stages.
     pub fn advance_by(&mut self, step: f64, least_stages: usize) -> Result<(), Left> {
         self.or_back(|flow| {
             flow.look()?;
@@ -336,12 +335,12 @@ impl Flow {
         })
     }
 
-    /// Does something to the flow; what cannot be done leaves all fields at the points as they were.
+    /// Applies `action`; if it fails, restores the state and all point values.
     fn or_back(&mut self, action: impl FnOnce(&mut Self) -> Result<(), Left>) -> Result<(), Left> {
         let (state, pressure) = (self.state.clone(), self.equations.pressure.clone());
         action(self).inspect_err(|_| {
             (self.state, self.equations.pressure) = (state, pressure);
-            // If there was no stress before, there is none now.
+            // Fails only if the stress was undetermined before.
             let _ = self.equations.rates(self.time, &self.state, &mut self.rates);
         })
     }
@@ -361,8 +360,8 @@ impl Flow {
         let start = self.equations.pressure.clone();
         let (mut cuts, mut last_left) = (0, None);
         loop {
-            // Before the box has sheared by much, and what is left is shared by steps of one length, lest the last
-            // one is a splinter.
+            // The step ends before the box has deformed by `SHEAR`. The remaining time is divided into equal steps, to
+            // avoid a very short last one.
             let sheared = (self.time - self.control.looked) * self.turning_rate() + SHEAR;
             let fastest = self.control.rate * (2.0 * sheared).cr_exp();
             let longest = self
@@ -373,7 +372,7 @@ impl Flow {
             let step = rest / (rest / longest).ceil().max(1.0);
             let end = if step == rest { until } else { self.time + step };
             if end <= self.time {
-                // A point that no step is short enough for is to blame.
+                // Report the point that made the steps this short, if any.
                 let stuck = || self.stuck("a step is below the rounding of the time");
                 return Err(last_left.unwrap_or_else(stuck));
             }
@@ -382,7 +381,7 @@ impl Flow {
                     let factor = 0.8
                         * error.max(1e-6).cr_powf(-1.0 / 3.0)
                         * (self.control.error.max(1e-3) / error.max(1e-3)).cr_powf(0.1);
-                    // A step cut short by `until` says nothing against a longer one.
+                    // A step shortened to end at `until` must not reduce the next step size.
                     let next = step * factor.clamp(0.1, 5.0);
                     self.control.step = if step < longest { next.max(longest) } else { next };
                     self.control.error = error;
@@ -402,7 +401,7 @@ impl Flow {
             }
             cuts += 1;
             self.equations.pressure.copy_from_slice(&start);
-            // Next to the end of the region the look itself may leave it.
+            // Near the boundary of the fully deforming region the estimate itself may fail.
             if self.control.age > 0
                 && let Ok(rate) = self.greatest_rate()
             {
@@ -412,20 +411,20 @@ impl Flow {
         }
     }
 
-    /// That it does not go on, though no point is to blame.
+    /// Error without a position.
     fn stuck(&self, what: &str) -> Left {
         Left { what: what.to_owned(), at: None, time: self.time }
     }
 
-    /// State and rates after a step, and its error over the tolerance.
+    /// Returns state and time derivative after a step, and the error divided by its tolerance.
     fn tried(
         &mut self,
         step: f64,
         end: f64,
         least_stages: usize,
     ) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), Left> {
-        // Decay goes with the square of wave vectors, which change at the rate |Γ| at most: it depends on their
-        // direction, too.
+        // Decay rates depend on length and direction of the wave vectors, which change at the rate |Γ| at most: the
+        // spectral radius grows by exp(2|Γ|t) at most.
         let ahead = end - self.control.looked;
         let product = step * self.control.rate * (2.0 * self.turning_rate() * ahead).cr_exp();
         self.stages = stages(product).max(least_stages);
@@ -440,7 +439,7 @@ impl Flow {
             if index > 0 {
                 self.equations.rates(time, &last, &mut rates)?;
             }
-            // Yⱼ takes the place of Yⱼ₋₂.
+            // Yⱼ overwrites Yⱼ₋₂.
             if index == 0 {
                 combine(&mut last, 1.0, &rates, step * stage.rate);
             } else {
@@ -453,7 +452,7 @@ impl Flow {
             time = self.time + step * stage.time;
         }
         self.equations.rates(end, &last, &mut rates)?;
-        // 0.8 (y − y⁺) + 0.4 h (y′ + y⁺′)
+        // Error estimate 0.8 (y − y⁺) + 0.4 h (y′ + y⁺′) (Sommeijer, Shampine & Verwer 1998).
         before.copy_from_slice(&self.state);
         combine(&mut before, 0.8, &last, -0.8);
         combine(&mut before, 1.0, &self.rates, 0.4 * step);
@@ -462,18 +461,18 @@ impl Flow {
         Ok((last, rates, self.norm(&before) / allowed))
     }
 
-    /// Q_D of the background, 1/s.
+    /// Returns Q_D of the background, 1/s.
     fn shear_rate(&self) -> f64 {
         shear_rate_of(self.equations.problem().velocity_gradient)
     }
 
-    /// |Γ| = Q_D + |s₂₁|, the greatest rate at which wave vectors change relative to their length, 1/s.
+    /// Returns |Γ| = Q_D + |s₂₁|, an upper bound of the relative rate of change of wave vectors, 1/s.
     fn turning_rate(&self) -> f64 {
         let gradient = self.equations.problem().velocity_gradient;
         self.shear_rate() + closure::Deformation::new(gradient).half_vorticity.abs()
     }
 
-    /// Root of the mean square, 1/s: of ψ in units of 1/(2Q_D).
+    /// Computes the root-mean-square norm, 1/s; ψ is multiplied by 2Q_D.
     fn norm(&self, state: &[Complex64]) -> f64 {
         let series = &self.equations.series;
         let unit = match self.equations.problem().closure {
@@ -486,7 +485,7 @@ impl Flow {
         squares.sum::<f64>().sqrt()
     }
 
-    /// The error that a step to this state may have: the tolerance times what is not background, and rounding.
+    /// Computes the error tolerance of a step to this state: relative to the perturbation, plus rounding.
     fn allowed(&self, state: &[Complex64]) -> f64 {
         let mut perturbation = state.to_vec();
         let count = self.equations.series.count();
@@ -497,7 +496,7 @@ impl Flow {
         tolerance * self.norm(&perturbation) + ROUNDING * (self.norm(state) + self.shear_rate())
     }
 
-    /// Looks for the greatest rate, if what is known of it is old.
+    /// Updates the estimate of the spectral radius if it is outdated.
     fn look(&mut self) -> Result<(), Left> {
         let Control { rate, age, looked, .. } = self.control;
         let (steps, shear) = LOOK;
@@ -507,14 +506,14 @@ impl Flow {
         Ok(())
     }
 
-    /// The greatest rate of the equations, 1/s, by the power method on their differences; a fifth is added for
-    /// what it has not found.
+    /// Estimates the spectral radius, 1/s, by the nonlinear power method (finite differences), with a safety factor of
+    /// 1.2.
     fn greatest_rate(&mut self) -> Result<f64, Left> {
         const MOST: usize = 50;
         let start = self.equations.pressure.clone();
         let (time, size) = (self.time, 1e-6 * self.shear_rate());
         if self.control.direction.is_empty() {
-            // All modes alike, with phases that favour none.
+            // Start vector: equal amplitudes in all modes, scattered phases.
             self.control.direction = (0..self.state.len() as u64)
                 .map(|index| cr_cis((index * index % 1_000_003) as f64))
                 .collect();
@@ -546,18 +545,18 @@ impl Flow {
         if !rate.is_finite() {
             return Err(self.stuck("rates that are not finite"));
         }
-        // No slower than what the background does.
+        // At least the rate of the background.
         Ok(1.2 * rate.max(self.shear_rate()))
     }
 
-    /// A first step, s, from the change of the rates along a short one of Euler's.
+    /// Estimates the first step size, s, from the change of the time derivative along a short Euler step.
     fn first_step(&mut self, rest: f64) -> Result<f64, Left> {
         let start = self.equations.pressure.clone();
         let step = rest.min(1.0 / self.control.rate);
         let mut state = self.state.clone();
         combine(&mut state, 1.0, &self.rates, step);
         let mut rates = vec![Complex64::ZERO; state.len()];
-        // Where even that leaves the region, steps are cut.
+        // If the Euler step leaves the fully deforming region, the first step is reduced later.
         if self.equations.rates(self.time + step, &state, &mut rates).is_ok() {
             combine(&mut rates, step, &self.rates, -step);
             let error = self.norm(&rates) / self.allowed(&self.state);
@@ -568,27 +567,27 @@ impl Flow {
         Ok(step)
     }
 
-    /// Time, s.
+    /// Returns the time, s.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Steps done.
+    /// Returns the number of steps done.
     pub fn steps(&self) -> usize {
         self.steps
     }
 
-    /// Stages of the last step.
+    /// Returns the number of stages of the last step.
     pub fn stages(&self) -> usize {
         self.stages
     }
 
-    /// Evaluations of the right-hand side so far, and iterations of the pressure in all of them.
+    /// Returns the number of evaluations of the right-hand side and of all iterations for the pressure in them.
     pub fn effort(&self) -> [usize; 2] {
         self.equations.effort
     }
 
-    /// Residual of the last pressure over its right-hand side.
+    /// Returns the relative residual of the last pressure solution.
     pub fn pressure_residual(&self) -> f64 {
         self.equations.residual
     }

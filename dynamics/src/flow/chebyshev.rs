@@ -1,22 +1,22 @@
-//! A Runge–Kutta–Chebyshev step of second order (Sommeijer, Shampine & Verwer 1998): s stages bear decay
-//! rates up to about ⅔s²/h, each at the price of one evaluation.
+//! Second-order Runge–Kutta–Chebyshev method (Sommeijer, Shampine & Verwer 1998): with s stages, each one evaluation of
+//! the right-hand side, it is stable for decay rates up to about ⅔s²/h.
 
-/// Damping of the stability polynomial between its ends.
+/// Damping ε of the stability polynomial.
 const DAMPING: f64 = 2.0 / 13.0;
 
-/// Greatest product of decay rate and step of so many stages.
+/// Stability limit: largest product of decay rate and step size for a number of stages.
 pub(super) fn reach(stages: usize) -> f64 {
     let squared = (stages * stages) as f64;
     2.0 / 3.0 * (squared - 1.0) * (1.0 - 2.0 * DAMPING / 15.0)
 }
 
-/// Least number of stages for a product of decay rate and step.
+/// Smallest number of stages for a product of decay rate and step size.
 pub(super) fn stages(product: f64) -> usize {
     let estimate = (1.0 + 1.5 * product / (1.0 - 2.0 * DAMPING / 15.0)).sqrt();
     (estimate.ceil() as usize).max(2)
 }
 
-/// What makes a stage of those before:
+/// Coefficients of a stage:
 /// Yⱼ = (1 − μ − ν) Y₀ + μ Yⱼ₋₁ + ν Yⱼ₋₂ + h (rate F(Yⱼ₋₁) + first F(Y₀)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stage {
@@ -24,15 +24,15 @@ pub(super) struct Stage {
     pub(super) nu: f64,
     pub(super) rate: f64,
     pub(super) first: f64,
-    /// Time of Yⱼ in steps.
+    /// Time of Yⱼ, in units of the step size.
     pub(super) time: f64,
 }
 
-/// All stages but Y₀.
+/// Computes the coefficients of stages 1 … s.
 pub(super) fn scheme(stages: usize) -> Vec<Stage> {
     let s = stages as f64;
     let w0 = 1.0 + DAMPING / (s * s);
-    // T, T′ and T″ at w₀.
+    // Chebyshev polynomials Tⱼ, Tⱼ′ and Tⱼ″ at w₀.
     let mut chebyshev = vec![[1.0, 0.0, 0.0], [w0, 1.0, 0.0]];
     for j in 2..=stages {
         let ([a, da, dda], [b, db, ddb]) = (chebyshev[j - 1], chebyshev[j - 2]);

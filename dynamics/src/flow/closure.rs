@@ -1,12 +1,12 @@
-//! What determines the stress angle ψ at a point (ν = 0).
+//! Equations for the stress angle ψ at a point (ν = 0).
 
 use super::Field;
 use models::flow::{FlowKind, RotationKind};
 
-/// What determines the stress angle.
+/// Equation for the stress angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closure {
-    /// sin 2(ψ − ψ_D) = sin φ (ω − s₂₁)/Q_D, and the spin ω evolves (Harris & Grekova 2005, eq. 42).
+    /// sin 2(ψ − ψ_D) = sin φ (ω − s₂₁)/Q_D with evolving spin ω (Harris & Grekova 2005, eq. 42).
     HarrisGrekova,
     /// Dψ/Dt = s₂₁ + Q_D sin 2(ψ − ψ_D)/sin φ (Spencer 1964).
     DoubleShearing,
@@ -15,12 +15,12 @@ pub enum Closure {
 }
 
 impl Closure {
-    /// That of a model, if it has one.
+    /// Returns the closure of a model, if it has one.
     pub fn of(kind: FlowKind) -> Option<Self> {
         Self::from_rotation(kind.rotation())
     }
 
-    /// That of a model of such a rotation; `None` where the rotation is undetermined.
+    /// Returns the closure of models with a kind of rotation; `None` if the rotation is undetermined.
     pub fn from_rotation(rotation: RotationKind) -> Option<Self> {
         match rotation {
             RotationKind::IntrinsicSpin => Some(Self::HarrisGrekova),
@@ -30,7 +30,7 @@ impl Closure {
         }
     }
 
-    /// The field that evolves beside the velocity.
+    /// Returns the field that evolves in addition to the velocity.
     pub fn inner(self) -> Option<Field> {
         match self {
             Self::HarrisGrekova => Some(Field::Spin),
@@ -39,7 +39,7 @@ impl Closure {
         }
     }
 
-    /// Fields of a flow, velocities first.
+    /// Returns the output fields, velocities first.
     pub fn fields(self) -> Vec<Field> {
         let spin = (self == Self::HarrisGrekova).then_some(Field::Spin);
         [Field::Velocity(0), Field::Velocity(1)]
@@ -50,7 +50,7 @@ impl Closure {
     }
 }
 
-/// The velocity gradient in invariants.
+/// Deviatoric part and vorticity of a velocity gradient.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deformation {
     /// d₁₁ − d₂₂ and 2d₁₂, 1/s.
@@ -60,20 +60,20 @@ pub(super) struct Deformation {
 }
 
 impl Deformation {
-    /// Of ∂ⱼvᵢ, entry \[i\]\[j\].
+    /// Deformation of a velocity gradient with entries \[i\]\[j\] = ∂ⱼvᵢ.
     #[inline(always)]
     pub(super) fn new([[g11, g12], [g21, g22]]: [[f64; 2]; 2]) -> Self {
         Self { deviator: [g11 - g22, g12 + g21], half_vorticity: 0.5 * (g21 - g12) }
     }
 
-    /// Q_D, 1/s.
+    /// Computes Q_D, 1/s.
     #[inline(always)]
     pub(super) fn shear_rate(&self) -> f64 {
         let [one, other] = self.deviator;
         0.5 * (one * one + other * other).sqrt()
     }
 
-    /// cos 2ψ_D and sin 2ψ_D.
+    /// Computes cos 2ψ_D and sin 2ψ_D.
     #[inline(always)]
     fn direction(&self) -> [f64; 2] {
         let twice = 2.0 * self.shear_rate();
@@ -81,10 +81,8 @@ impl Deformation {
     }
 }
 
-/// cos 2ψ and sin 2ψ of Harris & Grekova at a spin ω; `branch` is the sign of cos 2(ψ − ψ_D).
-///
-/// # Errors
-/// There is none where ratio |ω − s₂₁| > Q_D; not a number at its end.
+/// Computes cos 2ψ and sin 2ψ of Harris & Grekova at spin `spin`, rad/s; `branch`: sign of cos 2(ψ − ψ_D).
+/// `None` if `ratio` |ω − s₂₁| > Q_D, or if the result is NaN.
 #[inline(always)]
 pub(super) fn harris_grekova(
     deformation: &Deformation,
@@ -99,13 +97,13 @@ pub(super) fn harris_grekova(
     (square >= 0.0).then_some([cos * cosine - sin * sine, sin * cosine + cos * sine])
 }
 
-/// cos 2ψ and sin 2ψ where they are those of the deformation rate, if that is not below `least`.
+/// Returns cos 2ψ_D and sin 2ψ_D; `None` if Q_D < `least`, 1/s.
 #[inline(always)]
 pub(super) fn plastic_potential(deformation: &Deformation, least: f64) -> Option<[f64; 2]> {
     (deformation.shear_rate() >= least).then(|| deformation.direction())
 }
 
-/// Dψ/Dt of double shearing, rad/s; cos 2ψ and sin 2ψ are given.
+/// Computes Dψ/Dt of double shearing, rad/s, from cos 2ψ and sin 2ψ; `ratio`: e_r/c_r.
 #[inline(always)]
 pub(super) fn double_shearing(deformation: &Deformation, ratio: f64, [cos, sin]: [f64; 2]) -> f64 {
     let [one, other] = deformation.deviator;

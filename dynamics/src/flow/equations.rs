@@ -1,13 +1,13 @@
-//! The right-hand side: from vorticity and ω or ψ to their rates of change.
+//! Right-hand side: time derivatives of the vorticity and of ω or ψ.
 //!
-//! With v = Γx + v′, v′ free of divergence, and ζ = ∂₁v′₂ − ∂₂v′₁, the curl of the momentum balance is
+//! With v = Γx + v′, v′ divergence-free, and ζ = ∂₁v′₂ − ∂₂v′₁, the curl of the momentum balance is
 //!
 //! ```text
 //! ∂ₜζ = (∂₁² − ∂₂²) T₁₂ − ∂₁∂₂ (T₁₁ − T₂₂),   T = q N(ψ)/ρ − v′ ⊗ v′,   q = p sin φ + c cos φ
 //! ```
 //!
-//! in coordinates that move with Γx. What Γ advects, and the force that keeps Γ, have no part in it: the
-//! vorticity of an incompressible plane flow is neither stretched nor turned.
+//! in coordinates that move with Γx. Advection by Γ and the force that maintains Γ do not contribute, since the
+//! vorticity of an incompressible plane flow is neither stretched nor rotated.
 
 use super::closure::{Closure, Deformation, double_shearing, harris_grekova, plastic_potential};
 use super::pressure::{Equation, Solved, Solver, right_hand_side};
@@ -17,17 +17,17 @@ use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Points that a task takes at once.
+/// Number of points per parallel task.
 const PART: usize = 4096;
 
-/// exp(Γt) of a traceless Γ: Γ² = −det Γ.
+/// Computes exp(Γt) of a traceless Γ, with Γ² = −det Γ I.
 pub(super) fn exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2]; 2] {
     let [[a, b], [c, d]] = gradient;
     let square = b * c - a * d;
     let turn = square.abs().sqrt() * time;
-    // F = even + odd Γ
+    // exp(Γt) = even·I + odd·Γ
     let (even, odd) = if turn.abs() < 1e-4 {
-        // The next terms are below rounding.
+        // Taylor series; the next terms are below rounding.
         let z = square * time * time;
         (1.0 + z / 2.0, time * (1.0 + z / 6.0))
     } else if square > 0.0 {
@@ -38,21 +38,21 @@ pub(super) fn exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2]; 2] {
     [[even + odd * a, odd * b], [odd * c, even + odd * d]]
 }
 
-/// Fields at the points, the last ones that were evaluated, and what holds there.
+/// Fields at the points, from the last evaluation, and constants.
 pub(super) struct Points {
     pub(super) problem: Problem,
     sin_phi: f64,
     /// c cos φ, Pa.
     cohesion: f64,
-    /// Sign of cos 2(ψ − ψ_D) of the background.
+    /// Sign of cos 2(ψ − ψ_D) in the background.
     branch: f64,
-    /// Least Q_D, 1/s.
+    /// Minimum of Q_D, 1/s (plastic potential).
     least: f64,
     /// v′, m/s.
     pub(super) velocity: [Vec<f64>; 2],
     /// ∂₁v′₁ = −∂₂v′₂, ∂₁v′₂ and ∂₂v′₁, 1/s.
     gradient: [Vec<f64>; 3],
-    /// ω or ψ, all of it.
+    /// ω, rad/s, or ψ, rad, background included.
     pub(super) inner: Vec<f64>,
     /// cos 2ψ and sin 2ψ.
     pub(super) direction: [Vec<f64>; 2],
@@ -60,7 +60,7 @@ pub(super) struct Points {
     pub(super) pressure: Vec<f64>,
 }
 
-/// What is wrong with a point.
+/// Point index and description of the failure.
 type Fault = (usize, String);
 
 impl Points {
@@ -85,7 +85,7 @@ impl Points {
         }
     }
 
-    /// The velocity gradient, Γ included.
+    /// Returns the velocity gradient, Γ included.
     #[inline(always)]
     fn deformation(&self, point: usize) -> Deformation {
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
@@ -93,18 +93,18 @@ impl Points {
         Deformation::new([[g11 + a, g12 + c], [g21 + b, g22 - a]])
     }
 
-    /// Q_D at the points, 1/s.
+    /// Computes Q_D at the points, 1/s.
     pub(super) fn shear_rates(&self) -> Vec<f64> {
         (0..self.pressure.len()).map(|point| self.deformation(point).shear_rate()).collect()
     }
 
-    /// q = p sin φ + c cos φ, Pa.
+    /// Computes q = p sin φ + c cos φ, Pa.
     #[inline(always)]
     fn deviator(&self, point: usize) -> f64 {
         (self.problem.pressure + self.pressure[point]) * self.sin_phi + self.cohesion
     }
 
-    /// −ρ ∂ᵢvⱼ∂ⱼvᵢ, less what balances Γ, Pa/m².
+    /// Computes the source of the pressure equation, −ρ ∂ᵢvⱼ∂ⱼvᵢ without its background part, Pa/m².
     #[inline(always)]
     fn source(&self, point: usize) -> f64 {
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
@@ -113,14 +113,14 @@ impl Points {
         -2.0 * self.problem.density * (mixed + a * a + b * c)
     }
 
-    /// T₁₂, m²/s².
+    /// Computes T₁₂, m²/s².
     #[inline(always)]
     fn shear(&self, point: usize) -> f64 {
         let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
         self.deviator(point) * self.direction[1][point] / self.problem.density - v1 * v2
     }
 
-    /// T₁₁ − T₂₂, m²/s².
+    /// Computes T₁₁ − T₂₂, m²/s².
     #[inline(always)]
     fn difference(&self, point: usize) -> f64 {
         let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
@@ -128,14 +128,14 @@ impl Points {
             - (v1 * v1 - v2 * v2)
     }
 
-    /// Dψ/Dt of double shearing, rad/s.
+    /// Computes Dψ/Dt of double shearing, rad/s.
     #[inline(always)]
     fn turning(&self, point: usize) -> f64 {
         let direction = self.direction.each_ref().map(|own| own[point]);
         double_shearing(&self.deformation(point), self.problem.rotation_ratio, direction)
     }
 
-    /// Finds the direction of stress at all points.
+    /// Computes cos 2ψ and sin 2ψ at all points.
     fn direct(&mut self) -> Result<(), Fault> {
         let mut direction = std::mem::take(&mut self.direction);
         let [cosines, sines] = &mut direction;
@@ -177,7 +177,7 @@ impl Points {
         }
     }
 
-    /// Why a point has no direction of stress.
+    /// Describes why the stress angle of a point is undetermined.
     fn undirected(&self, point: usize) -> String {
         let deformation = self.deformation(point);
         let rate = deformation.shear_rate();
@@ -197,7 +197,7 @@ impl Points {
         }
     }
 
-    /// The powers; that q > 0 everywhere.
+    /// Computes the mean powers; checks that q > 0 at all points.
     fn weigh(&self) -> Result<Powers, Fault> {
         let (density, count) = (self.problem.density, self.pressure.len());
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
@@ -210,7 +210,7 @@ impl Points {
                     let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
                     let [a, b, c] = self.gradient.each_ref().map(|own| own[point]);
                     let q = self.deviator(point);
-                    // Not a number is no deviator, either.
+                    // Also catches NaN.
                     if !matches!(q.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater)) {
                         first = first.or(Some(point));
                     }
@@ -226,7 +226,7 @@ impl Points {
             let (p, q) = (self.problem.pressure + self.pressure[point], self.deviator(point));
             return Err((point, format!("p = {p:.6e} Pa, so that q = {q:.6e} Pa is not positive")));
         }
-        // Parts one after the other: the same bits for any number of threads.
+        // Fixed order of the partial sums: the same bits for any number of threads.
         let [background, stress, internal] = parts.iter().fold([0.0; 3], |all, (_, own)| {
             std::array::from_fn(|i| all[i] + own[i] / count as f64)
         });
@@ -234,33 +234,33 @@ impl Points {
     }
 }
 
-/// Means of the last state that was evaluated, W/m³.
+/// Mean powers of the last evaluated state, W/m³.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Powers {
-    /// −ρ⟨v′·Γv′⟩.
+    /// Power of the background flow, −ρ⟨v′·Γv′⟩.
     pub(super) background: f64,
-    /// −⟨qN : ∇v′⟩.
+    /// Power of the stress, −⟨qN : ∇v′⟩.
     pub(super) stress: f64,
-    /// ⟨2Q_D q cos 2Δ⟩.
+    /// Internal power ⟨2Q_D q cos 2Δ⟩.
     pub(super) internal: f64,
 }
 
-/// The right-hand side and its memory.
+/// Right-hand side with its buffers.
 pub(super) struct Equations {
     pub(super) points: Points,
     pub(super) series: Series,
-    /// At the time of the last evaluation.
+    /// Wave vectors at the time of the last evaluation.
     waves: Waves,
     solver: Solver,
     pub(super) powers: Powers,
-    /// Modes of p − P₀: the next solution starts from there.
+    /// Modes of p − P₀; initial guess of the next solution.
     pub(super) pressure: Vec<Complex64>,
-    /// Modes of what is transformed.
+    /// Buffers for transforms.
     modes: [Vec<Complex64>; 3],
     right: Vec<Complex64>,
-    /// Evaluations, and iterations of their pressures.
+    /// Numbers of evaluations and of pressure iterations.
     pub(super) effort: [usize; 2],
-    /// Of the last pressure, relative.
+    /// Relative residual of the last pressure solution.
     pub(super) residual: f64,
 }
 
@@ -290,13 +290,13 @@ impl Equations {
         &self.points.problem
     }
 
-    /// Numbers of the state: ζ, then ω or ψ, then the works of background and stress, then ω or ψ of the
+    /// Length of the state: modes of ζ, then of ω or ψ; then works of background and stress; then ω or ψ of the
     /// background.
     pub(super) fn size(&self) -> usize {
         self.series.count() * (1 + usize::from(self.problem().closure.inner().is_some())) + 2
     }
 
-    /// The rate of ω or ψ of the background, which no perturbation changes.
+    /// Computes the time derivative of ω or ψ of the background, which is independent of perturbations.
     fn background_rate(&self, inner: f64) -> f64 {
         let Problem { closure, velocity_gradient, spin_acceleration, rotation_ratio, .. } =
             self.problem();
@@ -310,16 +310,16 @@ impl Equations {
         }
     }
 
-    /// The waves at a time, s.
+    /// Computes the wave vectors at a time, s.
     pub(super) fn waves(&self, time: f64) -> Waves {
         let deformation = exponential(self.problem().velocity_gradient, time);
         Waves::new(&self.series, self.problem().lengths, deformation)
     }
 
-    /// The rates of change of a state.
+    /// Computes the time derivative of a state.
     ///
     /// # Errors
-    /// A point has no stress, or there is no pressure.
+    /// The stress is undetermined at a point, or the pressure solution does not converge.
     pub(super) fn rates(
         &mut self,
         time: f64,
@@ -352,7 +352,7 @@ impl Equations {
         Left { what, at: Some([place(0), place(1)]), time }
     }
 
-    /// Velocity, its gradient, and ω or ψ at the points.
+    /// Evaluates velocity, velocity gradient, and ω or ψ at the points.
     fn evaluate(&mut self, vorticity: &[Complex64], rest: &[Complex64]) {
         let Points { velocity: [v1, v2], gradient: [g11, g21, g12], inner, .. } = &mut self.points;
         let (series, waves) = (&mut self.series, &self.waves);
@@ -371,7 +371,7 @@ impl Equations {
         }
     }
 
-    /// The pressure, in modes and at the points.
+    /// Solves for the pressure, as modes and at the points.
     fn press(&mut self, time: f64) -> Result<(), Left> {
         let (series, waves, points) = (&mut self.series, &self.waves, &self.points);
         let [cosines, sines] = points.direction.each_ref().map(Vec::as_slice);
@@ -391,7 +391,7 @@ impl Equations {
         let pressure = &mut self.pressure;
         let solved = self.solver.solve(series, &equation, &self.right, tolerance, pressure);
         let Solved { iterations, residual } = solved.map_err(|solved| {
-            // The next one is not to start from what may be no number.
+            // The failed solution may be non-finite: not an initial guess.
             pressure.fill(Complex64::ZERO);
             let (residual, count) = (solved.residual, solved.iterations);
             let what = format!("no pressure: residual {residual:.1e} after {count} iterations");
@@ -403,7 +403,7 @@ impl Equations {
         Ok(())
     }
 
-    /// The rate of the vorticity.
+    /// Computes the time derivative of the vorticity.
     fn drive(&mut self, rates: &mut [Complex64]) {
         let (series, points) = (&mut self.series, &self.points);
         let [shear, difference, _] = &mut self.modes;
@@ -415,7 +415,7 @@ impl Equations {
         });
     }
 
-    /// The rate of ω or ψ, of which `mean` is the mean.
+    /// Computes the time derivative of ω or ψ; `mean` is their mean.
     fn advect(&mut self, mean: f64, rates: &mut [Complex64]) {
         let (series, points) = (&mut self.series, &self.points);
         let [one, other, source] = &mut self.modes;
@@ -436,7 +436,7 @@ impl Equations {
     }
 }
 
-/// cos 2ψ and sin 2ψ.
+/// Computes cos 2ψ and sin 2ψ.
 #[inline(always)]
 pub(super) fn cos_sin(angle: f64) -> [f64; 2] {
     let (sin, cos) = (2.0 * angle).cr_sin_cos();

@@ -1,4 +1,4 @@
-//! Perturbations of a flow at the points of its box: waves, wave packets and random Fourier series.
+//! Initial perturbations of a flow at the points of its box: waves, wave packets and random Fourier series.
 
 use super::spectral::greatest_modes;
 use models::common::elementary::{Elementary, cr_cis, cr_from_polar};
@@ -6,25 +6,25 @@ use num_complex::Complex64;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// A mode m and its amplitude c in Re c exp(ik·y), k = 2π(m₁/L₁, m₂/L₂).
+/// Mode m and amplitude c of the wave Re c exp(ik·y), k = 2π(m₁/L₁, m₂/L₂).
 pub type PlaneWave = ([i64; 2], Complex64);
 
-/// The points of a box at the beginning.
+/// Points of the initial box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
-    /// Along each axis.
+    /// Number of points along each axis.
     pub count: [usize; 2],
-    /// Edges of the box, m.
+    /// Edge lengths of the box, m.
     pub lengths: [f64; 2],
 }
 
-/// A wave A cos(k·y + phase), the phase in rad.
+/// The wave A cos(k·y + phase), phase in rad.
 pub fn wave(mode: [i64; 2], amplitude: f64, phase: f64) -> PlaneWave {
     (mode, cr_from_polar(amplitude, phase))
 }
 
-/// All modes with `from` ≤ |m| ≤ `to`, one of each pair of opposite ones, all of one size, so that their sum has the
-/// root mean square `amplitude`. The phase of a mode depends on nothing but the seed and the mode.
+/// Random series of all modes with `from` ≤ |m| ≤ `to` (one of each pair ±m), of equal amplitudes, with root mean
+/// square `amplitude`. The phase of a mode depends only on the seed and the mode.
 pub fn noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<PlaneWave> {
     let most = to as i64;
     let in_band = |[m1, m2]: &[i64; 2]| {
@@ -43,7 +43,7 @@ pub fn noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<PlaneWave> {
     modes.into_iter().map(|mode| (mode, cr_from_polar(each, phase(mode)))).collect()
 }
 
-/// A step of SplitMix64 (Steele, Lea & Flood 2014).
+/// One step of the SplitMix64 generator (Steele, Lea & Flood 2014).
 fn mix(state: u64) -> u64 {
     let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -51,30 +51,30 @@ fn mix(state: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// exp(iπh/n) for all h of a turn.
+/// Tabulates exp(iπh/n), h = 0 … 2n − 1.
 fn turn(points: usize) -> Vec<Complex64> {
     (0..2 * points).map(|half| cr_cis(PI * half as f64 / points as f64)).collect()
 }
 
-/// exp(2πimy/L) at the points of an axis, from a turn. Whole turns are taken off in whole numbers.
+/// Iterates over exp(2πimy/L) at the points of an axis, from the table of [`turn`]; the index is reduced modulo 2n.
 fn along(mode: i64, turn: &[Complex64]) -> impl Iterator<Item = Complex64> {
     let count = turn.len() as i64;
     (0..count / 2).map(move |i| turn[(mode * (2 * i + 1)).rem_euclid(count) as usize])
 }
 
 impl Lattice {
-    /// Coordinate of the point of that index along an axis, m.
+    /// Returns the coordinate of a point along an axis, m.
     fn position(&self, axis: usize, index: usize) -> f64 {
         (index as f64 + 0.5) * self.lengths[axis] / self.count[axis] as f64
     }
 
-    /// Waves of a scalar field at the points, x₁ running fastest, under an envelope if there is one. Waves too short
-    /// for the points, which would take them for longer ones, are left out.
+    /// Evaluates a scalar field at the points (x₁ fastest), multiplied by an optional envelope. Unresolved modes are
+    /// omitted, since they would be aliased.
     pub fn scalar(&self, waves: &[PlaneWave], envelope: Option<&[f64]>) -> Vec<f64> {
         under(envelope, self.sum(self.held(waves)))
     }
 
-    /// Waves of a velocity across the wave vector, along (−k₂, k₁)/|k|; as [`scalar`](Self::scalar), by axis.
+    /// Evaluates a transverse velocity, along (−k₂, k₁)/|k|, by axis; see [`scalar`](Self::scalar).
     pub fn transverse(&self, waves: &[PlaneWave], envelope: Option<&[f64]>) -> [Vec<f64>; 2] {
         let across = |mode: [i64; 2], axis: usize| {
             let k = [0, 1].map(|axis| mode[axis] as f64 / self.lengths[axis]);
@@ -86,7 +86,7 @@ impl Lattice {
         })
     }
 
-    /// Those of the waves that the points hold.
+    /// Selects the resolved modes.
     fn held<'a>(&self, waves: &'a [PlaneWave]) -> impl Iterator<Item = PlaneWave> + use<'a> {
         let greatest = greatest_modes(self.count);
         let is_held = move |wave: &PlaneWave| {
@@ -95,7 +95,7 @@ impl Lattice {
         waves.iter().copied().filter(is_held)
     }
 
-    /// Σ Re c exp(ik·y) at the points, by way of sums along the second axis.
+    /// Evaluates Σ Re c exp(ik·y) at the points, by partial sums along the second axis.
     fn sum(&self, waves: impl IntoIterator<Item = PlaneWave>) -> Vec<f64> {
         let [columns, rows] = self.count;
         let [column_turn, row_turn] = self.count.map(turn);
@@ -118,7 +118,7 @@ impl Lattice {
         values
     }
 
-    /// exp(−(r/radius)²) of the nearest of all images of its middle, m, at the points.
+    /// Evaluates the Gaussian exp(−(r/radius)²) at the points; r, m: distance from the nearest periodic image of `at`.
     pub fn bell(&self, at: [f64; 2], radius: f64) -> Vec<f64> {
         let [first, second] = [0, 1].map(|axis| -> Vec<f64> {
             let length = self.lengths[axis];
@@ -132,7 +132,7 @@ impl Lattice {
     }
 }
 
-/// Values times those of an envelope.
+/// Multiplies values by an envelope.
 fn under(envelope: Option<&[f64]>, mut values: Vec<f64>) -> Vec<f64> {
     if let Some(bell) = envelope {
         values.iter_mut().zip(bell).for_each(|(value, bell)| *value *= bell);
@@ -148,7 +148,7 @@ mod tests {
         Lattice { count, lengths: [0.1, 0.3] }
     }
 
-    /// A wave has its values, and its velocity is across the wave vector.
+    /// Verifies the values of a wave against the formula, and that its velocity is normal to the wave vector.
     #[test]
     fn waves_are_transverse() {
         let grid = lattice([16, 24]);
@@ -168,7 +168,7 @@ mod tests {
         }
     }
 
-    /// Noise has its root mean square, is the same function on finer points, and another for another seed.
+    /// Verifies the root mean square of noise, its independence of the grid, and that it depends on the seed.
     #[test]
     fn noise_does_not_depend_on_the_grid() {
         let modes = noise(2.0, 5.0, 0.3, 7);
@@ -177,7 +177,7 @@ mod tests {
         };
         let coarse = lattice([16, 16]).scalar(&modes, None);
         assert!((mean_square(&coarse).sqrt() - 0.3).abs() < 1e-13);
-        // Three times as many points: every third of them is a coarse one.
+        // On a grid three times as fine, every third point is a point of the coarse grid.
         let fine = lattice([48, 48]).scalar(&modes, None);
         for j in 0..16 {
             for i in 0..16 {
@@ -188,18 +188,18 @@ mod tests {
         let other = lattice([16, 16]).scalar(&noise(2.0, 5.0, 0.3, 8), None);
         let product: f64 = coarse.iter().zip(&other).map(|(a, b)| a * b).sum();
         assert!(product.abs() < 0.5 * 256.0 * 0.09, "{product}");
-        // A wider band has the phases of the narrower one.
+        // A wider band has the same phases in common modes.
         let wider: BTreeMap<[i64; 2], f64> =
             noise(1.0, 9.0, 1.0, 7).iter().map(|(mode, c)| (*mode, c.arg())).collect();
         assert!(modes.iter().all(|(mode, c)| (wider[mode] - c.arg()).abs() < 1e-14));
         assert_eq!(noise(1.0, 1.0, 1.0, 0).len(), 2);
     }
 
-    /// A bell is greatest at its middle and goes on across the edges of the box.
+    /// Verifies that a Gaussian has its maximum at its centre and is periodic.
     #[test]
     fn bells_are_periodic() {
         let bell = lattice([20, 20]).bell([0.0025, 0.15], 0.02);
-        // The point of the indices 0 and 10 holds the middle.
+        // The point with indices 0 and 10 is the centre.
         let middle = 200;
         let greatest = bell.iter().fold(0.0f64, |a, b| a.max(*b));
         assert!((bell[middle] - greatest).abs() < 1e-14);

@@ -1,41 +1,41 @@
-//! The pressure that keeps a flow free of divergence.
+//! Pressure of an incompressible flow: the divergence of the momentum balance,
 //!
 //! ```text
 //! ∂ᵢ∂ⱼ[(δᵢⱼ − sin φ Nᵢⱼ) p] = s + c cos φ ∂ᵢ∂ⱼNᵢⱼ,   N = [[cos 2ψ, sin 2ψ], [sin 2ψ, −cos 2ψ]]
 //! ```
 //!
-//! Over −k², with k = k(cos θ, sin θ), and with the mean P₀ of p prescribed, p = P₀ + p̃:
+//! divided by −k², with k = k(cos θ, sin θ), p = P₀ + p̃ and prescribed mean P₀:
 //!
 //! ```text
 //! (1 − sin φ R) p̃ = −ŝ/k² + (P₀ sin φ + c cos φ) R 1,   R p = cos 2θ (cos 2ψ p)^ + sin 2θ (sin 2ψ p)^
 //! ```
 //!
-//! R has norm 1 at most, so that there is just one p̃ for any ψ. The operator is not self-adjoint, and where
-//! ψ varies its kernel is not the constants but one function of mean 1: p̃ leaves the mode 0 out, where the
-//! equation says 0 = 0, and P₀ takes its place, as a bordered system would have it.
+//! ‖R‖ ≤ 1, so that p̃ is unique for any ψ. The operator is not self-adjoint, and for variable ψ its kernel is not the
+//! constants but one function of mean 1. Therefore p̃ omits mode 0, where the equation reads 0 = 0, and P₀ replaces it,
+//! as in a bordered system.
 
 use super::spectral::{Series, Wave, Waves};
 use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// Iterations after which the basis is thrown away.
+/// Number of GMRES iterations before a restart.
 const RESTART: usize = 30;
-/// Iterations after which there is no pressure.
+/// Maximum number of iterations.
 const MOST: usize = 300;
 
-/// The equation for one field of ψ.
+/// Pressure equation for a given field ψ.
 pub(super) struct Equation<'a> {
     pub(super) waves: &'a Waves,
     pub(super) sin_phi: f64,
     /// cos 2ψ and sin 2ψ at the points.
     pub(super) direction: [&'a [f64]; 2],
-    /// Means of both.
+    /// Means of cos 2ψ and sin 2ψ.
     pub(super) mean: [f64; 2],
 }
 
 impl Equation<'_> {
-    /// The inverse of the operator with the mean of N for N.
+    /// Preconditioner: inverse of the operator with N replaced by its mean.
     #[inline(always)]
     fn preconditioner(&self, wave: &Wave) -> f64 {
         let ([cos, sin], [mean_cos, mean_sin]) = (wave.doubled, self.mean);
@@ -43,21 +43,21 @@ impl Equation<'_> {
     }
 }
 
-/// What a solution took.
+/// Effort and accuracy of a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Solved {
     pub(super) iterations: usize,
-    /// Norm of the residual over that of the right-hand side.
+    /// Norm of the residual divided by that of the right-hand side.
     pub(super) residual: f64,
 }
 
-/// Memory of the solver.
+/// Buffers of the solver.
 pub(super) struct Solver {
     /// Orthonormal basis of the Krylov space.
     basis: Vec<Vec<Complex64>>,
-    /// What an operator is applied to, at the points.
+    /// Argument of the operator at the points.
     values: Vec<f64>,
-    /// Its products with cos 2ψ and sin 2ψ.
+    /// Modes of its products with cos 2ψ and sin 2ψ.
     products: [Vec<Complex64>; 2],
     next: Vec<Complex64>,
     sum: Vec<Complex64>,
@@ -75,7 +75,7 @@ impl Solver {
         }
     }
 
-    /// `next` = (1 − sin φ R) f p, where f is a factor of each wave.
+    /// Computes `next` = (1 − sin φ R) f p, where `factor` f multiplies each mode.
     fn apply(
         &mut self,
         series: &mut Series,
@@ -95,10 +95,10 @@ impl Solver {
         });
     }
 
-    /// Solves for p̃, from what stands there, by GMRES (Saad & Schultz 1986), preconditioned from the right.
+    /// Solves for p̃ by restarted GMRES (Saad & Schultz 1986) with right preconditioning; `p` holds the initial guess.
     ///
     /// # Errors
-    /// What was reached where the tolerance was not.
+    /// Iterations and residual, if the tolerance is not reached.
     pub(super) fn solve(
         &mut self,
         series: &mut Series,
@@ -122,7 +122,7 @@ impl Solver {
             if iterations >= MOST || !residual.is_finite() {
                 return Err(solved);
             }
-            // Arnoldi's process; rotations make the matrix triangular.
+            // Arnoldi process; Givens rotations make the Hessenberg matrix triangular.
             let mut triangle: Vec<Vec<f64>> = Vec::new();
             let mut rotations: Vec<[f64; 2]> = Vec::new();
             let mut rest = vec![residual];
@@ -157,7 +157,7 @@ impl Solver {
                 triangle.push(column);
                 iterations += 1;
             }
-            // Back substitution, and the combination of the basis.
+            // Back substitution and linear combination of the basis.
             self.sum.fill(Complex64::ZERO);
             for i in (0..triangle.len()).rev() {
                 let factor = rest[i] / triangle[i][i];
@@ -174,7 +174,7 @@ impl Solver {
         }
     }
 
-    /// Makes `factor` times `next` an entry of the basis.
+    /// Sets basis vector `index` to `factor`·`next`.
     fn keep(&mut self, index: usize, factor: f64) {
         if self.basis.len() == index {
             self.basis.push(vec![Complex64::ZERO; self.next.len()]);
@@ -183,7 +183,7 @@ impl Solver {
     }
 }
 
-/// The right-hand side, from the modes of s, and of cos 2ψ and sin 2ψ.
+/// Computes the right-hand side from the modes of s, cos 2ψ and sin 2ψ; `stress` = P₀ sin φ + c cos φ.
 pub(super) fn right_hand_side(
     series: &Series,
     waves: &Waves,
@@ -198,7 +198,7 @@ pub(super) fn right_hand_side(
     });
 }
 
-/// `out` = own·out + other·b.
+/// Computes `out` = `own`·`out` + `other`·`b`.
 pub(super) fn combine(out: &mut [Complex64], own: f64, b: &[Complex64], other: f64) {
     const PART: usize = 2048;
     out.par_chunks_mut(PART).zip(b.par_chunks(PART)).for_each(|(out, b)| {

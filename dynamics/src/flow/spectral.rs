@@ -1,8 +1,7 @@
-//! Fourier series on a rectangular box: which modes are kept, their wave vectors, and transforms.
+//! Fourier series on a rectangular box: resolved modes, wave vectors and transforms.
 //!
-//! Modes are kept up to a third of the points along each axis, so that products of two series are
-//! exact in all of them. Of a real series those with m₁ ≥ 0 are stored, m₂ running fastest: 0, 1, …, K₂,
-//! −K₂, …, −1.
+//! Modes up to one third of the number of points are resolved along each axis (2/3 rule), so that products of two
+//! series are free of aliasing. Of a real series the modes with m₁ ≥ 0 are stored, m₂ fastest: 0, 1, …, K₂, −K₂, …, −1.
 
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -11,29 +10,29 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Columns or rows that a task takes at once: what it reads across them fills lines of the cache.
+/// Number of columns or rows per task: reads across them use whole cache lines.
 const BLOCK: usize = 8;
 
 /// A mode number along each axis.
 pub type Mode = [i32; 2];
 
-/// The kept modes and their transforms.
+/// Resolved modes and their transforms.
 pub struct Series {
     points: [usize; 2],
-    /// Greatest mode numbers K₁, K₂.
+    /// Largest mode numbers K₁, K₂.
     greatest: [usize; 2],
     rows_forward: Arc<dyn RealToComplex<f64>>,
     rows_inverse: Arc<dyn ComplexToReal<f64>>,
     columns_forward: Arc<dyn Fft<f64>>,
     columns_inverse: Arc<dyn Fft<f64>>,
-    /// Transformed along one axis.
+    /// Buffer: data transformed along one axis.
     half: Vec<Complex64>,
 }
 
 pub use models::common::fourier::greatest_modes;
 
 impl Series {
-    /// Series on so many points along each axis: even numbers of at least 4.
+    /// Series on `points` points along each axis: even, at least 4.
     pub fn new(points: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
@@ -49,34 +48,34 @@ impl Series {
         }
     }
 
-    /// Numbers of points along each axis.
+    /// Number of points along each axis.
     pub fn points(&self) -> [usize; 2] {
         self.points
     }
 
-    /// Greatest mode number along each axis.
+    /// Largest mode number along each axis.
     pub fn greatest(&self) -> [usize; 2] {
         self.greatest
     }
 
-    /// Modes stored of one m₁.
+    /// Number of stored modes for each m₁.
     pub fn column(&self) -> usize {
         2 * self.greatest[1] + 1
     }
 
-    /// Modes stored in all.
+    /// Number of stored modes.
     pub fn count(&self) -> usize {
         (self.greatest[0] + 1) * self.column()
     }
 
-    /// The mode stored at a place.
+    /// Returns the mode with a storage index.
     pub fn mode(&self, index: usize) -> Mode {
         let (column, place) = (index / self.column(), index % self.column());
         let wraps = place > self.greatest[1];
         [column as i32, place as i32 - if wraps { self.column() as i32 } else { 0 }]
     }
 
-    /// Where a mode is stored: `None` if it is not, or if only its conjugate, −m, is.
+    /// Returns the storage index of a mode: `None` if it is unresolved or only its conjugate, −m, is stored.
     pub fn index(&self, [first, second]: Mode) -> Option<usize> {
         let [most, across] = self.greatest.map(|greatest| greatest as i32);
         let is_kept = (0..=most).contains(&first) && second.abs() <= across;
@@ -84,7 +83,7 @@ impl Series {
         is_kept.then(|| first as usize * column + second.rem_euclid(column as i32) as usize)
     }
 
-    /// Modes from values at the points, of which the first axis runs fastest.
+    /// Forward transform: modes from values at the points (first axis fastest).
     ///
     /// # Panics
     /// Never: buffers have the lengths of their plans.
@@ -126,7 +125,7 @@ impl Series {
         });
     }
 
-    /// Values at the points from modes: each stored one multiplied by a factor of its wave vector.
+    /// Inverse transform: values at the points from modes, each stored one multiplied by `factor` of its wave vector.
     ///
     /// # Panics
     /// Never: buffers have the lengths of their plans.
@@ -156,7 +155,7 @@ impl Series {
             let first = BLOCK * block;
             let width = values.len() / columns;
             let mut scratch = plan.make_scratch_vec();
-            // Of modes that are not kept there is nothing, which the plan overwrites.
+            // Unresolved modes are zero. The transform overwrites its input.
             let mut spectra = vec![Complex64::ZERO; width * (columns / 2 + 1)];
             for (i, column) in half.chunks(rows).take(stored).enumerate() {
                 for (j, value) in column[first..first + width].iter().enumerate() {
@@ -166,7 +165,7 @@ impl Series {
             for (row, spectrum) in
                 values.chunks_mut(columns).zip(spectra.chunks_mut(columns / 2 + 1))
             {
-                // The mean of a row is real but for rounding.
+                // Imaginary part of the mean of a row: rounding only.
                 spectrum[0].im = 0.0;
                 plan.process_with_scratch(spectrum, row, &mut scratch)
                     .expect("lengths of the plan");
@@ -174,7 +173,7 @@ impl Series {
         });
     }
 
-    /// Makes modes of their waves and places.
+    /// Sets each mode to `value` of its wave vector and storage index.
     pub fn fill(
         &self,
         modes: &mut [Complex64],
@@ -191,48 +190,48 @@ impl Series {
         );
     }
 
-    /// Real part of the mean product of two real series, from their modes.
+    /// Computes the mean of the product of two real series from their modes.
     pub fn product(&self, one: &[Complex64], other: &[Complex64]) -> f64 {
         let height = self.column();
-        // Columns one after the other: the same bits for any number of threads.
+        // Fixed order of the column sums: the same bits for any number of threads.
         let of_column = |(one, other): (&[Complex64], &[Complex64])| -> f64 {
             one.iter().zip(other).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
         };
         let columns: Vec<f64> =
             one.par_chunks(height).zip(other.par_chunks(height)).map(of_column).collect();
-        // The conjugate modes are not stored.
+        // Factor 2: conjugate modes are not stored.
         columns[0] + 2.0 * columns[1..].iter().sum::<f64>()
     }
 }
 
-/// The wave of a mode.
+/// Wave vector of a mode and functions of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wave {
     /// k = k(cos θ, sin θ), 1/m.
     pub vector: [f64; 2],
-    /// 1/k², m²; 0 of the mean.
+    /// 1/k², m²; 0 for k = 0.
     pub inverse_square: f64,
-    /// cos 2θ and sin 2θ; 0 of the mean.
+    /// cos 2θ and sin 2θ; 0 for k = 0.
     pub doubled: [f64; 2],
 }
 
-/// The waves of all kept modes in a box that has been deformed.
+/// Wave vectors of all resolved modes in a deformed box.
 #[derive(Clone, Debug)]
 pub struct Waves {
-    /// Wave vectors of (1, 0) and (0, 1), 1/m.
+    /// Wave vectors of the modes (1, 0) and (0, 1), 1/m.
     basis: [[f64; 2]; 2],
     all: Vec<Wave>,
 }
 
 impl Waves {
-    /// In a box of edges L, m, every point y of which is now at Fy, F of determinant 1: k = F⁻ᵀ(2πm/L).
+    /// Computes k = F⁻ᵀ(2πm/L) for a box of initial edges L, m, with deformation gradient F, det F = 1.
     pub fn new(series: &Series, lengths: [f64; 2], deformation: [[f64; 2]; 2]) -> Self {
         let mut waves = Self { basis: [[0.0; 2]; 2], all: vec![Wave::default(); series.count()] };
         waves.deform(series, lengths, deformation);
         waves
     }
 
-    /// The same after another deformation.
+    /// Recomputes the wave vectors for another deformation gradient.
     pub fn deform(&mut self, series: &Series, lengths: [f64; 2], f: [[f64; 2]; 2]) {
         let [k1, k2] = lengths.map(|length| TAU / length);
         let [[f11, f12], [f21, f22]] = f;
@@ -251,7 +250,7 @@ impl Waves {
         });
     }
 
-    /// The wave vector of a mode, 1/m.
+    /// Computes the wave vector of a mode, 1/m.
     pub fn vector(&self, mode: Mode) -> [f64; 2] {
         vector(self.basis, mode)
     }

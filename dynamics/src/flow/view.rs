@@ -1,4 +1,4 @@
-//! What is seen of a flow: its fields, energies and modes; and the snapshots from which it goes on.
+//! Output of a flow: fields, energies, modes; saving and restoring its state.
 
 use super::equations::exponential;
 use super::spectral::Mode;
@@ -7,17 +7,17 @@ use models::common::elementary::Elementary;
 use num_complex::Complex64;
 
 impl Flow {
-    /// F = exp(Γt): the point y of the box is now at Fy.
+    /// Returns the deformation gradient F = exp(Γt): the point y of the initial box is now at Fy.
     pub fn deformation(&self) -> [[f64; 2]; 2] {
         exponential(self.equations.problem().velocity_gradient, self.time)
     }
 
-    /// Fields of this flow, velocities first.
+    /// Returns the output fields, velocities first.
     pub fn fields(&self) -> Vec<Field> {
         self.equations.problem().closure.fields()
     }
 
-    /// Values of all [`fields`](Self::fields) at the points, x₁ running fastest.
+    /// Returns the values of all [`fields`](Self::fields) at the points (x₁ fastest).
     pub fn values(&self) -> Vec<Vec<f64>> {
         let points = &self.equations.points;
         let value = |field: &Field| match field {
@@ -38,7 +38,7 @@ impl Flow {
         self.fields().iter().map(value).collect()
     }
 
-    /// Energy of the perturbation, and what changed it.
+    /// Computes the energy of the perturbation and the works.
     pub fn energy(&self) -> Energy {
         let works = self.state[self.state.len() - 2];
         Energy {
@@ -49,7 +49,7 @@ impl Flow {
         }
     }
 
-    /// Kinetic energy of each stored mode and its conjugate, J/m³, with |m|.
+    /// Computes |m| and the kinetic energy, J/m³, of each stored mode together with its conjugate.
     fn shells(&self) -> Vec<(f64, f64)> {
         let waves = self.equations.waves(self.time);
         let series = &self.equations.series;
@@ -70,8 +70,8 @@ impl Flow {
         (0..series.count()).map(of_mode).collect()
     }
 
-    /// Kinetic energy of the modes with n − ½ ≤ |m| < n + ½, n = 1, 2, …, J/m³; of those beyond all shells
-    /// in the last.
+    /// Computes the kinetic energy by shells n − ½ ≤ |m| < n + ½, n = 1, 2, …, J/m³; modes beyond the last shell are
+    /// added to it.
     pub fn spectrum(&self) -> Vec<f64> {
         let most = self.equations.series.greatest().into_iter().max().unwrap_or(1);
         let mut shells = vec![0.0; most];
@@ -82,18 +82,18 @@ impl Flow {
         shells
     }
 
-    /// Modes that are kept: m₁ and m₂ up to these numbers.
+    /// Returns the largest mode numbers m₁ and m₂ that are resolved.
     pub fn greatest_modes(&self) -> [usize; 2] {
         self.equations.series.greatest()
     }
 
-    /// The wave vector of a mode now, 1/m.
+    /// Computes the present wave vector of a mode, 1/m.
     pub fn wave_vector(&self, mode: Mode) -> [f64; 2] {
         self.equations.waves(self.time).vector(mode)
     }
 
-    /// Amplitudes of a mode m, in exp(ik·y) counted from the first point: of the vorticity ζ, 1/s, and of ω
-    /// or ψ; and the rates of both. `None` if it is not kept.
+    /// Returns the amplitudes of mode m, of exp(ik·y) with y from the first point: of the vorticity ζ, 1/s, and of ω or
+    /// ψ; then their time derivatives. `None` if the mode is not resolved.
     pub fn mode(&self, mode: Mode) -> Option<[[Complex64; 2]; 2]> {
         let series = &self.equations.series;
         let (index, is_conjugate) = match series.index(mode) {
@@ -111,7 +111,7 @@ impl Flow {
         Some([of(&self.state), of(&self.rates)])
     }
 
-    /// All that is needed to go on.
+    /// Returns the state for a checkpoint.
     pub fn snapshot(&self) -> Snapshot {
         let flat = |values: &[Complex64]| values.iter().flat_map(|v| [v.re, v.im]).collect();
         let control = &self.control;
@@ -134,7 +134,7 @@ impl Flow {
         }
     }
 
-    /// Goes back to a snapshot; `false` if it is none of this problem.
+    /// Restores a snapshot; `false` if it belongs to another problem.
     pub fn restore(&mut self, snapshot: &Snapshot) -> bool {
         let [numbers, state, pressure, direction] = snapshot.parts.as_slice() else { return false };
         let [time, step, error, rate, age, looked] = numbers.as_slice() else { return false };
@@ -157,7 +157,7 @@ impl Flow {
             looked: *looked,
             direction: complex(direction),
         };
-        // What a snapshot was taken of had a stress.
+        // Succeeds, since the stress of a saved state exists.
         self.equations.rates(self.time, &self.state, &mut self.rates).is_ok()
     }
 }
