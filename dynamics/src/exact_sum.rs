@@ -1,30 +1,30 @@
-//! Sums whose bits do not depend on the order of their terms.
+//! Exact summation: results do not depend on the order of the terms.
 //!
-//! An accumulator holds a sum exactly, as a fixed-point number that spans the range of double precision (Kulisch 1971; the
-//! "small superaccumulator" of Neal 2015, *Fast exact summation using small and large superaccumulators*). Parts of a
-//! domain, threads and tiles add their terms in any order; accumulators are merged in any order; the sum is rounded once.
+//! An accumulator holds a sum exactly, as a fixed-point number that spans the range of double precision (Kulisch 1971;
+//! the "small superaccumulator" of Neal 2015, *Fast exact summation using small and large superaccumulators*).
+//! Subdomains, threads and tiles may add terms and merge accumulators in any order; the sum is rounded once.
 
-/// Bits of a digit.
+/// Bits per digit.
 const BITS: usize = 32;
 
-/// Digits: the least subnormal number is 2⁻¹⁰⁷⁴, the greatest number less than 2¹⁰²⁴, and two digits are left for carries.
+/// Number of digits: from the smallest subnormal number 2⁻¹⁰⁷⁴ to 2¹⁰²⁴, plus two digits for carries.
 const DIGITS: usize = (1074_usize + 1024).div_ceil(BITS) + 2;
 
-/// Terms between two carries: a term adds less than 2³² to a digit, which holds less than 2⁶³.
+/// Maximum number of terms between two carry propagations: a term adds less than 2³² to a digit, which holds up to 2⁶³.
 const TERMS: u32 = 1 << 30;
 
-/// Terms that are added at once, and how often they are split.
+/// Number of terms per vector, and maximum number of splitting levels of [`ExactSum::add_all`].
 const WIDTH: usize = 8;
 const LEVELS: usize = 3;
 
-/// An exact sum of numbers.
+/// Exact sum of `f64` terms.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactSum {
-    /// Digit `i` counts multiples of 2^(32 i − 1074), of either sign.
+    /// Digit i is the coefficient of 2^(32 i − 1074), of either sign.
     digits: [i64; DIGITS],
-    /// Terms until carries must be propagated.
+    /// Number of terms that may be added before carries must be propagated.
     left: u32,
-    /// The sum of terms that are not finite; else zero.
+    /// Sum of the non-finite terms; else zero.
     not_finite: f64,
 }
 
@@ -38,7 +38,7 @@ impl ExactSum {
     /// Adds a term.
     #[inline]
     pub(crate) fn add(&mut self, term: f64) {
-        // Much is at rest in many states.
+        // Fast path: many cells are at rest in typical states.
         if term == 0.0 {
             return;
         }
@@ -49,7 +49,7 @@ impl ExactSum {
             self.not_finite += term;
             return;
         }
-        // Subnormal numbers have the exponent of the least normal ones, and no leading bit.
+        // Subnormal numbers have the exponent of the smallest normal ones and no implicit leading bit.
         let mantissa = if exponent == 0 { fraction } else { fraction | 1 << 52 };
         let place = exponent.saturating_sub(1);
         let (digit, shift) = (place / BITS, place % BITS);
@@ -64,17 +64,18 @@ impl ExactSum {
         }
     }
 
-    /// Adds many terms, and uses the list up: in vectors of [`WIDTH`], as far as the terms have similar sizes.
+    /// Adds many terms and overwrites them; vectorised in groups of [`WIDTH`] as long as the terms have similar
+    /// magnitudes.
     ///
-    /// With A = 3/2 · 2ᵉ so large that no sum of terms reaches 2ᵉ, h = (t + A) − A is t rounded to the unit of A, t − h is
-    /// exact, and so are sums of all h (Demmel & Nguyen 2015, *Parallel reproducible summation*). What is left is split
-    /// again; what is left after [`LEVELS`] is added term by term.
+    /// With A = 3/2 · 2ᵉ so large that no partial sum reaches 2ᵉ, h = (t + A) − A is t rounded to a multiple of ulp(A),
+    /// t − h is exact, and so are sums of all h (Demmel & Nguyen 2015, *Parallel reproducible summation*). Remainders t
+    /// − h are split again; after [`LEVELS`] levels they are added one by one.
     #[inline(always)]
     pub(crate) fn add_all(&mut self, terms: &mut [f64]) {
         let (groups, rest) = terms.as_chunks_mut::<WIDTH>();
         let mut levels = 0;
         loop {
-            // Sizes as bits are in the order of the numbers; those that are not finite are the greatest.
+            // Bit patterns of absolute values are ordered like the values; non-finite ones are largest.
             let mut greatest = [0_u64; WIDTH];
             for group in groups.iter() {
                 for (greatest, term) in greatest.iter_mut().zip(group) {
@@ -85,7 +86,7 @@ impl ExactSum {
             if greatest == 0 {
                 break rest.iter().for_each(|term| self.add(*term));
             }
-            // Above the terms by their number, and by two bits.
+            // Exponent of the anchor: that of the largest term, plus log₂ of the number of terms, plus two bits.
             let bits = (WIDTH * groups.len()).next_power_of_two().trailing_zeros() as i32 + 2;
             let exponent = (greatest >> 52) as i32 - 1023 + bits;
             if levels == LEVELS || !(-900..900).contains(&exponent) {
@@ -109,7 +110,7 @@ impl ExactSum {
         }
     }
 
-    /// Adds all terms of another sum.
+    /// Adds all terms of another accumulator.
     pub(crate) fn merge(&mut self, other: &Self) {
         let mut other = other.clone();
         other.carry();
@@ -121,7 +122,7 @@ impl ExactSum {
         self.not_finite += other.not_finite;
     }
 
-    /// Brings all digits but the uppermost one into 0 … 2³² − 1.
+    /// Propagates carries: all digits but the highest are then in 0 … 2³² − 1.
     fn carry(&mut self) {
         let mut carry = 0;
         let (last, rest) = self.digits.split_last_mut().expect("there are digits");
@@ -134,7 +135,7 @@ impl ExactSum {
         self.left = TERMS;
     }
 
-    /// The sign of the sum and its digits, all in 0 … 2³² − 1.
+    /// Returns the sign of the sum and the digits of its absolute value, all in 0 … 2³² − 1.
     fn magnitude(&self) -> (f64, [i64; DIGITS]) {
         let mut own = self.clone();
         own.carry();
@@ -146,7 +147,7 @@ impl ExactSum {
         (-1.0, own.digits)
     }
 
-    /// The sum, rounded to the nearest number; +0 where it vanishes.
+    /// Returns the sum, rounded to nearest; +0 if it is zero.
     pub(crate) fn value(&self) -> f64 {
         if self.not_finite != 0.0 {
             return self.not_finite;
@@ -158,12 +159,12 @@ impl ExactSum {
             .iter()
             .rev()
             .fold(0, |sum: u128, digit| sum << BITS | *digit as u128);
-        // What is below the three uppermost digits decides between two numbers that are equally near.
+        // Sticky bit: digits below the three highest ones decide ties.
         let sticky = u128::from(digits[..low].iter().any(|digit| *digit != 0));
         sign * scaled((upper << 1 | sticky) as f64, (low * BITS) as i32 - 1075)
     }
 
-    /// Numbers whose sum it is, without rounding: a few, for storing it.
+    /// Returns a few numbers whose exact sum is this sum, for checkpoints.
     pub(crate) fn parts(&self) -> Vec<f64> {
         let (sign, digits) = self.magnitude();
         let part = |(index, digit): (usize, &i64)| {
@@ -174,21 +175,21 @@ impl ExactSum {
     }
 }
 
-/// A number times a power of two; rounded once, where the result is subnormal.
+/// Computes `number`·2^`exponent`, rounded once if the result is subnormal.
 fn scaled(mut number: f64, mut exponent: i32) -> f64 {
     while exponent > 1023 {
         number *= power_of_two(1023);
         exponent -= 1023;
     }
     if exponent < -1022 {
-        // The first factor leaves the number far above subnormal ones.
+        // The first factor keeps the number far above the subnormal range.
         number *= power_of_two(exponent + 1022 / 2);
         exponent = -1022 / 2;
     }
     number * power_of_two(exponent)
 }
 
-/// 2 to the power of an exponent from −1022 to 1023.
+/// Computes 2^`exponent` for exponents from −1022 to 1023.
 fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
@@ -206,7 +207,7 @@ mod tests {
     use super::ExactSum;
     use testkit::random::Random;
 
-    /// Numbers of many sizes and either sign.
+    /// Random numbers of many magnitudes and either sign.
     fn terms(seed: u64, count: usize, exponents: f64) -> Vec<f64> {
         let mut random = Random::new(seed);
         let mut term = || random.within(-1.0, 1.0) * random.decades(exponents.recip(), exponents);
@@ -217,7 +218,7 @@ mod tests {
         terms.iter().copied().collect()
     }
 
-    /// Against 128-bit integers, which hold sums of numbers of such sizes exactly.
+    /// Verifies sums against 128-bit integers, which are exact for these magnitudes.
     #[test]
     fn sums_are_rounded_once() {
         for seed in 0..200 {
@@ -225,7 +226,7 @@ mod tests {
             let integers: Vec<f64> = integers.collect();
             let exact: i128 = integers.iter().map(|term| *term as i128).sum();
             assert_eq!(sum(&integers).value(), exact as f64, "{seed}");
-            // At the lower end of the range nothing is lost: these are multiples of the least number.
+            // At the lower end of the range: exact multiples of the smallest subnormal number.
             let least: Vec<f64> =
                 terms(seed, 50, 1e3).iter().map(|term| (term * 1e3).trunc()).collect();
             let exact: f64 = least.iter().sum();
@@ -249,7 +250,7 @@ mod tests {
     fn order_and_merging_do_not_matter() {
         for seed in 0..50 {
             let mut all = terms(seed, 300, 1e90);
-            // Nearly everything cancels.
+            // Sums with almost complete cancellation.
             all.extend(terms(seed, 300, 1e90).iter().map(|term| -term * (1.0 + f64::EPSILON)));
             let expected = sum(&all).value().to_bits();
             let mut random = Random::new(seed + 1000);
@@ -268,7 +269,7 @@ mod tests {
         }
     }
 
-    /// Of similar sizes, of many sizes, with zeros, and of lengths that are no multiple of a vector's.
+    /// Verifies `add_all` against `add`: similar and very different magnitudes, zeros, non-finite terms, odd lengths.
     #[test]
     fn many_at_once_are_one_by_one() {
         for seed in 0..300 {
@@ -292,7 +293,7 @@ mod tests {
         }
     }
 
-    /// Of one sign, the greatest sums that terms of a size have.
+    /// Verifies `add_all` for terms of one sign: the largest partial sums for a given magnitude.
     #[test]
     fn many_at_once_have_one_sign() {
         for seed in 0..20 {
@@ -315,7 +316,7 @@ mod tests {
         assert_eq!(sum(&[f64::MIN_POSITIVE, -5e-324]).value(), f64::MIN_POSITIVE - 5e-324);
         assert!(sum(&[1.0, f64::NAN]).value().is_nan());
         assert_eq!(sum(&[1.0, f64::NEG_INFINITY]).value(), f64::NEG_INFINITY);
-        // Many carries.
+        // Enough terms for several carry propagations.
         let many = 5_000_000;
         let ones: ExactSum = (0..many).map(|_| 0.1).collect();
         // The double nearest to 0.1 is 3602879701896397 / 2^55.

@@ -1,15 +1,15 @@
-//! The halo of a part whose neighbours are other threads of the process.
+//! Halo exchange between subdomains on threads of the same process.
 
 use crate::solid::domain::HaloExchange;
 use std::ops::Range;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// A neighbour's thread is gone.
+/// The thread of a neighbouring subdomain has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the thread of a neighbouring part has ended")]
 pub(super) struct Disconnected;
 
-/// Neighbours by axis and end.
+/// Channels to the neighbours, by axis and end.
 #[derive(Debug)]
 pub(super) struct Channels<T, const D: usize> {
     neighbours: [[Option<Neighbour<T>>; 2]; D],
@@ -21,7 +21,7 @@ impl<T, const D: usize> Default for Channels<T, D> {
     }
 }
 
-/// A neighbour, and messages that came from it, to be filled anew.
+/// Channels to and from a neighbour, and received buffers for reuse.
 #[derive(Debug)]
 struct Neighbour<T> {
     to: SyncSender<Vec<T>>,
@@ -30,8 +30,8 @@ struct Neighbour<T> {
 }
 
 impl<T, const D: usize> Channels<T, D> {
-    /// Connects the upper end of an axis of one part with the lower end of the next one by channels of capacity `room`, in
-    /// messages. Of two periodic parts both ends are connected.
+    /// Connects the upper end of an axis of subdomain `lower` with the lower end of `upper` by channels with a capacity
+    /// of `room` messages. Two periodic subdomains are connected at both ends.
     pub(super) fn connect(
         parts: &mut [Self],
         axis: usize,

@@ -1,10 +1,11 @@
-//! Domain decomposition: parts of a grid, each in a thread of its own.
+//! Domain decomposition: subdomains of a grid, each on its own thread.
 //!
-//! In each pass over memory a part receives a halo of [`HALO`] cells for each step of the pass from
-//! its neighbours (and more along the first axis where sweeps alternate, see [`Decomposition`]) and recomputes it redundantly. Every cell sees the same operations as in the whole, and sums are exact: the
-//! same bits. Along the last axis layers are exchanged while the pass goes on: the upper halo is received last, so that a
-//! thread can run almost one block of rows ahead of its upper neighbour, and one that is delayed for a moment does not delay
-//! the others. Along the other axes all is exchanged before a pass begins, see [`HaloExchange`](crate::solid::domain::HaloExchange).
+//! In each pass over memory a subdomain receives a halo of [`HALO`] cells per step of the pass (more along the first
+//! axis for alternating sweeps, see [`Decomposition`]) and recomputes it redundantly. Every cell undergoes the same
+//! operations as without decomposition, and sums are exact: results are identical bit for bit. Along the last axis,
+//! layers are exchanged during the pass; the upper halo is received last, so that a thread can run almost one block of
+//! rows ahead of its upper neighbour and short delays do not propagate. Along the other axes the exchange precedes the
+//! pass, see [`HaloExchange`](crate::solid::domain::HaloExchange).
 
 mod channels;
 mod plan;
@@ -23,14 +24,14 @@ use models::solid::waves::Field;
 pub use crate::solid::snapshot::Snapshot;
 pub use plan::Decomposition;
 
-/// A part with its halo.
+/// A subdomain with its halo.
 struct Part<T: SolverReal, const D: usize> {
     domain: Domain<T, D>,
     region: Region<D>,
     halo: Channels<T::Lanes, D>,
-    /// Cells to be recorded after each step, in their order: places in the list of all, and own cells.
+    /// Cells recorded after each step: index in the list of all watched cells, index in the subdomain.
     watched: Vec<(usize, usize)>,
-    /// All fields of those cells by step and cell.
+    /// Records of these cells: all fields, by step and cell.
     records: Vec<f64>,
 }
 
@@ -50,7 +51,8 @@ impl<T: SolverReal, const D: usize> Part<T, D> {
         Ok(())
     }
 
-    /// Places of interlayers in front of own cells: by layer, axis of the face, cell behind it among all, pair of waves.
+    /// Returns position and memory of the interlayers at the lower faces of owned cells. Position: layer, axis, global
+    /// cell above the face, wave pair.
     fn interlayers(&self, layer_cells: usize) -> Vec<([usize; 4], [T; 2])> {
         let cells = self.region.own_global_cells();
         let own = self.domain.interlayers().into_iter();
@@ -61,19 +63,19 @@ impl<T: SolverReal, const D: usize> Part<T, D> {
     }
 }
 
-/// A domain in parts.
+/// A domain decomposed into subdomains.
 pub struct DecomposedDomain<T: SolverReal, const D: usize> {
     parts: Vec<Part<T, D>>,
-    /// From the axes and cells of the problem to those of the parts.
+    /// Permutation from the axes of the problem to those of the subdomains.
     permutation: AxisPermutation<D>,
-    /// Cells of the whole along each axis of the parts.
+    /// Number of cells of the whole grid along each permuted axis.
     cells: [usize; D],
     /// Number of watched cells.
     watched: usize,
 }
 
 impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
-    /// A domain at rest, in `count` parts along its last axis.
+    /// A domain at rest, decomposed into `count` subdomains along its last axis.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -81,14 +83,14 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Self::with_first_axis(0, problem, count)
     }
 
-    /// The largest number of parts a domain may be cut into along its last axis.
+    /// Returns the maximum number of subdomains along the last axis.
     pub fn max_parts(first_axis: usize, problem: &Problem<D>) -> usize {
         let permutation = AxisPermutation::with_first(first_axis, &problem.grid);
         (permutation.grid(&problem.grid).cells[D - 1] / HALO).max(1)
     }
 
-    /// A domain in `count` parts with `axis` swept as the first one. The others keep their order; the domain is cut along the last of
-    /// them.
+    /// A domain at rest in `count` subdomains, with `axis` swept first. The other axes keep their order; the domain is
+    /// cut along the last of them.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -103,7 +105,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Self::in_parts(problem, permutation, parts)
     }
 
-    /// A domain at rest, in a box of so many parts along each axis of the problem, with `first_axis` swept as the first one.
+    /// A domain at rest, in `parts` subdomains along each axis of the problem, with `first_axis` swept first.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -116,7 +118,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Self::in_parts(problem, permutation, permutation.along(parts))
     }
 
-    /// So many parts along each permuted axis.
+    /// A domain at rest, in `parts` subdomains along each permuted axis.
     fn in_parts(
         problem: &Problem<D>,
         permutation: AxisPermutation<D>,
@@ -148,7 +150,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Ok(Self { parts, permutation, cells: problem.grid.cells, watched: 0 })
     }
 
-    /// Uses other instructions than the best; results do not depend on them.
+    /// Selects the instruction set; results do not depend on it.
     pub fn set_instructions(&mut self, instructions: Instructions) {
         for part in &mut self.parts {
             part.domain.set_instructions(instructions);
@@ -163,9 +165,9 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Advances all fields by `steps` time steps, each part in a thread of its own.
+    /// Advances all fields by `steps` time steps, each subdomain on its own thread.
     pub fn advance(&mut self, steps: usize) {
-        // The thread of a neighbour is gone only if it has panicked, and then the scope panics as well.
+        // A neighbour's thread ends early only by a panic, which the scope propagates.
         if let [part] = self.parts.as_mut_slice() {
             let _ = part.advance(steps);
             return;
@@ -177,29 +179,29 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         });
     }
 
-    /// Steps that a pass over the memory makes at most: each field goes in and out of the memory once in it.
+    /// Returns the maximum number of steps per pass over memory; a pass reads and writes each field once.
     pub fn most_steps(&self) -> usize {
         self.parts.first().map_or(1, |part| part.domain.most_steps())
     }
 
-    /// Time, s.
+    /// Returns the time, s.
     pub fn time(&self) -> f64 {
         self.parts.first().map_or(0.0, |part| part.domain.time())
     }
 
-    /// The components of the state.
+    /// Returns the fields of the state.
     pub fn fields(&self) -> &[Field] {
         self.parts.first().map_or(&[], |part| part.domain.fields())
     }
 
-    /// Numbers that are shown of a cell: its fields and the integrals of the problem.
+    /// Returns the number of output quantities per cell: fields and time integrals.
     pub fn width(&self) -> usize {
         let integrals = self.parts.first().map_or(0, |part| part.domain.integral_count());
         self.fields().len() + integrals
     }
 
-    /// Records all fields of these cells after each step, and forgets what was recorded of others; of cells
-    /// that are not there zeros.
+    /// Records all fields of these cells after each step and discards earlier records; cells outside the grid give
+    /// zeros.
     pub fn watch(&mut self, cells: &[usize]) {
         self.watched = cells.len();
         for part in &mut self.parts {
@@ -216,8 +218,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// What was recorded since the last call: by step, then by watched cell, then by field, as
-    /// [`Domain::output_cell`] gives them.
+    /// Returns the records since the last call, by step, watched cell and field; values as in [`Domain::output_cell`].
     pub fn records(&mut self) -> Vec<f64> {
         let width = self.width();
         let steps = self
@@ -240,7 +241,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         all
     }
 
-    /// All that the steps to come depend on.
+    /// Returns the state for a checkpoint.
     pub fn snapshot(&self) -> Snapshot<T> {
         let fields = self.fields().to_vec();
         Snapshot {
@@ -252,14 +253,14 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// What steps added up in all parts.
+    /// Returns the work sums of all subdomains.
     fn work(&self) -> WorkSums {
         let mut sums = WorkSums::default();
         self.parts.iter().for_each(|part| sums.merge(part.domain.work()));
         sums
     }
 
-    /// Goes back to rest, before the first step.
+    /// Returns to the state of rest before the first step.
     pub(crate) fn reset(&mut self) {
         let mut sums = self.sums();
         sums.iter_mut().for_each(|own| own.fill(0.0));
@@ -270,7 +271,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.set_sums(&sums);
     }
 
-    /// Goes back, or on, to a snapshot of the same problem; `false` where it is one of another.
+    /// Restores a snapshot; `false` if it belongs to another problem.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
         let cells: usize = self.cells.iter().product();
         let fields = self.fields().to_vec();
@@ -287,7 +288,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         for (field, values) in fields.into_iter().zip(&snapshot.fields) {
             self.set_inner(field, values);
         }
-        // The first part takes the sums of all parts, the others none.
+        // The first subdomain holds the work sums of all; those of the others are zero.
         let mut work = WorkSums::from_parts(&snapshot.work);
         for part in &mut self.parts {
             part.domain.restore_work(snapshot.steps, std::mem::take(&mut work));
@@ -297,12 +298,12 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         true
     }
 
-    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    /// Returns the plastic dissipation by cell, J/m³; empty if no medium yields.
     pub fn dissipated(&self) -> Vec<f64> {
         self.permutation.unpermute(self.sums().swap_remove(0))
     }
 
-    /// By kind and cell of the whole.
+    /// Returns the sums stored per cell of the whole grid, by kind.
     fn sums(&self) -> Vec<Vec<f64>> {
         let of_parts: Vec<_> = self.parts.iter().map(|part| part.domain.sums()).collect();
         let kinds = of_parts.first().map_or(0, Vec::len);
@@ -320,14 +321,14 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Values of the whole, from those of the own cells of all parts; none where these have none.
+    /// Gathers values of the whole grid from those of the owned cells of all subdomains; empty if these are.
     fn gather<V: Copy>(&self, mut of_parts: impl Iterator<Item = Vec<V>>) -> Vec<V> {
         if self.parts.len() == 1 {
             return of_parts.next().unwrap_or_default();
         }
         let mut all = Vec::new();
         for (part, values) in self.parts.iter().zip(of_parts) {
-            // To begin with, any values.
+            // Any value for initialisation: all cells are overwritten.
             let Some(first) = values.first() else { continue };
             all.resize(self.cells.iter().product(), *first);
             for (cell, value) in part.region.own_global_cells().into_iter().zip(values) {
@@ -337,7 +338,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         all
     }
 
-    /// What steps did to the energy so far.
+    /// Returns work and dissipation of the steps so far, J.
     pub fn ledger(&self) -> Ledger {
         let mut sums = LedgerSums::default();
         let of_parts = self.of_parts(|domain| domain.ledger_sums());
@@ -345,7 +346,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         sums.ledger(self.volume())
     }
 
-    /// Energy of the deviation from the initial stress.
+    /// Returns the energy of the deviation from the initial stress, J.
     pub fn energy(&self) -> Energy {
         let mut sums = EnergySums::default();
         let of_parts = self.of_parts(|domain| domain.energy_sums());
@@ -353,12 +354,12 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         sums.energy(self.volume())
     }
 
-    /// Volume of a cell, m³.
+    /// Returns the volume of a cell, m³.
     fn volume(&self) -> f64 {
         self.parts.first().map_or(0.0, |part| part.domain.grid().volume())
     }
 
-    /// Something of each part, each in a thread of its own.
+    /// Evaluates `of` for each subdomain, each on its own thread.
     fn of_parts<V: Send + Default>(&self, of: impl Fn(&Domain<T, D>) -> V + Sync) -> Vec<V> {
         if let [part] = self.parts.as_slice() {
             return vec![of(&part.domain)];
@@ -371,7 +372,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         })
     }
 
-    /// The first value that is not finite: its field and its cell.
+    /// Returns field and cell of the first non-finite value.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let own = |part: &Part<T, D>| {
             let (field, cell) = part.domain.first_non_finite()?;
@@ -381,7 +382,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Some((field, self.permutation.original_cell(cell)))
     }
 
-    /// Records all fields of the watched cells as they are.
+    /// Records all fields of the watched cells in the present state.
     pub fn record(&mut self) {
         for part in &mut self.parts {
             let sides = part.domain.closing_boundaries();
@@ -391,7 +392,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// The first cell whose stress is not in its yield set.
+    /// Returns the first cell whose stress is outside its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         let own = |part: &Part<T, D>| {
             Some(part.region.own_global_cell(part.domain.first_beyond_yield()?))
@@ -400,7 +401,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         first.map(|cell| self.permutation.original_cell(cell))
     }
 
-    /// The values of all fields, the first axis running fastest, as [`Domain::output_cell`] gives them.
+    /// Returns the output quantities by cell (first axis fastest), see [`Domain::output_cell`].
     pub fn shown(&self) -> Vec<Vec<f64>> {
         let of_part = |domain: &Domain<T, D>| {
             let mut fields = vec![Vec::new(); self.width()];
@@ -423,20 +424,20 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         gathered.collect()
     }
 
-    /// The values of a field as they are computed with, the first axis running fastest; `None` if there is
-    /// no such field.
+    /// Returns the stored values of a field (first axis fastest), without completing the step; `None` if there is no
+    /// such field.
     pub fn values(&self, field: Field) -> Option<Vec<T>> {
         self.inner_values(field).map(|values| self.permutation.unpermute(values))
     }
 
-    /// By cell of the whole, with the axes of the parts.
+    /// Returns the stored values of a field by cell of the whole grid, with permuted axes.
     fn inner_values(&self, field: Field) -> Option<Vec<T>> {
         let of_parts = self.parts.iter().map(|part| part.domain.values(field));
         let of_parts = of_parts.collect::<Option<Vec<_>>>()?;
         Some(self.gather(of_parts.into_iter()))
     }
 
-    /// Places of all interlayers and their memories, in the order of [`Domain::interlayer_memory`] of the whole.
+    /// Returns position and memory of all interlayers, in the order of [`Domain::interlayer_memory`] of the whole grid.
     fn interlayers(&self) -> Vec<([usize; 4], [T; 2])> {
         let layer: usize = self.cells[..D - 1].iter().product();
         let mut all: Vec<_> = self.parts.iter().flat_map(|part| part.interlayers(layer)).collect();
@@ -444,7 +445,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         all
     }
 
-    /// V and S of all faces with interlayers, in the order of [`Domain::interlayer_memory`] of the whole.
+    /// Returns V and S of all interlayers, in the order of [`Domain::interlayer_memory`] of the whole grid.
     pub fn interlayer_memory(&self) -> Vec<[T; 2]> {
         self.interlayers().into_iter().map(|own| own.1).collect()
     }
@@ -462,7 +463,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Lets interlayers move with the cells beside them, as [`Domain::initialise_interlayers`].
+    /// Initialises interlayers with the motion of the adjacent cells, see [`Domain::initialise_interlayers`].
     pub fn initialise_interlayers(&mut self) {
         let fields = self.fields().to_vec();
         let values: Vec<_> = fields.iter().map(|&field| self.inner_values(field)).collect();
@@ -478,12 +479,13 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Sets the values of a field, the first axis running fastest: as many as there are cells.
+    /// Sets the values of a field by cell (first axis fastest).
     pub fn set(&mut self, field: Field, values: &[T]) {
         self.set_inner(field, &self.permutation.permute(values));
     }
 
-    /// By cell of the whole, with the axes of the parts; those of halos as well, which output may look at.
+    /// Sets the values of a field by cell of the whole grid with permuted axes, halos included, since output may read
+    /// them.
     fn set_inner(&mut self, field: Field, values: &[T]) {
         if let [part] = self.parts.as_mut_slice() {
             return part.domain.set(field, values);

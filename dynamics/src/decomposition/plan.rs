@@ -1,4 +1,4 @@
-//! The plan of a decomposition: where a grid is cut, and which parts are neighbours.
+//! Decomposition plan: subdomains of a grid and their neighbours.
 
 use crate::solid::domain::most_steps;
 use crate::solid::line::{GHOSTS, HALO};
@@ -6,10 +6,11 @@ use crate::solid::problem::{DomainError, Grid, Scheme};
 use crate::solid::region::Region;
 use std::ops::Range;
 
-/// A grid cut into a box of parts: so many along each axis, as equal as whole cells allow.
+/// A grid cut into a box of subdomains, `parts` along each axis, of sizes as equal as possible.
 ///
-/// Parts are numbered with the first axis running fastest. The halo of a part is [`HALO`] cells wide for each step of a
-/// pass, and [`GHOSTS`] more along the first axis where sweeps alternate; edges and corners of it are those of neighbours of neighbours, which exchanges axis by axis bring.
+/// Subdomains are numbered with the first axis fastest. The halo is [`HALO`] cells wide per step of a pass, plus
+/// [`GHOSTS`] along the first axis for alternating sweeps. Edges and corners of the halo come from diagonal neighbours,
+/// by exchanging axis by axis.
 #[derive(Clone, Debug)]
 pub struct Decomposition<const D: usize> {
     parts: [usize; D],
@@ -19,18 +20,18 @@ pub struct Decomposition<const D: usize> {
 }
 
 impl<const D: usize> Decomposition<D> {
-    /// `parts` along each axis of a grid, of which some are periodic, for a scheme.
+    /// Plans `parts` subdomains along each axis of a grid with periodic axes `is_periodic`, for a scheme.
     ///
     /// # Errors
-    /// [`DomainError::Parts`] where there are no parts along an axis, or one of several has fewer cells than its
-    /// neighbours' halo.
+    /// [`DomainError::Parts`] if an axis has no subdomain, or one of several has fewer cells than the halo of its
+    /// neighbour.
     pub fn new(
         grid: &Grid<D>,
         is_periodic: [bool; D],
         scheme: &Scheme,
         parts: [usize; D],
     ) -> Result<Self, DomainError> {
-        // Where sweeps alternate, output sweeps once more along the first axis.
+        // With alternating sweeps, output requires one more sweep along the first axis.
         let beyond = |axis: usize| if axis == 0 && scheme.alternates() { GHOSTS } else { 0 };
         let mut steps = most_steps::<D>(grid.cells[D - 1] / parts[D - 1].max(1));
         for (axis, (&found, &cells)) in parts.iter().zip(&grid.cells).enumerate() {
@@ -49,7 +50,7 @@ impl<const D: usize> Decomposition<D> {
         let region = |part: usize| {
             let place = place_of(part, &parts);
             let halo = std::array::from_fn(|axis| {
-                // Layers across a periodic last axis are each other's halo.
+                // On a periodic last axis that is not cut, the halo holds copies of the opposite layers.
                 let comes_round = is_periodic[axis] && (parts[axis] > 1 || axis + 1 == D);
                 let has = [place[axis] > 0, place[axis] + 1 < parts[axis]];
                 has.map(|has| if has || comes_round { steps * HALO + beyond(axis) } else { 0 })
@@ -65,13 +66,13 @@ impl<const D: usize> Decomposition<D> {
         })
     }
 
-    /// The regions of all parts.
+    /// Returns the regions of all subdomains.
     pub fn regions(&self) -> &[Region<D>] {
         &self.regions
     }
 
-    /// The part beyond an end (0 towards smaller coordinates, 1 towards greater ones) of an axis of a part, if the grid is
-    /// cut there.
+    /// Returns the subdomain beyond an end (0: lower, 1: upper) of an axis of subdomain `part`, if the grid is cut
+    /// there.
     pub fn neighbour(&self, part: usize, axis: usize, end: usize) -> Option<usize> {
         let count = self.parts[axis];
         let stride: usize = self.parts[..axis].iter().product();
@@ -84,13 +85,13 @@ impl<const D: usize> Decomposition<D> {
         Some(part - place * stride + next * stride)
     }
 
-    /// Steps of a pass at most: an exchange of halos suffices for so many.
+    /// Returns the maximum number of steps per pass: one halo exchange suffices for them.
     pub fn most_steps(&self) -> usize {
         self.most_steps
     }
 }
 
-/// The place of a part along each axis.
+/// Returns the position of a subdomain along each axis.
 fn place_of<const D: usize>(mut part: usize, parts: &[usize; D]) -> [usize; D] {
     parts.map(|count| {
         let place = part % count;
@@ -116,7 +117,7 @@ mod tests {
             region.own_global_cells().into_iter().for_each(|cell| owners[cell] += 1);
         }
         assert!(owners.iter().all(|count| *count == 1));
-        // Neighbours are each other's.
+        // The neighbour relation is symmetric.
         for part in 0..24 {
             for (axis, end) in (0..3).flat_map(|axis| [(axis, 0), (axis, 1)]) {
                 let neighbour = plan.neighbour(part, axis, end);

@@ -1,12 +1,11 @@
-//! A box of cells of a grid with the halo around it.
+//! Region: a box of cells of a grid with a halo around it.
 
 use std::ops::Range;
 
-/// A box of cells of a grid, and the halo around it: copies of cells of its neighbours.
+/// A box of cells of a grid and the halo around it, which holds copies of neighbouring cells.
 ///
-/// Along each axis the cells of a region are those of its lower halo, its own ones and those of its upper halo, in the order
-/// of the coordinate; beyond a periodic side the coordinate begins anew. Cells are numbered with the first axis running
-/// fastest.
+/// Along each axis the cells are those of the lower halo, the owned cells, and those of the upper halo, in the order of
+/// the coordinate, which wraps around on periodic axes. Cells are numbered with the first axis fastest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Region<const D: usize> {
     whole: [usize; D],
@@ -15,74 +14,74 @@ pub struct Region<const D: usize> {
 }
 
 impl<const D: usize> Region<D> {
-    /// The own cells `own` of a grid with the cells `whole`, and the width of the halo at each end of each axis, in
-    /// cells: zero at ends that are neither cut nor, along the last axis, periodic.
+    /// A region with owned cells `own` in a grid of `whole` cells; `halo`: width at each end of each axis, in cells. It
+    /// is zero at ends that are neither cut nor, along the last axis, periodic.
     pub(crate) fn new(whole: [usize; D], own: [Range<usize>; D], halo: [[usize; 2]; D]) -> Self {
         debug_assert!((0..D).all(|axis| own[axis].end <= whole[axis]));
         Self { whole, own, halo }
     }
 
-    /// All cells of a grid.
+    /// Region of a whole grid, without halo.
     pub fn whole(cells: [usize; D]) -> Self {
         Self::new(cells, cells.map(|count| 0..count), [[0; 2]; D])
     }
 
-    /// Coordinates of the own cells along an axis of the whole grid.
+    /// Returns the coordinates of the owned cells along an axis of the whole grid.
     pub fn own(&self, axis: usize) -> Range<usize> {
         self.own[axis].clone()
     }
 
-    /// Own cells along each axis.
+    /// Returns the number of owned cells along each axis.
     pub fn own_cells(&self) -> [usize; D] {
         self.own.each_ref().map(ExactSizeIterator::len)
     }
 
-    /// Cells of the halo at both ends of an axis.
+    /// Returns the width of the halo at both ends of an axis, in cells.
     pub fn halo(&self, axis: usize) -> [usize; 2] {
         self.halo[axis]
     }
 
-    /// Whether there are neighbours beyond both ends of an axis.
+    /// Returns whether the region has neighbours beyond the lower and the upper end of an axis.
     pub fn is_cut(&self, axis: usize) -> [bool; 2] {
         let is_part = self.own[axis].len() < self.whole[axis];
         self.halo[axis].map(|width| width > 0 && is_part)
     }
 
-    /// Cells along each axis, those of the halo included.
+    /// Returns the number of cells along each axis, halo included.
     pub fn cells(&self) -> [usize; D] {
         std::array::from_fn(|axis| self.own[axis].len() + self.halo[axis][0] + self.halo[axis][1])
     }
 
-    /// Cells in all, those of the halo included.
+    /// Returns the total number of cells, halo included.
     pub fn count(&self) -> usize {
         self.cells().iter().product()
     }
 
-    /// Faces of a side across an axis, those of the halo included.
+    /// Returns the number of faces of a boundary normal to an axis, halo included.
     pub fn faces(&self, axis: usize) -> usize {
         self.count() / self.cells()[axis].max(1)
     }
 
-    /// Coordinates in the whole grid of the cells along an axis, those of the halo included.
+    /// Returns the coordinates in the whole grid of the cells along an axis, halo included.
     pub fn coordinates(&self, axis: usize) -> Vec<usize> {
         let (whole, halo) = (self.whole[axis], self.halo[axis][0]);
-        // A halo may be wider than the grid.
+        // The halo may be wider than the grid.
         let first = self.own[axis].start + halo * whole - halo;
         (first..first + self.cells()[axis]).map(|place| place % whole).collect()
     }
 
-    /// The cells in the whole grid of all cells of the region.
+    /// Returns the global cell of each cell of the region.
     pub fn global_cells(&self) -> Vec<usize> {
         products(&std::array::from_fn::<_, D, _>(|axis| self.coordinates(axis)), &self.whole)
     }
 
-    /// The same for the own cells alone.
+    /// Returns the global cell of each owned cell.
     pub fn own_global_cells(&self) -> Vec<usize> {
         let own = std::array::from_fn::<_, D, _>(|axis| self.own(axis).collect());
         products(&own, &self.whole)
     }
 
-    /// Places along an axis of a coordinate of the whole grid: several where a halo comes round.
+    /// Returns the positions along an axis with a given global coordinate: several if a periodic halo wraps around.
     fn places(&self, axis: usize, coordinate: usize) -> Vec<usize> {
         let (whole, halo) = (self.whole[axis], self.halo[axis][0]);
         let first = (self.own[axis].start + halo * whole - halo) % whole;
@@ -90,7 +89,7 @@ impl<const D: usize> Region<D> {
         (place..self.cells()[axis]).step_by(whole).collect()
     }
 
-    /// The cells of the region that are a cell of the whole grid.
+    /// Returns the cells of the region that are copies of a global cell.
     pub(crate) fn cells_of(&self, mut cell: usize) -> Vec<usize> {
         let along: Vec<_> = (0..D)
             .map(|axis| {
@@ -102,7 +101,7 @@ impl<const D: usize> Region<D> {
         products(&along, &self.cells())
     }
 
-    /// The faces of a side of the region across `axis` that are a face of the whole grid.
+    /// Returns the faces of a boundary of the region normal to `axis` that are copies of a global face.
     pub(crate) fn faces_of(&self, axis: usize, mut face: usize) -> Vec<usize> {
         let others: Vec<usize> = (0..D).filter(|other| *other != axis).collect();
         let along = others.iter().map(|&other| {
@@ -115,7 +114,7 @@ impl<const D: usize> Region<D> {
         products(&along, &cells)
     }
 
-    /// The cell of the whole grid that is an own one, by its number among these.
+    /// Returns the global cell of an owned cell, given its number among the owned cells.
     pub fn own_global_cell(&self, mut number: usize) -> usize {
         let (mut cell, mut stride) = (0, 1);
         for (own, whole) in self.own.iter().zip(self.whole) {
@@ -126,7 +125,7 @@ impl<const D: usize> Region<D> {
         cell
     }
 
-    /// The number among the own cells of a cell of the whole grid, if it is one.
+    /// Returns the number among the owned cells of a global cell; `None` if it is not owned.
     pub fn own_number(&self, cell: usize) -> Option<usize> {
         let (mut rest, mut number, mut stride) = (cell, 0, 1);
         for (own, whole) in self.own.iter().zip(self.whole) {
@@ -140,7 +139,7 @@ impl<const D: usize> Region<D> {
         (rest == 0).then_some(number)
     }
 
-    /// The faces of a side across `axis` of the whole grid, in the order of those of the region.
+    /// Returns the global face of each face of a boundary of the region normal to `axis`.
     pub fn global_faces(&self, axis: usize) -> Vec<usize> {
         let others = (0..D).filter(|other| *other != axis);
         let (along, cells): (Vec<_>, Vec<_>) =
@@ -149,7 +148,7 @@ impl<const D: usize> Region<D> {
     }
 }
 
-/// Indices with these coordinates along each axis, the first axis running fastest, in a grid of so many cells.
+/// Computes linear indices (first axis fastest) from coordinates along each axis, for a grid of `cells`.
 fn products(along: &[Vec<usize>], cells: &[usize]) -> Vec<usize> {
     let last_first = along.iter().zip(cells).rev();
     last_first.fold(vec![0], |before, (along, cells)| {
@@ -173,7 +172,7 @@ mod tests {
         assert_eq!(region.global_faces(0), [0, 1, 2]);
         assert_eq!((region.cells_of(7), region.cells_of(1)), (vec![5], vec![4]));
         assert_eq!((region.faces_of(1, 0), region.faces_of(0, 2)), (vec![3], vec![2]));
-        // Wider than the grid.
+        // Halo wider than the grid.
         let narrow = Region::new([2], std::array::from_fn(|_| 0..2), [[3, 4]]);
         assert_eq!(narrow.coordinates(0), [1, 0, 1, 0, 1, 0, 1, 0, 1]);
         assert_eq!(narrow.cells_of(1), [0, 2, 4, 6, 8]);
@@ -182,7 +181,7 @@ mod tests {
     #[test]
     fn faces_in_space() {
         let region = Region::new([2, 3, 4], [0..2, 1..3, 2..4], [[0, 0], [1, 0], [0, 1]]);
-        // Across the second axis: the first axis fastest, then the third, whose coordinates are 2, 3, 0.
+        // Across the second axis: first axis fastest, then the third, with coordinates 2, 3, 0.
         assert_eq!(region.global_faces(1), [4, 5, 6, 7, 0, 1]);
         assert_eq!(region.cells(), [2, 3, 3]);
     }

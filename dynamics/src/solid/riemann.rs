@@ -1,18 +1,18 @@
-//! The Riemann problem between two cells: characteristic variables, interface states, and the update of a cell by them
-//! (Godunov 1959). One formula each, over the number type: [`sweep`](crate::solid::line::sweep) applies them cell by
-//! cell, the fused solver to many lines in SIMD lanes.
+//! Riemann problem between two cells: characteristic variables, interface states, and the Godunov update of a cell
+//! (Godunov 1959). The formulas are generic over the number type: [`sweep`](crate::solid::line::sweep) applies them
+//! cell by cell, the fused solver to many lines in SIMD lanes.
 
 use super::cell::CellConstants;
 use crate::simd::{Number, Real, Vector};
 
-/// The velocity and the stress of a cell.
+/// Velocity and stress of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<N> {
     pub(crate) velocity: N,
     pub(crate) stress: N,
 }
 
-/// Characteristic variables: s − zv, which runs to the right, and s + zv, which runs to the left.
+/// Characteristic variables: s − zv (right-going) and s + zv (left-going).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RiemannInvariants<N> {
     pub(crate) right: N,
@@ -28,11 +28,10 @@ impl<N: Number> RiemannInvariants<N> {
         Self { right: state.stress - zv, left: state.stress + zv }
     }
 
-    /// The invariants of a neighbour, mapped through the scattering matrix of the interface with it: w = (1 −
-    /// ρ)w′ + ρŵ, with the coefficient of reflection ρ = (y − z)/(y + z), y being the impedance of the
-    /// neighbour and ŵ the own counter-propagating wave. The outgoing wave has the waves that leave the
-    /// interface before it, reversed in time: the same formula. Unfolded like this a line has no interface:
-    /// scattering conserves energy.
+    /// Maps the invariants of a neighbour through the scattering matrix of the interface: w = (1 − ρ)w′ + ρŵ, with the
+    /// reflection coefficient ρ = (y − z)/(y + z), y the impedance of the neighbour, and ŵ the cell's own
+    /// counter-propagating wave. The same formula gives the outgoing waves, by time reversal. Scattering conserves
+    /// energy, so that the unfolded line has no interface.
     #[inline(always)]
     pub(crate) fn transmitted(self, neighbour: Self, reflection: N) -> Self {
         Self {
@@ -41,13 +40,13 @@ impl<N: Number> RiemannInvariants<N> {
         }
     }
 
-    /// Both times a number.
+    /// Multiplies both invariants by a factor.
     #[inline(always)]
     pub(crate) fn scaled(self, factor: N) -> Self {
         Self { right: factor * self.right, left: factor * self.left }
     }
 
-    /// The difference to the next cell.
+    /// Returns the invariants of the next cell minus those of this one.
     #[inline(always)]
     pub(crate) fn difference(self, next: Self) -> Self {
         Self { right: next.right - self.right, left: next.left - self.left }
@@ -71,8 +70,8 @@ impl<N: Number> RiemannInvariants<N> {
     }
 }
 
-/// Solution of the Riemann problem at a face, scaled by the impedance z of the cell that uses it: difference =
-/// 2zv*, sum = 2s*.
+/// Solution of the Riemann problem at a face, scaled by the impedance z of the cell that uses it: difference = 2zv*,
+/// sum = 2s*.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InterfaceState<N> {
     pub(crate) difference: N,
@@ -80,17 +79,17 @@ pub(crate) struct InterfaceState<N> {
 }
 
 impl<N: Number> InterfaceState<N> {
-    /// Between cells of equal impedance, from the invariants s − zv of the left and s + zv of the right one:
-    /// the same for both.
+    /// Solves the Riemann problem between cells of equal impedance; `left` = s − zv of the left cell, `right` = s + zv
+    /// of the right cell. The result is the same for both.
     #[inline(always)]
     pub(crate) fn riemann_equal_impedance([left, right]: [N; 2]) -> Self {
         Self { difference: right - left, sum: left + right }
     }
 
-    /// Between cells of impedances z and y, which s − zv reaches from the left and s + yv from the right, as they
-    /// see it: v = (right − left)/(z + y) and s = (y left + z right)/(z + y), with the coefficient of reflection
-    /// (y − z)/(y + z). Where that is zero, this is [`Self::riemann_equal_impedance`] to the bit. What a soft cell sees of v is
-    /// rounded by ε times the ratio of impedances.
+    /// Solves the Riemann problem between cells of impedances z and y with incident waves `left` = s − zv and `right` =
+    /// s + yv: v* = (right − left)/(z + y), s* = (y left + z right)/(z + y). Computed with the reflection coefficient
+    /// (y − z)/(y + z); if it is zero, equal to [`Self::riemann_equal_impedance`] bit for bit. Returns the state scaled
+    /// for either cell. On the soft side, v* has a rounding error of ε times the impedance ratio.
     #[inline(always)]
     pub(crate) fn riemann([z, y]: [N; 2], waves: [N; 2]) -> [Self; 2] {
         let reflection = (y - z) / (y + z);
@@ -137,7 +136,8 @@ pub(crate) fn updated<N: Number>(
 mod tests {
     use super::InterfaceState;
 
-    /// Sums and products with what is exactly zero or one change nothing, signs of zeros included.
+    /// Verifies that [`InterfaceState::riemann`] equals [`InterfaceState::riemann_equal_impedance`] bit for bit for
+    /// equal impedances, signs of zeros included.
     #[test]
     fn a_joint_of_like_cells_is_the_same_to_the_bit() {
         let numbers = [0.0, -0.0, 1.0, -1.0 / 3.0, 1e-310, -7e200, 0.1, -0.1];
