@@ -7,7 +7,7 @@ use crate::solid::boundary::{Boundary, Condition, Load, Source};
 use crate::solid::interlayers::Interlayers;
 use crate::solid::problem::{DomainError, Grid, Problem};
 
-/// The axes of a problem in the order in which a domain has them; cell indices are converted accordingly.
+/// Permutation of the axes of a problem to those of a domain, with conversion of cell indices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AxisPermutation<const D: usize> {
     /// Axis of the problem by axis of the domain.
@@ -60,8 +60,8 @@ impl<const D: usize> AxisPermutation<D> {
         self.reindex(face, &from, &to)
     }
 
-    /// Sorts values by cell of the problem into the order of the domain's cells. A list of another length (no values,
-    /// or one for all cells) is returned unchanged.
+    /// Reorders values by cell of the problem to the cells of the domain. A list of another length (no values, or one
+    /// for all cells) is returned unchanged.
     pub(crate) fn permute<'a, V: Copy>(&self, values: &'a [V]) -> Cow<'a, [V]> {
         if self.is_identity() || values.len() != self.cells.iter().product() {
             return Cow::Borrowed(values);
@@ -69,7 +69,7 @@ impl<const D: usize> AxisPermutation<D> {
         (0..values.len()).map(|cell| values[self.original_cell(cell)]).collect()
     }
 
-    /// Sorts values by cell of the domain into the order of the problem's cells.
+    /// Reorders values by cell of the domain to the cells of the problem.
     pub(crate) fn unpermute<V: Copy>(&self, values: Vec<V>) -> Vec<V> {
         if self.is_identity() || values.len() != self.cells.iter().product() {
             return values;
@@ -77,7 +77,7 @@ impl<const D: usize> AxisPermutation<D> {
         (0..values.len()).map(|cell| values[self.permuted_cell(cell)]).collect()
     }
 
-    /// Numbers by axis of the problem, by axis of the domain.
+    /// Permutes numbers by axis of the problem to the axes of the domain.
     pub(crate) fn along(&self, numbers: [usize; D]) -> [usize; D] {
         self.axes.map(|axis| numbers[axis])
     }
@@ -90,10 +90,10 @@ impl<const D: usize> AxisPermutation<D> {
         }
     }
 
-    /// A problem with permuted axes, after its checks.
+    /// Checks a problem and permutes its axes.
     ///
     /// # Errors
-    /// See [`DomainError`]; layers of a metric are across the second axis, which must keep its place.
+    /// See [`DomainError`]; the layers of a metric are normal to the second axis, which must not be permuted.
     pub(crate) fn checked<'a>(
         &self,
         own: &'a Problem<D>,
@@ -105,8 +105,8 @@ impl<const D: usize> AxisPermutation<D> {
         Ok(self.problem(own))
     }
 
-    /// The problem (which has passed its checks) with permuted axes. Fields keep their names, and accelerations stay
-    /// along the problem's axes.
+    /// Permutes the axes of a checked problem. Fields keep their names, and accelerations refer to the axes of the
+    /// problem.
     fn problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
         if self.is_identity() {
             return Cow::Borrowed(own);

@@ -1,29 +1,29 @@
-//! Boundary conditions, loads on boundaries, and sources inside.
+//! Boundary conditions, loads on boundaries, and sources.
 
 use crate::solid::medium::Medium;
 use models::solid::waves::Field;
 use std::sync::Arc;
 
-/// A function of time, s, without unit.
+/// A dimensionless function of time, s.
 pub type Signal = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
-/// Boundary condition of a face for a pair of waves.
+/// Boundary condition of a wave pair on a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Condition {
-    /// Velocity (m/s) or spin (rad/s) of the side.
+    /// Prescribed velocity, m/s, or spin, rad/s.
     Velocity(f64),
-    /// Traction (Pa) or couple (N/m) on the side: the stress, tension positive, whatever the side.
+    /// Prescribed stress, Pa, or couple stress, N/m; tension positive at both ends of the axis.
     Traction(f64),
     /// Non-reflecting: the incoming characteristic is zero, exact at normal incidence.
     NonReflecting,
-    /// A plane of symmetry across which the velocity or spin is odd and the stress even: no velocity on it.
+    /// Symmetry plane with odd velocity or spin and even stress: the velocity vanishes on it.
     OddVelocity,
-    /// A plane of symmetry across which the velocity or spin is even and the stress odd: no traction on it.
+    /// Symmetry plane with even velocity or spin and odd stress: the traction vanishes on it.
     OddStress,
 }
 
 impl Condition {
-    /// Whether the side reflects, and is not a plane of symmetry.
+    /// Whether the face reflects and is no symmetry plane.
     pub(crate) fn reflects(&self) -> bool {
         matches!(self, Self::Velocity(_) | Self::Traction(_))
     }
@@ -32,29 +32,28 @@ impl Condition {
 /// Boundary condition at an end of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
-    /// The opposite side.
+    /// Continued at the opposite end of the axis.
     Periodic,
-    /// A body that does not move: all velocities and spins vanish.
+    /// Rigid: all velocities and spins vanish.
     Fixed,
-    /// Nothing: all tractions and couples vanish.
+    /// Free: all tractions and couples vanish.
     Free,
     /// Non-reflecting: incoming characteristics are zero, exact at normal incidence.
     NonReflecting,
-    /// A condition for each pair of the axis, in their order.
+    /// One condition per wave pair of the axis, in their order.
     Given(Vec<Condition>),
-    /// The same for each face of the side: by pair, then by face, the first of the other axes fastest.
+    /// Conditions by wave pair, then by face (first of the other axes fastest).
     ByFace(Vec<Vec<Condition>>),
 }
 
 impl Boundary {
-    /// A side in which the medium is mirrored along `axis`: displacement along the normal vanishes, and
-    /// so do the tractions across it. Spins are mirrored as axial vectors are, those about the normal
-    /// unchanged.
+    /// Symmetry plane normal to `axis`: normal displacement and shear tractions vanish. Spins transform as axial
+    /// vectors: the component along the normal is even.
     pub fn symmetry(medium: &Medium, axis: usize) -> Self {
         Self::mirror(medium, axis, true)
     }
 
-    /// A side in which the medium is mirrored with the opposite sign.
+    /// Antisymmetry plane: mirror image with the opposite sign.
     pub fn antisymmetry(medium: &Medium, axis: usize) -> Self {
         Self::mirror(medium, axis, false)
     }
@@ -71,7 +70,7 @@ impl Boundary {
         Self::Given(medium.pairs[axis].iter().map(|pair| condition(pair.velocity)).collect())
     }
 
-    /// The condition of a pair on a face; `None` on periodic sides.
+    /// Returns the condition of a wave pair on a face; `None` on periodic boundaries.
     pub(crate) fn condition(&self, pair: usize, face: usize) -> Option<Condition> {
         Some(match self {
             Self::Periodic => return None,
@@ -84,29 +83,29 @@ impl Boundary {
     }
 }
 
-/// Values that faces of a side are given in the course of time, added to those of their conditions.
+/// Time-dependent values on faces of a boundary, added to those of their conditions.
 #[derive(Clone)]
 pub struct Load {
-    /// Axis of the side, from 0.
+    /// Axis normal to the boundary, from 0.
     pub axis: usize,
-    /// 0 for the side at the axis' lower end, 1 for the other one.
+    /// End of the axis: 0 lower, 1 upper.
     pub end: usize,
-    /// The pair of waves, in the order of the medium.
+    /// Index of the wave pair, in the order of the medium.
     pub pair: usize,
-    /// Faces, the first of the other axes fastest, and amplitudes in the unit of their condition.
+    /// Faces (first of the other axes fastest) and amplitudes in the unit of their condition.
     pub faces: Vec<(usize, f64)>,
-    /// What they are multiplied by.
+    /// Time function that multiplies the amplitudes.
     pub signal: Signal,
 }
 
-/// A source inside: body force, couple or moment tensor.
+/// A source in the interior: body force, couple or moment tensor.
 #[derive(Clone)]
 pub struct Source {
-    /// Cells, the first axis running fastest, and their shares, which add up to 1.
+    /// Cells (first axis fastest) and their shares; the sum is 1, less at symmetry planes.
     pub cells: Vec<(usize, f64)>,
-    /// Components of the force (N, by the velocity that it drives), of the couple (N·m, by the spin) or of
-    /// the moment tensor (N·m, by the stress that it relieves); per metre in plane strain.
+    /// Components of the force (N, by velocity), of the couple (N·m, by spin) or of the moment tensor (N·m, by stress,
+    /// which it reduces); per metre in plane strain.
     pub amplitudes: Vec<(Field, f64)>,
-    /// What they are multiplied by.
+    /// Time function that multiplies the amplitudes.
     pub signal: Signal,
 }

@@ -1,6 +1,5 @@
-//! What acts in a cell between sweeps, one formula each: sources, gravity, the rotation of spins against antisymmetric
-//! stress, relaxation, the return mapping with its energies, and the flushing of subnormal numbers. The fused solver and
-//! [`Reference`](crate::solid::reference::Reference) both call these.
+//! Laws of a cell between sweeps: sources, gravity, spin–stress rotation, relaxation, return mapping with its energies,
+//! and flushing of subnormal numbers. Shared by the fused solver and [`Reference`](crate::solid::reference::Reference).
 
 use crate::simd::{Number, Real};
 use crate::solid::boundary::Signal;
@@ -10,7 +9,7 @@ use models::rheology::relaxation::{Increments, Relaxation, SymmetricTensor};
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 
-/// The time over which a law acts; constants are stored for both.
+/// Time interval over which a law acts; constants are stored for both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interval {
     /// Δt.
@@ -20,30 +19,29 @@ pub(crate) enum Interval {
 }
 
 impl Interval {
-    /// Values for both intervals, from the interval as a fraction of Δt.
+    /// Evaluates `value` for both intervals, given as fractions of Δt.
     pub(crate) fn both<R>(value: impl FnMut(f64) -> R) -> [R; 2] {
         [1.0, 0.5].map(value)
     }
 }
 
-/// Fields at most: three velocities, three spins, nine stresses and couple stresses each, and six viscous strains.
+/// Maximum number of fields: three velocities, three spins, nine stresses, nine couple stresses, six viscous strains.
 pub(crate) const MOST_FIELDS: usize = 30;
 
-/// Steps from one flushing of subnormal numbers to the next: few, so that little decays past the least normal number in
-/// between.
+/// Number of steps between two flushes of subnormal numbers: few, so that values rarely become subnormal in between.
 const FLUSH_INTERVAL: usize = 16;
 
-/// With so many steps done, if they are a multiple of [`FLUSH_INTERVAL`], the size below which values are set to zero:
-/// 2⁴⁰ times the least normal number. The factor leaves room for products with constants of the media.
+/// Returns the magnitude below which values are set to zero, 2⁴⁰·MIN_POSITIVE, if `steps_done` is a multiple of
+/// [`FLUSH_INTERVAL`]. The factor is a margin for products with constants of the media.
 pub(crate) fn flush_limit<T: Real>(steps_done: usize) -> Option<T> {
     steps_done
         .is_multiple_of(FLUSH_INTERVAL)
         .then(|| T::of(2.0f64.powi(40) * T::MIN_POSITIVE.wide()))
 }
 
-/// The stress of a state whose values are in the order of the fields.
+/// Converts the values of a state, in the order of `fields`, to a stress.
 pub(crate) fn stress_of<T: Real>(fields: &[Field], values: &[T]) -> Stress {
-    // One field stands for both in classical solids.
+    // In classical solids one field represents both symmetric components.
     let is_symmetric = !fields.iter().any(|field| matches!(field, Field::Spin(_)));
     let mut stress = Stress::default();
     for (&field, value) in fields.iter().zip(values) {
@@ -62,7 +60,7 @@ pub(crate) fn stress_of<T: Real>(fields: &[Field], values: &[T]) -> Stress {
     stress
 }
 
-/// a + factor·b.
+/// Computes a + `factor`·b.
 pub(crate) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
     let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
         std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
@@ -70,7 +68,7 @@ pub(crate) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
     Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
 }
 
-/// Adds to a velocity; the energy that it takes, per inertia.
+/// Adds `change` to a velocity; returns the change of kinetic energy per inertia, with the rounded values.
 pub(crate) fn push<T: Real>(value: &mut T, change: f64) -> f64 {
     let before = value.wide();
     *value = T::of(before + change);
@@ -78,16 +76,17 @@ pub(crate) fn push<T: Real>(value: &mut T, change: f64) -> f64 {
     (after - before) * 0.5 * (after + before)
 }
 
-/// The signal of a source over an interval of time, s: its mean times the duration, and its change.
+/// Integrates the signal of a source over an interval, s: midpoint value times duration, and change of the signal.
 pub(crate) fn over_interval(signal: &Signal, [from, to]: [f64; 2]) -> [f64; 2] {
-    // Before the beginning there is none: what is there at once comes with the first step.
+    // The signal is zero before time 0: an initial jump acts in the first step.
     let before = if from > 0.0 { signal(from) } else { 0.0 };
     let mean = signal(0.5 * (from + to));
     [mean * (to - from), signal(to) - before]
 }
 
-/// What a source does to a field of a cell over an interval: `strength` is its amplitude times the cell's share, then the
-/// numbers of [`over_interval`]. Forces and couples push velocities, moments relieve stresses. The work, J/m³.
+/// Applies a source to a field of a cell over an interval; returns its work, J/m³. `strength`: amplitude times the
+/// cell's share; `impulse` and `moment`: results of [`over_interval`]. Forces and couples accelerate, moments reduce
+/// stresses.
 pub(crate) fn apply_source<T: Real>(
     medium: &Medium,
     state: &mut [T],
@@ -108,7 +107,7 @@ pub(crate) fn apply_source<T: Real>(
     }
 }
 
-/// Places in the list of fields of spins and of the stresses that rotate with them.
+/// Returns the field indices of spins and of the two stresses that rotate with each.
 pub(crate) fn rotated_fields(fields: &[Field]) -> Vec<[usize; 3]> {
     let place = |field: Field| fields.iter().position(|own| *own == field);
     let triple = |k: usize| {
@@ -118,10 +117,10 @@ pub(crate) fn rotated_fields(fields: &[Field]) -> Vec<[usize; 3]> {
     (0..3).filter_map(triple).collect()
 }
 
-/// Constants of the rotation of a spin and antisymmetric stress by a time: cos, √(αj) sin, sin/√(αj).
+/// Coefficients of the rotation of a spin and antisymmetric stress: cos, √(αj) sin, sin/√(αj).
 pub(crate) type SpinStressRotation<N> = [N; 3];
 
-/// Those of a medium for a part of a time step, s.
+/// Computes the rotation coefficients of a medium over `part`·`step`, s.
 pub(crate) fn spin_stress_rotation(
     medium: &Medium,
     part: f64,
@@ -132,7 +131,7 @@ pub(crate) fn spin_stress_rotation(
     [cos, rotation.ratio * sin, sin / rotation.ratio]
 }
 
-/// Q: a spin and both stresses after the rotation.
+/// Applies the rotation Q to a spin and both stresses.
 #[inline(always)]
 pub(crate) fn rotated<N: Number>(
     [cos, ratio_sin, sin_over_ratio]: SpinStressRotation<N>,
@@ -143,11 +142,11 @@ pub(crate) fn rotated<N: Number>(
     [omega * cos - half * sin_over_ratio, first + turned, second - turned]
 }
 
-/// Places in the list of fields of normal stresses and viscous strains, and of both shear stresses, which may be one, and the
-/// viscous strain of each plane; `None` where nothing relaxes.
+/// Field indices: \[normal stress, viscous strain\] by axis; \[shear stress, its transpose (may be the same), viscous
+/// strain\] by plane.
 pub(crate) type RelaxedFields = ([[usize; 2]; 3], Vec<[usize; 3]>);
 
-/// Those of a list.
+/// Finds the relaxed fields in a list; `None` if nothing relaxes.
 pub(crate) fn relaxed_fields(fields: &[Field]) -> Option<RelaxedFields> {
     let place = |field: Field| fields.iter().position(|own| *own == field);
     let normal = |i: usize| Some([place(Field::Stress(i, i))?, place(Field::ViscousStrain(i, i))?]);
@@ -158,7 +157,7 @@ pub(crate) fn relaxed_fields(fields: &[Field]) -> Option<RelaxedFields> {
     Some(([normal(0)?, normal(1)?, normal(2)?], shear.collect()))
 }
 
-/// Relaxation over a part of a time step, s; `value` makes a constant of what it is in a medium.
+/// Computes the coefficients of relaxation over `part`·`step`, s; `value` collects a coefficient from the media.
 pub(crate) fn relaxation_over<N>(
     value: impl Fn(&dyn Fn(&Medium) -> f64) -> N,
     part: f64,
@@ -178,8 +177,8 @@ pub(crate) fn relaxation_over<N>(
     }
 }
 
-/// Relaxes normal stresses and viscous strains, and both shear stresses and the viscous strain of each plane; the energy
-/// dissipated, J/m³.
+/// Relaxes normal stresses and viscous strains, and both shear stresses and the viscous strain of each plane. Returns
+/// the energy dissipated, J/m³.
 #[inline(always)]
 pub(crate) fn relax<N: Number, const SHEARS: usize>(
     constants: &Relaxation<N>,
@@ -209,19 +208,20 @@ pub(crate) fn relax<N: Number, const SHEARS: usize>(
     change.dissipated
 }
 
-/// What the return mapping does to the stress of a cell.
+/// Result of the return mapping of a cell's stress.
 pub(crate) struct Correction {
-    /// The stress after it, without the initial one.
+    /// Stress after the return mapping, as deviation from the initial stress, Pa.
     pub(crate) stress: Stress,
     /// Plastic dissipation, J/m³.
     pub(crate) dissipated: f64,
     /// Work of the initial stress, J/m³.
     pub(crate) released: f64,
-    /// The dissipation over the energy stored.
+    /// Plastic dissipation divided by the stored energy.
     pub(crate) share: f64,
 }
 
-/// P, or with `reflects` 2P − I, of a stress that deviates so much from the initial one; `None` where it is in its set.
+/// Applies P (or 2P − I if `reflects`) to a deviation from the initial stress; `None` if the stress is in its yield
+/// set.
 pub(crate) fn correction(
     medium: &Medium,
     deviation: &Stress,
@@ -241,7 +241,7 @@ pub(crate) fn correction(
     // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
     let beyond = if reflects { energy(&plastic) } else { 0.0 };
     let dissipated = times * (corrected.energy_lost - beyond);
-    // The product of both in the energy.
+    // Mixed term of the energy.
     let released = initial.map_or(0.0, |initial| {
         let both = combined(&plastic, initial, 1.0);
         times * (energy(&both) - energy(&plastic) - energy(initial))

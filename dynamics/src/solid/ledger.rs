@@ -1,15 +1,15 @@
-//! The energy there is, and what steps did to it.
+//! Energy of a solid, and ledger of the work and dissipation of its steps.
 
 use crate::exact_sum::ExactSum;
 use crate::solid::problem::Problem;
 
-/// What steps do to the energy, J (in plane strain of a slice of unit thickness).
+/// Work and dissipation of the steps so far, J (plane strain: per unit thickness).
 ///
-/// Energy after − energy before = inflow + sources + released − plastic − viscous − numerical. Each term is computed, none
-/// as a residual.
+/// Energy after − energy before = inflow + sources + released − plastic − viscous − numerical. Each term is computed
+/// separately, none as a residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
-    /// Work at the sides, positive inwards.
+    /// Work on the boundaries, positive inwards.
     pub inflow: f64,
     /// Work of sources and gravity.
     pub sources: f64,
@@ -19,15 +19,15 @@ pub struct Ledger {
     pub plastic: f64,
     /// Dissipation of dashpots.
     pub viscous: f64,
-    /// What the scheme itself dissipates; see [`Account`](crate::solid::line::Account). Zero where the ledger is light.
+    /// Numerical dissipation; see [`Account`](crate::solid::line::Account). Zero in the ledger of the fused solver.
     pub numerical: f64,
-    /// The least plastic dissipation of a cell in a step, over the energy stored there, where it is negative:
-    /// by rounding alone.
+    /// Smallest plastic dissipation of a cell in a step, divided by the energy stored in the cell, if negative
+    /// (rounding errors only).
     pub least_plastic: f64,
 }
 
 impl Ledger {
-    /// What all terms together do to the energy.
+    /// Returns the change of energy according to all terms, J.
     pub fn change(&self) -> f64 {
         self.inflow + self.sources + self.released - self.plastic - self.viscous - self.numerical
     }
@@ -36,37 +36,37 @@ impl Ledger {
 /// Energy of the deviation from the initial stress, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Of motion and spin.
+    /// Kinetic energy of velocities and spins.
     pub kinetic: f64,
-    /// Of the stress and of memory variables.
+    /// Energy of stresses and memory variables.
     pub stored: f64,
-    /// Of the motion of interlayers.
+    /// Kinetic energy of interlayers.
     pub interlayer_kinetic: f64,
-    /// Of their stress.
+    /// Stored energy of interlayers.
     pub interlayer_stored: f64,
 }
 
 impl Energy {
-    /// All of it.
+    /// Returns the total energy, J.
     pub fn total(&self) -> f64 {
         self.kinetic + self.stored + (self.interlayer_kinetic + self.interlayer_stored)
     }
 }
 
-/// Sums over the cells and faces of a solver. They are exact, so that they depend neither on the order of cells in memory nor
-/// on the number of parts and threads.
+/// Energy sums over the cells and faces of a solver. They are exact, hence independent of the order of cells and of the
+/// numbers of subdomains and threads.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct EnergySums {
-    /// Per volume of a cell, J/m³.
+    /// Sum of kinetic energy densities, J/m³; likewise `stored`.
     pub(crate) kinetic: ExactSum,
     pub(crate) stored: ExactSum,
-    /// J.
+    /// Kinetic energy of interlayers, J; likewise `interlayer_stored`.
     pub(crate) interlayer_kinetic: ExactSum,
     pub(crate) interlayer_stored: ExactSum,
 }
 
 impl EnergySums {
-    /// Adds those of another part.
+    /// Adds the sums of another subdomain.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.kinetic.merge(&other.kinetic);
         self.stored.merge(&other.stored);
@@ -74,7 +74,7 @@ impl EnergySums {
         self.interlayer_stored.merge(&other.interlayer_stored);
     }
 
-    /// The energy, where cells have this volume, m³.
+    /// Converts to energies; `volume` of a cell, m³.
     pub(crate) fn energy(&self, volume: f64) -> Energy {
         Energy {
             kinetic: volume * self.kinetic.value(),
@@ -85,21 +85,21 @@ impl EnergySums {
     }
 }
 
-/// What steps add up over faces and cells, exactly.
+/// Exact sums of work over faces and cells.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkSums {
-    /// Work at the sides, J.
+    /// Work on the boundaries, J.
     pub(crate) inflow: ExactSum,
-    /// Work of sources and gravity per volume of a cell, J/m³.
+    /// Sum of the work densities of sources and gravity, J/m³.
     pub(crate) sources: ExactSum,
-    /// Dissipation of the scheme, J.
+    /// Numerical dissipation, J.
     pub(crate) numerical: ExactSum,
     /// See [`Ledger::least_plastic`].
     pub(crate) least_plastic: f64,
 }
 
 impl WorkSums {
-    /// Adds those of another part.
+    /// Adds the sums of another subdomain.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.inflow.merge(&other.inflow);
         self.sources.merge(&other.sources);
@@ -107,13 +107,13 @@ impl WorkSums {
         self.least_plastic = self.least_plastic.min(other.least_plastic);
     }
 
-    /// Numbers with the same sums, without rounding.
+    /// Returns numbers with the same exact sums, for checkpoints.
     pub(crate) fn parts(&self) -> WorkParts {
         let Self { inflow, sources, numerical, least_plastic } = self;
         [inflow.parts(), sources.parts(), numerical.parts(), vec![*least_plastic]]
     }
 
-    /// The sums of such numbers.
+    /// Restores the sums from such numbers.
     pub(crate) fn from_parts([inflow, sources, numerical, least]: &WorkParts) -> Self {
         let sum = |parts: &[f64]| parts.iter().copied().collect();
         Self {
@@ -125,11 +125,11 @@ impl WorkSums {
     }
 }
 
-/// Numbers whose sums are the work at the sides, J, that of sources, J/m³, and the dissipation of the scheme, J; then
+/// Numbers whose sums are the boundary work, J, the work of sources, J/m³, and the numerical dissipation, J; then
 /// [`Ledger::least_plastic`].
 pub type WorkParts = [Vec<f64>; 4];
 
-/// What the laws of each cell dissipate, J/m³, by cell or by lane; empty where nothing does.
+/// Dissipation of the laws of each cell, J/m³, by cell or by lane; lists are empty if no medium needs them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellDissipation {
     /// Plastic dissipation.
@@ -141,7 +141,7 @@ pub(crate) struct CellDissipation {
 }
 
 impl CellDissipation {
-    /// What the media of a problem need; `zeros` makes a list.
+    /// Creates the lists that the media of a problem need; `zeros` allocates one.
     pub(crate) fn new<const D: usize>(problem: &Problem<D>, zeros: impl Fn() -> Vec<f64>) -> Self {
         let list = |is_needed: bool| if is_needed { zeros() } else { Vec::new() };
         let is_plastic = problem.media.iter().any(|medium| medium.yields.is_some());
@@ -153,34 +153,34 @@ impl CellDissipation {
         }
     }
 
-    /// By kind.
+    /// Returns the three lists: plastic, released, viscous.
     pub(crate) fn all(&self) -> [&Vec<f64>; 3] {
         [&self.plastic, &self.released, &self.viscous]
     }
 
-    /// By kind, to be set.
+    /// Returns the three lists for modification.
     pub(crate) fn all_mut(&mut self) -> [&mut Vec<f64>; 3] {
         [&mut self.plastic, &mut self.released, &mut self.viscous]
     }
 }
 
-/// All terms of a ledger in exact sums.
+/// All terms of a ledger as exact sums.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LedgerSums {
     pub(crate) work: WorkSums,
-    /// Over cells, of [`CellDissipation::all`].
+    /// Sums over cells of the lists of [`CellDissipation::all`].
     pub(crate) dissipation: [ExactSum; 3],
 }
 
 impl LedgerSums {
-    /// Adds those of another part.
+    /// Adds the sums of another subdomain.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.work.merge(&other.work);
         let both = self.dissipation.iter_mut().zip(&other.dissipation);
         both.for_each(|(own, other)| own.merge(other));
     }
 
-    /// The ledger, where cells have this volume, m³.
+    /// Converts to a ledger; `volume` of a cell, m³.
     pub(crate) fn ledger(&self, volume: f64) -> Ledger {
         let [plastic, released, viscous] =
             self.dissipation.each_ref().map(|sum| volume * sum.value());

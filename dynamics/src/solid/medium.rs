@@ -1,4 +1,4 @@
-//! What a solid is to the sweeps.
+//! A solid as the sweeps require it: wave pairs, rotation, relaxation and yield set.
 
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::ElasticLaw;
@@ -8,26 +8,26 @@ use models::yield_set::YieldSet;
 use models::yield_set::projection::Projection;
 use std::collections::BTreeMap;
 
-/// A solid as pairs of waves along the axes, a rotation, a law of relaxation, and the set in which its stress stays.
+/// A solid: wave pairs along the axes, spin rotation, relaxation and yield set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// Velocities, spins and stresses: the components of its state without [memory variables](Self::history).
+    /// Velocities, spins and stresses: the fields of the state without [memory variables](Self::history).
     pub fields: Vec<Field>,
-    /// Pairs by axis; the same velocities and stresses in the same order for all media of a theory.
+    /// Wave pairs by axis; all media of a theory have the same velocities and stresses in the same order.
     pub pairs: Vec<Vec<Pair>>,
-    /// Coupling of spins and antisymmetric stress.
+    /// Rotation that couples spins and antisymmetric stress.
     pub rotation: Option<SpinRotation>,
-    /// Stress and energy.
+    /// Elastic law: stress and energy.
     pub law: ElasticLaw,
     /// Relaxation of the stress deviator; the other constants are those of the unrelaxed solid.
     pub relaxation: Option<StandardLinearSolid>,
-    /// What keeps the stress in a set: associated flow. Dilatancies play no part.
+    /// Yield set of the stress, with associated flow rule; dilatancy angles are not used.
     pub yields: Option<YieldSet>,
 }
 
 impl Medium {
-    /// An elastic solid in 2 (plane strain) or 3 dimensions. By compliances it is in plane strain, and stresses
-    /// across the plane stay zero.
+    /// An elastic solid in 2 (plane strain) or 3 dimensions. A law given by compliances is one of plane strain; its
+    /// out-of-plane stresses remain zero.
     pub fn new(law: impl Into<ElasticLaw>, dimensions: usize) -> Self {
         let law = law.into();
         Self {
@@ -40,14 +40,14 @@ impl Medium {
         }
     }
 
-    /// A standard linear solid in 2 (plane strain) or 3 dimensions: waves see the unrelaxed solid, and the deviator of
-    /// the stress relaxes locally, which takes memory variables.
+    /// A standard linear solid in 2 (plane strain) or 3 dimensions: waves propagate in the unrelaxed solid, and the
+    /// stress deviator relaxes locally, with memory variables.
     pub fn relaxing(solid: StandardLinearSolid, dimensions: usize) -> Self {
         Self { relaxation: Some(solid), ..Self::new(solid.unrelaxed(), dimensions) }
     }
 
-    /// The memory variables of its law, which are fields of a domain beside [`fields`](Self::fields): one viscous strain
-    /// per component of the stress deviator.
+    /// Returns the memory variables of the law, which a domain stores after [`fields`](Self::fields): one viscous
+    /// strain per component of the stress deviator.
     pub fn history(&self) -> Vec<Field> {
         let viscous_strain = |field: &Field| match *field {
             Field::Stress(i, j) if i <= j => Some(Field::ViscousStrain(i, j)),
@@ -57,34 +57,34 @@ impl Medium {
         fields.filter_map(viscous_strain).collect()
     }
 
-    /// The same with a yield set that admits the law.
+    /// Adds a yield set that is admissible for the law.
     #[must_use]
     pub fn yielding(self, set: impl Into<YieldSet>) -> Self {
         Self { yields: Some(set.into()), ..self }
     }
 
-    /// The greatest speed, m/s.
+    /// Returns the largest wave speed, m/s.
     pub fn greatest_speed(&self) -> f64 {
         self.pairs.iter().flatten().map(Pair::speed).fold(0.0, f64::max)
     }
 
-    /// Energy that a stress stores without viscous strain, J/m³.
+    /// Computes the energy stored by a stress without viscous strain, J/m³.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
         self.law.stored_energy(stress)
     }
 
-    /// The mass that goes with a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for stresses.
+    /// Returns the inertia of a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for stresses.
     pub fn inertia(&self, field: Field) -> f64 {
         let own = self.pairs.iter().flatten().find(|pair| pair.velocity == field);
         match (own, field) {
             (Some(pair), _) => pair.inertia,
-            // A spin without couple stress has no pair.
+            // A spin without couple stress has no wave pair.
             (None, Field::Spin(_)) => self.law.inertia(),
             (None, _) => 0.0,
         }
     }
 
-    /// The stress in the yield set next to `trial` in the norm of the energy, and the energy lost.
+    /// Projects a trial stress onto the yield set in the energy norm; also returns the energy lost.
     pub fn project(&self, trial: &Stress) -> Projection<Stress> {
         match &self.yields {
             Some(set) => set.project(&self.law, trial),
@@ -92,8 +92,8 @@ impl Medium {
         }
     }
 
-    /// Projects the stress of a state onto the yield set; values in the order of [`fields`](Self::fields),
-    /// stresses with the initial one. Whatever follows them stays.
+    /// Projects the stress of a state onto the yield set; values in the order of [`fields`](Self::fields), with total
+    /// stresses. Further values are not changed.
     pub fn make_admissible(&self, values: &mut [f64]) {
         if self.yields.is_none() {
             return;
@@ -103,7 +103,7 @@ impl Medium {
             match field {
                 Field::Stress(i, j) => {
                     stress.force[i][j] = value;
-                    // One field stands for both in classical solids.
+                    // In classical solids one field represents both symmetric components.
                     if self.rotation.is_none() {
                         stress.force[j][i] = value;
                     }
@@ -119,7 +119,7 @@ impl Medium {
     }
 }
 
-/// The component of a stress that a field is.
+/// Returns the component of a stress that a field represents.
 pub(crate) fn component(field: Field, stress: &Stress) -> Option<f64> {
     match field {
         Field::Stress(i, j) => Some(stress.force[i][j]),
@@ -128,8 +128,8 @@ pub(crate) fn component(field: Field, stress: &Stress) -> Option<f64> {
     }
 }
 
-/// The energy density of a medium as products of the fields of a domain: what the energies of one and of two components
-/// tell.
+/// Computes the energy density of a medium as a quadratic form in the fields of a domain, by evaluating the energy of
+/// one and of two unit components.
 fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
     let stress = |places: &[usize]| {
         let mut stress = Stress::default();
@@ -151,7 +151,7 @@ fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
     for (one, &field) in fields.iter().enumerate() {
         if let Field::ViscousStrain(i, j) = field {
             let modulus = medium.relaxation.map_or(0.0, |own| own.viscous_strain_modulus());
-            // One field stands for both components off the diagonal.
+            // One field represents both off-diagonal components.
             terms.push((one, one, if i == j { modulus } else { 2.0 * modulus }));
             continue;
         }
@@ -169,8 +169,8 @@ fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
     terms
 }
 
-/// The energy density of media as products of the fields of a domain: places of two fields, by medium a coefficient. Kinetic terms
-/// stand first; how many they are.
+/// Computes the energy densities of media as quadratic forms in the fields of a domain: two field indices and one
+/// coefficient per medium. Kinetic terms come first; their number is returned, too.
 pub(crate) fn energy_terms_of_all(
     media: &[Medium],
     fields: &[Field],

@@ -1,4 +1,4 @@
-//! Blocks in the plane whose cells along the first axis have another length in each layer across the second one; polar blocks.
+//! Plane blocks whose cell length along the first axis varies by layer across the second axis; polar blocks.
 //!
 //! Such a block solves
 //!
@@ -6,31 +6,31 @@
 //! A ∂ₜU = (1/h) B¹ ∂_ξ U + B² ∂_y U + κ Q̂ U
 //! ```
 //!
-//! with ξ in cells along the first axis, h(y) their length and κ(y) the curvature of the lines along it. B¹ and B² are
-//! symmetric and Q̂ is antisymmetric, so that ½∫U·AU dξ dy is conserved: all cells have one volume, and all that is proved
-//! of sweeps holds.
+//! with ξ in cells along the first axis, h(y) the cell length and κ(y) the curvature of the lines along that axis. B¹
+//! and B² are symmetric and Q̂ is antisymmetric, so that ½∫U·AU dξ dy is conserved: all cells have the same volume, and
+//! the energy estimates of the sweeps hold.
 //!
-//! In polar coordinates, with the angle along the first axis and the radius along the second one, h = r Δθ, κ = 1/r, and the
-//! fields are U = √r (v, σ): the root makes volumes uniform and Q̂ antisymmetric (in the plane of (v_r, σ_rr): ½; of
-//! (v_r, σ_θθ): −1; of (v_θ, σ_rθ) of a symmetric stress: 3/2).
+//! In polar coordinates (angle along the first axis, radius along the second), h = r Δθ, κ = 1/r and U = √r (v, σ): the
+//! factor makes volumes uniform and Q̂ antisymmetric. Entries of Q̂: ½ for (v_r, σ_rr), −1 for (v_r, σ_θθ), 3/2 for
+//! (v_θ, σ_rθ) of a symmetric stress.
 
 use crate::simd::Number;
 use crate::solid::medium::Medium;
 use models::solid::waves::Field;
 
-/// Lengths and curvatures by layer across the second axis of a block in the plane.
+/// Cell length and curvature by layer across the second axis of a plane block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
     /// Length of a cell along the first axis, m.
     pub spacing: Vec<f64>,
-    /// Curvature of the lines along the first axis, whose centre is towards smaller coordinates of the second one, 1/m;
-    /// none where lines are straight.
+    /// Curvature of the lines along the first axis, 1/m, with the centre of curvature at smaller coordinates of the
+    /// second axis; empty if the lines are straight.
     pub curvature: Vec<f64>,
 }
 
 impl Metric {
-    /// A polar block: so many layers of this width, m, from an inner radius on, m, and cells of this angle. Fields are √r
-    /// times the physical ones, and the spacing of the grid is the angle and the width.
+    /// Metric of a polar block: inner radius, m, number of layers, cell angle, rad, and layer width, m. Fields are √r
+    /// times the physical ones; the grid spacing is \[angle, width\].
     pub fn polar(inner: f64, layers: usize, [angle, width]: [f64; 2]) -> Self {
         let radii = (0..layers).map(|layer| inner + (layer as f64 + 0.5) * width);
         Self {
@@ -39,12 +39,12 @@ impl Metric {
         }
     }
 
-    /// The least length of a cell along the first axis, m.
+    /// Returns the smallest cell length along the first axis, m.
     pub(crate) fn least_spacing(&self) -> f64 {
         self.spacing.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether it is one of so many layers.
+    /// Checks the number of layers and the values.
     pub(crate) fn is_sound(&self, layers: usize) -> bool {
         let is_positive = |value: &f64| *value > 0.0 && value.is_finite();
         self.spacing.len() == layers
@@ -54,21 +54,21 @@ impl Metric {
     }
 }
 
-/// A plane of phase space in which the geometry rotates the state: a velocity or spin v of inertia m against the stresses
+/// Plane of phase space in which the curvature rotates the state: a velocity or spin v of inertia m and the stresses
 /// y = q·σ,
 ///
 /// ```text
 /// m v̇ = κ y,  σ̇ = −κ Cq v,
 /// ```
 ///
-/// where Cq are the stresses of strains q. With Ω² = q·Cq/m it is a rotation by the angle κΩt.
+/// where Cq is the stress of the strain q. With Ω² = q·Cq/m this is a rotation by the angle κΩt.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GeometricPlane {
-    /// Place of v in the list of fields.
+    /// Field index of v.
     pub(crate) velocity: usize,
-    /// Places of stresses, and q.
+    /// Field indices of stresses, and entries of q.
     pub(crate) weights: Vec<(usize, f64)>,
-    /// Places of stresses, and Cq, Pa or N.
+    /// Field indices of stresses, and entries of Cq, Pa or N.
     pub(crate) moduli: Vec<(usize, f64)>,
     /// m, kg/m³ or kg/m.
     inertia: f64,
@@ -77,8 +77,8 @@ pub(crate) struct GeometricPlane {
 }
 
 impl GeometricPlane {
-    /// Those of a medium of the plane: along the second axis half of each pair's own stress acts; and the first axis turns
-    /// the direction of velocities, so that stresses across it act on the other one.
+    /// Planes of a medium. Along the second axis, half of the stress of each wave pair enters; along the first axis the
+    /// direction of velocities rotates, so that stresses across it act on the other velocity.
     pub(crate) fn of_medium(medium: &Medium) -> Vec<Self> {
         let [across, along] = [0, 1].map(|axis| &medium.pairs[axis]);
         let place = |field: Field| medium.fields.iter().position(|own| *own == field);
@@ -123,12 +123,12 @@ impl GeometricPlane {
         along.iter().filter_map(plane).collect()
     }
 
-    /// Cq at a place.
+    /// Returns the entry of Cq of a field.
     pub(crate) fn modulus(&self, place: usize) -> f64 {
         self.moduli.iter().find(|own| own.0 == place).map_or(0.0, |own| own.1)
     }
 
-    /// Constants of the rotation of lines of a curvature, 1/m, over a time, s: cos φ, sin φ/(mΩ), sin φ/Ω and
+    /// Computes the rotation coefficients for a curvature, 1/m, and a time, s: cos φ, sin φ/(mΩ), sin φ/Ω and
     /// (1 − cos φ)/(mΩ²), φ = κΩt.
     pub(crate) fn rotation(&self, curvature: f64, time: f64) -> [f64; 4] {
         use models::common::elementary::Elementary;
@@ -145,7 +145,8 @@ impl GeometricPlane {
     }
 }
 
-/// v after such a rotation, and the strain times which Cq is lost.
+/// Rotates by the coefficients of [`GeometricPlane::rotation`]: returns v and the strain e, the stress change being −Cq
+/// e.
 #[inline(always)]
 pub(crate) fn rotated_by_geometry<N: Number>([cos, a, b, c]: [N; 4], v: N, y: N) -> [N; 2] {
     [cos * v + a * y, b * v + c * y]

@@ -1,35 +1,36 @@
-//! Reconstruction: from cell averages the characteristic variables at faces, averaged over the step. First order
-//! (Godunov 1959), limited piecewise linear (van Leer 1977; Roe 1985), or linear of fourth order (Strang 1962).
+//! Reconstruction: time-averaged characteristic variables at faces from cell averages. First order (Godunov 1959),
+//! limited piecewise linear (van Leer 1977; Roe 1985), or linear fourth order (Strang 1962).
 
 use super::cell::CellConstants;
 use super::riemann::{RiemannInvariants, State};
 use crate::simd::{Number, Real};
 use models::solid::waves::Pair;
 
-/// Cells beyond each end of a line that a sweep reads.
+/// Number of ghost cells beyond each end of a line.
 pub const GHOSTS: usize = 2;
 
-/// Width of the halo along a cut axis, in cells for each step of a pass: each of the two sweeps of a step along an axis
+/// Width of the halo along a cut axis, in cells per step of a pass: each of the two sweeps of a step along an axis
 /// reads [`GHOSTS`] cells beyond those it updates.
 pub const HALO: usize = 2 * GHOSTS;
 
-/// The slopes of the reconstruction in cells.
+/// Reconstruction in cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slopes {
-    /// Constant in a cell: first order (Godunov 1959).
+    /// Piecewise constant: first order (Godunov 1959).
     Godunov,
-    /// Straight in a cell, with the mean of the differences to both sides within what makes no new extrema, and zero at
-    /// extrema: monotonised central (van Leer 1977), with the bounds that depend on the Courant number (Roe 1985). Those
-    /// that do not, twice the smaller difference, take more of smooth crests. Second order where the wave is smooth.
+    /// Piecewise linear, monotonised central limiter (van Leer 1977) with bounds that depend on the Courant number (Roe
+    /// 1985); the usual bounds, twice the smaller difference, clip smooth extrema more. Second order in smooth monotone
+    /// regions.
     Limited,
-    /// The cubic through the integrals of the wave over the four cells around a face, two of them upwind: fourth order,
-    /// linear, and of all schemes on these cells the most accurate one (Strang 1962). Steps overshoot.
+    /// Unlimited linear fourth-order scheme: cubic interpolation of the integral of the wave over the four cells around
+    /// a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). Overshoots at
+    /// discontinuities.
     FourthOrder,
 }
 
 impl Slopes {
-    /// The cell of a pair of waves at a Courant number, which rounding may have taken beyond 1; `is_mixed` in problems with
-    /// other media or interlayers.
+    /// Constants of a cell for a wave pair. The Courant number may exceed 1 by rounding. `is_mixed`: whether the
+    /// problem has several media or interlayers.
     pub(crate) fn cell_of<T: Real>(
         self,
         pair: &Pair,
@@ -44,12 +45,12 @@ impl Slopes {
         }
     }
 
-    /// Time-averaged outflow minus cell mean of a piecewise linear reconstruction: (1 − C)/2 × limited slope.
-    /// Arguments: the differences upwind and downwind.
+    /// Time-averaged outflow minus cell mean of a piecewise linear reconstruction: (1 − C)/2 × limited slope, from the
+    /// upwind and downwind differences.
     ///
-    /// With corrections l a wave w in cell i becomes w − C(w + l − w′ − l′), where w′ and l′ are those of the
-    /// cell upwind. With d = w − w′, corrections of the sign of d with |l| ≤ |d|(1 − C)/C (Roe 1985) and |l′| ≤
-    /// |d| make the update a convex combination of w and w′, hence TVD (Harten 1983).
+    /// With corrections l, a wave w in cell i becomes w − C(w + l − w′ − l′), w′ and l′ being those of the upwind cell.
+    /// With d = w − w′, corrections of the sign of d with |l| ≤ |d|(1 − C)/C (Roe 1985) and |l′| ≤ |d| make the update
+    /// a convex combination of w and w′, hence TVD (Harten 1983).
     #[inline(always)]
     pub(crate) fn half_slope_correction<N: Number>(
         self,
@@ -63,9 +64,9 @@ impl Slopes {
         }
     }
 
-    /// [`Self::half_slope_correction`] beside an interface with a medium of other impedance or Courant number (contrast 1), or of the same
-    /// (contrast 0): beside contrasts limited half slopes are ⅜(1 − C) minmod of the differences. The bounds of one
-    /// medium let energy grow there (`tests/solid/energy.rs` finds such states; ½ instead of ⅜ still does).
+    /// [`Self::half_slope_correction`] in a cell next to a cell of another impedance or Courant number (`contrast` 1)
+    /// or not (0). At contrasts the limited half slope is ⅜(1 − C) minmod of the differences: the bounds for one
+    /// medium, and ½ in place of ⅜, allow energy growth there (`tests/solid/energy.rs` finds such states).
     #[inline(always)]
     fn half_slope_correction_at_contrast<N: Number>(
         self,
@@ -85,7 +86,7 @@ impl Slopes {
         }
     }
 
-    /// Stencil data of the next cell: its invariants (fourth order), else the difference to it.
+    /// Returns the stencil data of cell i + 1: its invariants (fourth order), else the difference to it.
     #[inline(always)]
     pub(crate) fn ahead<N: Number>(
         self,
@@ -98,7 +99,7 @@ impl Slopes {
         }
     }
 
-    /// Stencil data of the previous cell: its invariants (fourth order), else the difference from it.
+    /// Returns the stencil data of cell i − 1: its invariants (fourth order), else the difference from it.
     #[inline(always)]
     pub(crate) fn behind<N: Number>(
         self,
@@ -111,11 +112,11 @@ impl Slopes {
         }
     }
 
-    /// Left and right state of the Riemann problem at the lower face of cell i, in one medium: s − zv and s + zv, averaged
-    /// over the step. Also returns the stencil data that the next face needs, its `known`.
+    /// Computes the left and right state of the Riemann problem at the lower face of cell i, in one medium: s − zv and
+    /// s + zv, averaged over the step. Also returns the stencil data `known` for the next face.
     ///
-    /// `known`: the invariants of cell i − 2 (fourth order), else the left state. `own`: the invariants of cell i. `behind`
-    /// and `ahead`: the results of [`Self::behind`] and [`Self::ahead`].
+    /// `known`: the invariants of cell i − 2 (fourth order), else the left state. `own`: the invariants of cell i.
+    /// `behind`, `ahead`: results of [`Self::behind`] and [`Self::ahead`].
     #[inline(always)]
     pub(crate) fn face_values<N: Number>(
         self,
@@ -137,7 +138,7 @@ impl Slopes {
         }
     }
 
-    /// [`Self::face_values`] between cells of any media: i − 2, i − 1, i and i + 1.
+    /// [`Self::face_values`] for cells i − 2 … i + 1 of any media.
     #[inline(always)]
     pub(crate) fn face_values_between_media<N: Number>(
         self,
@@ -148,10 +149,10 @@ impl Slopes {
         self.face_values_beside_interlayers(known, states, cells, [N::ONE; 3])
     }
 
-    /// [`Self::face_values_between_media`] with interlayers at some of the three faces between the cells: `joined` is 0 at
-    /// interlayers, 1 at other faces. The stencil does not reach across an interlayer: differences across it are taken to be zero, as if the
-    /// state went on unchanged, and cells on both sides of it are never those of one medium. By this no wave gains energy,
-    /// whatever the interlayer sends back (tests of [`crate::solid::interface`]).
+    /// [`Self::face_values_between_media`] with interlayers at some of the three faces between the cells: `joined` is 0
+    /// at interlayers and 1 at other faces. The stencil does not extend across an interlayer: differences across it are
+    /// zero (constant extrapolation), and the cells on its two sides count as different media. Then no wave gains
+    /// energy for any response of the interlayer (tests of [`crate::solid::interface`]).
     #[inline(always)]
     pub(crate) fn face_values_beside_interlayers<N: Number>(
         self,
@@ -176,8 +177,8 @@ impl Slopes {
                 let before = before.scaled(joined_here);
                 let after = own.difference(own.transmitted(next, cell.reflection(cell_after)));
                 let after = after.scaled(joined_after);
-                // At a material interface the outgoing waves differ from the scattered incoming ones. Mapped
-                // back through the scattering matrix this gives one more difference in the stencil.
+                // At a material interface the outgoing waves differ from the scattered incoming ones. Mapped back
+                // through the scattering matrix, this gives an additional difference for the stencil.
                 let beyond = own_behind.transmitted(own, reflection);
                 let right = cell.one_minus_courant() * before.right;
                 let left = joined_here
@@ -198,7 +199,7 @@ impl Slopes {
                 let (weights, weight) = cell.weights([to_last, to_middle, to_first]);
                 let left = own.left + weight * across.left;
                 let left = corrected_left(left, weights, [after.left, before.left, first.left]);
-                // In one medium to the bit as there, signs of zeros included: what is subtracted then is +0.
+                // In one medium, identical to `face_values` bit for bit, signs of zeros included: +0 is subtracted.
                 let of_one = to_first * to_middle * to_last;
                 let rest = N::ONE - of_one;
                 let to_right = [known.right, own_behind.right, own.right, next.right];
@@ -216,7 +217,7 @@ impl Slopes {
         }
     }
 
-    /// Initial stencil data for the first face of a line: see [`Self::face_values_beside_interlayers`].
+    /// Computes the stencil data for the first face of a line; see [`Self::face_values_beside_interlayers`].
     pub(crate) fn known<N: Number>(
         self,
         states: [State<N>; 3],
@@ -232,7 +233,7 @@ impl Slopes {
     }
 }
 
-/// Face value of the wave that runs to the right: cell mean plus weighted differences, from the upwind one on.
+/// Face value of the right-going wave: cell mean plus weighted differences, ordered from upwind to downwind.
 #[inline(always)]
 fn corrected_right<N: Number>(
     mean: N,
@@ -242,13 +243,13 @@ fn corrected_right<N: Number>(
     mean + a * upwind + b * central + c * downwind
 }
 
-/// Face value of the wave that runs to the left, whose differences have the other sign.
+/// Face value of the left-going wave; the differences have the opposite sign.
 #[inline(always)]
 fn corrected_left<N: Number>(mean: N, [a, b, c]: [N; 3], [upwind, central, downwind]: [N; 3]) -> N {
     mean - a * upwind - b * central - c * downwind
 }
 
-/// Cell means of both invariants, and their time-averaged outflow minus the mean.
+/// Cell means of both invariants and their half-slope corrections.
 #[derive(Clone, Copy)]
 struct Reconstruction<N> {
     mean: RiemannInvariants<N>,
@@ -256,8 +257,7 @@ struct Reconstruction<N> {
 }
 
 impl<N: Number> Reconstruction<N> {
-    /// From a cell's own waves, and the differences of the waves from the cell before and to the cell after it, of
-    /// the same medium.
+    /// In one medium, from the cell's invariants and the differences from cell i − 1 and to cell i + 1.
     #[inline(always)]
     fn new(
         mean: RiemannInvariants<N>,
@@ -272,8 +272,8 @@ impl<N: Number> Reconstruction<N> {
         Self { mean, half_slope }
     }
 
-    /// From the states of cells i − 1, i and i + 1, which may be of several media; `joined` is 0 at interlayers between them
-    /// and 1 at other faces.
+    /// In several media, from the states of cells i − 1, i and i + 1; `joined` is 0 at interlayers between them and 1
+    /// at other faces.
     #[inline(always)]
     fn of(
         [before, own, after]: [State<N>; 3],
@@ -303,13 +303,13 @@ impl<N: Number> Reconstruction<N> {
         Self { mean, half_slope }
     }
 
-    /// Time-averaged outflow to the left: the mean over the leftmost fraction C of the cell.
+    /// Returns the time-averaged outflow to the left: the mean over the leftmost fraction C of the cell.
     #[inline(always)]
     fn to_left(self) -> N {
         self.mean.left - self.half_slope.left
     }
 
-    /// Time-averaged outflow to the right, which the next face needs.
+    /// Returns the time-averaged outflow to the right and the left state, as stencil data for the next face.
     #[inline(always)]
     fn known(self) -> RiemannInvariants<N> {
         RiemannInvariants { right: self.mean.right + self.half_slope.right, left: N::ZERO }

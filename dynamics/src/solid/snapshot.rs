@@ -1,18 +1,18 @@
-//! The state of a solid, as solvers save and restore it.
+//! State of a solid for checkpoints.
 
 use crate::solid::ledger::WorkParts;
 
-/// All that the steps to come depend on, whichever solver makes them and in however many parts.
+/// State of a solid, independent of the solver and the number of subdomains; sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot<T> {
-    /// Steps done.
+    /// Number of steps done.
     pub steps: usize,
-    /// Values by field, then by cell, the axis of the first sweeps running fastest.
+    /// Values by field and cell; the axis that is swept first runs fastest.
     pub fields: Vec<Vec<T>>,
-    /// Work of boundaries and sources, and dissipation of the scheme.
+    /// Work of boundaries and sources, and numerical dissipation.
     pub work: WorkParts,
-    /// By cell: plastic dissipation, work of the initial stress and dissipation of dashpots, J/m³, where there are such; then
-    /// the sums of the problem's integrals.
+    /// By cell: plastic dissipation, work of the initial stress and dissipation of dashpots, J/m³, if any medium has
+    /// them; then the time integrals of the problem.
     pub sums: Vec<Vec<f64>>,
     /// V and S of interlayers, in the order of [`Domain::interlayer_memory`](crate::solid::domain::Domain::interlayer_memory).
     pub interlayers: Vec<[T; 2]>,
