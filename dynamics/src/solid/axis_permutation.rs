@@ -32,7 +32,7 @@ impl<const D: usize> AxisPermutation<D> {
         self.axes.is_sorted()
     }
 
-    /// Converts a linear index over the axes `from` (the first runs fastest) to one over the same axes in the order `to`.
+    /// Converts a linear index over the axes `from` (first axis fastest) to one over the same axes in the order `to`.
     fn reindex(&self, index: usize, from: &[usize], to: &[usize]) -> usize {
         let mut along = [0; D];
         let mut rest = index;

@@ -1,46 +1,44 @@
-//! Constants of a cell for a pair of waves: impedance, Courant number, and the reconstruction weights that
-//! follow from them.
+//! Constants of a cell for a wave pair: impedance, Courant number, and the reconstruction weights that depend on them.
 
 use crate::simd::{Group, Number, Real, Vector};
 
-/// What a cell is to a pair of waves.
+/// Constants of a cell for a wave pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellConstants<N> {
-    /// z, kg/(m²s) for translations.
+    /// Impedance z, kg/(m²s) for translations.
     pub impedance: N,
     /// C/2: change of s per difference of 2zv between the interface states.
     pub(crate) half_courant: N,
     /// C/(2z): change of v per difference of 2s between the interface states.
     pub(crate) to_velocity: N,
-    /// (1 − C)/4: half-slope correction per sum of the differences to both sides, unlimited.
+    /// (1 − C)/4: half-slope correction per sum of the two differences, unlimited.
     pub(crate) mean_slope: N,
-    /// (1 − C)/C: bound of the correction per difference upwind (Roe 1985).
+    /// (1 − C)/C: bound of the correction per upwind difference (Roe 1985).
     pub(crate) steepest: N,
-    /// Fourth order: weight of the difference from the cell upwind, (1 − C²)(2 + C)/24.
+    /// Fourth order: weight of the upwind difference, (1 − C²)(2 + C)/24.
     pub(crate) upwind: N,
-    /// Weight of the difference to the cell downwind: (1 − C)/2 − C(1 − C²)/12.
+    /// Fourth order: weight of the difference to the downwind cell, (1 − C)/2 − C(1 − C²)/12.
     pub(crate) central: N,
-    /// Weight of the next difference downwind: −(1 − C²)(2 − C)/24.
+    /// Fourth order: weight of the next downwind difference, −(1 − C²)(2 − C)/24.
     pub(crate) downwind: N,
 }
 
 impl<T: Real> CellConstants<T> {
-    /// A cell by its impedance, kg/(m²s) for translations, and its Courant number in \[0, 1\].
+    /// From the impedance, kg/(m²s) for translations, and the Courant number in \[0, 1\].
     pub fn new(impedance: f64, courant: f64) -> Self {
         Self::reconstructed_as(courant, impedance, courant)
     }
 
-    /// The same in a run of several media, for
-    /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder). The weights beside interfaces let no
-    /// energy grow for C ≥ 0.02; slower waves take the weights of 0.02, by which no energy grows either, since
-    /// with the same fluxes a smaller Courant number leaves less energy. This adds 2 % at most of the
-    /// dissipation of first order.
+    /// [`Self::new`] for problems with several media, with
+    /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder). The interface weights let no energy grow for C
+    /// ≥ 0.02. Slower waves use the weights for C = 0.02, which is stable, too, since for the same fluxes a smaller
+    /// Courant number leaves less energy; this adds at most 2 % of the first-order dissipation.
     pub fn among_others(impedance: f64, courant: f64) -> Self {
         Self::reconstructed_as(courant.max(0.02), impedance, courant)
     }
 
-    /// The same for first order, whichever [`Slopes`](crate::solid::line::Slopes): the weights of Courant
-    /// number 1, which are zero.
+    /// [`Self::new`] for first order, independent of [`Slopes`](crate::solid::line::Slopes): weights for C = 1, which
+    /// are zero.
     pub(crate) fn constant(impedance: f64, courant: f64) -> Self {
         Self { steepest: T::ZERO, ..Self::reconstructed_as(1.0, impedance, courant) }
     }
@@ -51,7 +49,7 @@ impl<T: Real> CellConstants<T> {
             half_courant: T::of(0.5 * courant),
             to_velocity: T::of(0.5 * courant / impedance),
             mean_slope: T::of(0.25 * (1.0 - seen)),
-            // Nothing moves without speed, and nothing is infinite.
+            // Finite for C → 0, where the bound has no effect.
             steepest: T::of((1.0 - courant) / courant.max(1e-6)),
             upwind: T::of((1.0 - seen) * (1.0 + seen) * (2.0 + seen) / 24.0),
             central: T::of((1.0 - seen) * (0.5 - seen * (1.0 + seen) / 12.0)),
@@ -59,14 +57,14 @@ impl<T: Real> CellConstants<T> {
         }
     }
 
-    /// C = cΔt/h, in \[0, 1\].
+    /// Courant number C = cΔt/h, in \[0, 1\].
     pub fn courant(&self) -> T {
         self.half_courant + self.half_courant
     }
 }
 
 impl<V: Number> CellConstants<V> {
-    /// 1 where another cell has another impedance or Courant number, 0 where it has the same.
+    /// Returns 1 if the other cell has another impedance or Courant number, else 0.
     #[inline(always)]
     pub(crate) fn contrast(&self, other: &Self) -> V {
         let impedance = other.impedance - self.impedance;
@@ -75,15 +73,15 @@ impl<V: Number> CellConstants<V> {
         (size * (V::ONE / V::MIN_POSITIVE)).min(V::ONE)
     }
 
-    /// Of the wave that this cell and another one have in the face between them, the part that comes back:
-    /// (y − z)/(y + z), y being the impedance of the other one.
+    /// Computes the reflection coefficient (y − z)/(y + z) of the face between this cell and another one of impedance
+    /// y.
     #[inline(always)]
     pub(crate) fn reflection(&self, other: &Self) -> V {
         (other.impedance - self.impedance) / (other.impedance + self.impedance)
     }
 
-    /// To fourth order, the mean over the step of a wave at the face between the second and the third of four cells of
-    /// this kind, in the direction of its way. Of their values, not their differences: those take more additions.
+    /// Fourth order: time-averaged wave at the face between the second and the third of four like cells, in the
+    /// direction of propagation. Computed from values, since differences require more additions.
     #[inline(always)]
     pub(crate) fn face_value(&self, [first, second, third, fourth]: [V; 4]) -> V {
         let own = V::ONE + self.upwind - self.central;
@@ -91,25 +89,25 @@ impl<V: Number> CellConstants<V> {
         own * second - self.upwind * first + (next * third + self.downwind * fourth)
     }
 
-    /// Which of four cells are like the one after them, 1 or 0.
+    /// Returns for three of four cells whether the next one is alike, 1 or 0.
     #[inline(always)]
     pub(crate) fn alike([one, two, three, four]: [&Self; 4]) -> [V; 3] {
         [V::ONE - one.contrast(two), V::ONE - two.contrast(three), V::ONE - three.contrast(four)]
     }
 
-    /// 1 − C of the reconstruction.
+    /// Returns 1 − C of the reconstruction.
     #[inline(always)]
     pub(crate) fn one_minus_courant(&self) -> V {
         let half = self.mean_slope + self.mean_slope;
         half + half
     }
 
-    /// To fourth order beside interfaces, the weights of what the face value downwind of the cell adds to the cell's mean:
-    /// of the three differences upwind, across and downwind of the face, and of the scattered difference across it. Arguments: 1 or 0,
-    /// whether the cell upwind is like this one, this one like that downwind, and that like the next.
+    /// Fourth order near interfaces: weights of the three differences upwind of, across and downwind of the downwind
+    /// face, and of the scattered difference across it, in the face value minus the cell mean. Arguments (1 or 0):
+    /// whether the upwind cell is like this one, this one like the downwind cell, and that like the next.
     ///
-    /// These are fits to the most accurate linear closure by which no wave gains energy; leads that
-    /// are exact on straight waves would let some.
+    /// Fits to the most accurate linear closure by which no wave gains energy; corrections that are exact for linear
+    /// waves would let some gain.
     #[inline(always)]
     pub(crate) fn weights(&self, [upwind, downwind, beyond]: [V; 3]) -> ([V; 3], V) {
         let one_minus_courant = self.one_minus_courant();
@@ -117,7 +115,7 @@ impl<V: Number> CellConstants<V> {
         let before = one_minus_courant * (upwind * downwind * (V::ONE - beyond));
         let at_face = one_minus_courant * (upwind * (V::ONE - downwind));
         let behind = one_minus_courant * ((V::ONE - upwind) * downwind * beyond);
-        // Layers of two cells and of one.
+        // Layers of two cells, and of one.
         let of_two = one_minus_courant * ((V::ONE - upwind) * downwind * (V::ONE - beyond));
         let of_one = one_minus_courant * ((V::ONE - upwind) * (V::ONE - downwind));
         let weights = [
@@ -134,7 +132,7 @@ impl<V: Number> CellConstants<V> {
         (weights, at_face * fit(courant, 0.0903, 0.0039) + of_one * V::from_f64(0.09))
     }
 
-    /// Those of a lane of a group.
+    /// Extracts the constants of a lane of a group.
     #[inline(always)]
     pub(crate) fn lane<T: Real>(&self, lane: usize) -> CellConstants<T>
     where
@@ -152,7 +150,7 @@ impl<V: Number> CellConstants<V> {
         }
     }
 
-    /// Sets those of a lane.
+    /// Sets the constants of a lane of a group.
     #[inline(always)]
     pub(crate) fn set_lane<T: Real>(&mut self, lane: usize, own: &CellConstants<T>)
     where
@@ -168,7 +166,7 @@ impl<V: Number> CellConstants<V> {
         self.downwind.lanes_mut()[lane] = own.downwind;
     }
 
-    /// Those of a group.
+    /// Loads the constants of a group.
     #[inline(always)]
     pub(crate) fn load<T: Real>(from: &CellConstants<T::Lanes>) -> Self
     where
@@ -187,7 +185,7 @@ impl<V: Number> CellConstants<V> {
     }
 }
 
-/// A fit that is linear in the Courant number. No closure: it would lose the SIMD instructions.
+/// Linear function of the Courant number. Not a closure, which would not inherit the SIMD target features.
 #[inline(always)]
 fn fit<V: Number>(courant: V, at: f64, slope: f64) -> V {
     V::from_f64(at) + V::from_f64(slope) * courant

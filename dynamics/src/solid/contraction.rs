@@ -1,5 +1,5 @@
-//! No sweep of a linear scheme lets any state of a line gain energy: the singular values of lines with all kinds of sides,
-//! Courant numbers and media.
+//! Verifies energy stability of the linear schemes: largest singular value of a sweep of lines with all combinations of
+//! boundaries, Courant numbers and media.
 
 use crate::simd::{Group, Real};
 use crate::solid::boundary::{Boundary, Condition};
@@ -10,7 +10,7 @@ use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use nalgebra::DMatrix;
 
-/// Numbers that look random, the same on every machine.
+/// Linear congruential generator, the same on every machine.
 struct Random(u64);
 
 impl Random {
@@ -26,7 +26,7 @@ const FIXED: Condition = Condition::Velocity(0.0);
 const KINDS: [Condition; 5] =
     [FREE, FIXED, Condition::NonReflecting, Condition::OddVelocity, Condition::OddStress];
 
-/// A step of a line between two sides.
+/// One sweep of a line between two boundaries.
 fn step<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
@@ -70,7 +70,7 @@ fn step<T: Real>(
     stress.copy_from_slice(&s[GHOSTS..GHOSTS + count]);
 }
 
-/// ‖G‖² − 1 of a step, in units of energy (zv² + s²/z)/C.
+/// Computes ‖G‖² − 1 of a sweep G, in the energy norm (zv² + s²/z)/C.
 fn growth<T: Real>(cells: &[CellConstants<T>], sides: [Condition; 2]) -> f64 {
     let count = cells.len();
     let unit = |i: usize| {
@@ -124,7 +124,7 @@ fn no_line_gains_energy() {
     assert!(found.0 < 1e-14, "{found:?}");
 }
 
-/// Blocks of media from one cell on, and a medium in every cell.
+/// Random blocks of media, from single cells to long blocks.
 #[test]
 fn no_line_of_media_gains_energy() {
     let mut random = Random(1);
@@ -150,7 +150,7 @@ fn no_line_of_media_gains_energy() {
     assert!(found.0 < 1e-14, "{found:?}");
 }
 
-/// In single precision a step gains no more than its rounding.
+/// Verifies that in single precision the energy grows by rounding only.
 #[test]
 fn in_single_precision_rounding_alone_gains() {
     let mut found = (f64::MIN, String::new());

@@ -1,4 +1,4 @@
-//! What solids begin with: weight in equilibrium, plane waves and plane pulses.
+//! Initial states: lithostatic stress, plane waves and plane pulses.
 
 use crate::solid::medium::Medium;
 use models::common::elementary::Elementary;
@@ -7,20 +7,20 @@ use models::solid::stress::Stress;
 use models::solid::waves::Field;
 use num_complex::Complex64;
 
-/// Two densities in one layer.
+/// Several densities in one layer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("densities {:?} and {:?} in one layer", densities[0], densities[1])]
 pub struct UnevenLayer {
-    /// The first cell whose density is not that of its layer.
+    /// First cell whose density differs from that of its layer.
     pub cell: usize,
-    /// The density of the layer and that of the cell, kg/m³.
+    /// Densities of the layer and of the cell, kg/m³.
     pub densities: [f64; 2],
 }
 
-/// Densities of the layers of a grid across an axis, kg/m³; `of_cell` are the media, the first axis running fastest.
+/// Returns the density of each layer normal to an axis, kg/m³; `of_cell`: medium of each cell (first axis fastest).
 ///
 /// # Errors
-/// A layer has several.
+/// A layer has several densities.
 pub fn layer_densities(
     cells: &[usize],
     axis: usize,
@@ -41,9 +41,9 @@ pub fn layer_densities(
     Ok(densities)
 }
 
-/// Adds the stress that balances weight to that of the layers across an axis: ∂σ + ρg = 0 from the side against which
-/// the weight acts, where σ = 0. `densities` (kg/m³) are those of the layers, `spacing` (m) their thickness,
-/// `acceleration` (m/s²) is along the axis; across it normal stresses are `lateral_ratio` times those along it.
+/// Adds the lithostatic stress to the layers normal to an axis: ∂σ + ρg = 0, with σ = 0 at the boundary that
+/// `acceleration`, m/s² along the axis, points away from. `densities`, kg/m³, and `spacing` (thickness, m) are those of
+/// the layers. Normal stresses across the axis are `lateral_ratio` times those along it.
 pub fn add_lithostatic(
     layers: &mut [Stress],
     axis: usize,
@@ -66,8 +66,8 @@ pub fn add_lithostatic(
     }
 }
 
-/// Amplitudes of a plane wave in units of the greatest velocity: |v| with the phase of its greatest component is 1.
-/// They are given in units of energy, of which the wave has one; `None` where it moves nothing but spins.
+/// Normalises the amplitudes of a plane wave of unit energy such that |v| in the phase of the largest velocity
+/// component is 1 m/s. `None` if only spins move.
 pub fn with_unit_velocity(
     amplitudes: Vec<(Field, Complex64)>,
     density: f64,
@@ -82,10 +82,10 @@ pub fn with_unit_velocity(
     Some(amplitudes.into_iter().map(|(field, amplitude)| (field, amplitude / greatest)).collect())
 }
 
-/// A plane wave that keeps its shape: d'Alembert's solution in a classical isotropic solid.
+/// Plane pulse of constant shape: d'Alembert's solution in a classical isotropic solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanePulse {
-    /// Direction.
+    /// Direction of propagation.
     n: [f64; 3],
     /// Polarisation.
     a: [f64; 3],
@@ -96,13 +96,13 @@ pub struct PlanePulse {
 }
 
 impl PlanePulse {
-    /// A longitudinal wave in the direction `n`.
+    /// Longitudinal wave in the direction `n`.
     pub fn longitudinal(solid: &Isotropic, n: [f64; 3]) -> Self {
         Self::new(solid, solid.lambda + 2.0 * solid.mu, n, n)
     }
 
-    /// A transverse wave in the direction `n`, of that azimuth and elevation, rad. It is polarised in the direction of
-    /// growing azimuth, turned by `angle`, rad, into that of growing elevation.
+    /// Transverse wave in the direction `n` of the given azimuth and elevation, rad. The polarisation is the direction
+    /// of increasing azimuth, rotated by `angle`, rad, towards increasing elevation.
     pub fn transverse(
         solid: &Isotropic,
         n: [f64; 3],
@@ -123,12 +123,13 @@ impl PlanePulse {
         Self { n, a, speed, lambda: solid.lambda, mu: solid.mu }
     }
 
-    /// Speed, m/s.
+    /// Wave speed, m/s.
     pub fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// Distances of a place, m, from the point where the pulse is at the time 0: along its direction and across it.
+    /// Computes the distances of a position from the pulse centre at time 0, m: along the direction of propagation and
+    /// across.
     pub fn distances(&self, from: &[f64]) -> [f64; 2] {
         let along: f64 = from.iter().zip(self.n).map(|(x, n)| x * n).sum();
         let aside =
@@ -136,7 +137,7 @@ impl PlanePulse {
         [along, aside]
     }
 
-    /// The value of a field where the velocity is 1 m/s; `None` for those that classical solids do not have.
+    /// Returns the value of a field per 1 m/s of velocity; `None` for fields that classical solids do not have.
     pub fn factor(&self, field: Field) -> Option<f64> {
         let (n, a) = (&self.n, &self.a);
         match field {

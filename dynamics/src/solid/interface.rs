@@ -1,47 +1,47 @@
-//! Faces with memory along a line: the readable reference of what the solver does to many lines at once.
+//! Faces with memory along a line: reference implementation of what the fused solver applies to many lines at once.
 //!
-//! Both cells beside an interlayer send it their own face values, reconstructed without a look across it: with those from
-//! the left s − z⁻v and from the right s + z⁺v, averaged over the step,
+//! The two cells at an interlayer provide face values, averaged over the step and reconstructed one-sidedly: s − z⁻v
+//! from the left and s + z⁺v from the right,
 //!
 //! ```text
 //! R⁻ = −(s − z⁻v),    R⁺ = s + z⁺v.
 //! ```
 //!
-//! Its law ([`models::interface`]) gives v± and σ±, and these are the fluxes of the cells. At Courant number 1 the face
-//! values are those of the cells, and the scheme is that of the box closure alone. Cells of lines with interlayers are those
-//! of several media ([`CellConstants::among_others`]).
+//! The law ([`models::interface`]) gives v± and σ±, the fluxes of the cells. At Courant number 1 the face values are
+//! cell values, and the scheme is the box closure itself. Cells of lines with interlayers use
+//! [`CellConstants::among_others`].
 
 use super::line::{Account, CellConstants, Slopes, advance, face_values};
 use super::riemann::{InterfaceState, State};
 use crate::simd::{Number, Real};
 use models::interface::{FaceLaw, Incoming};
 
-/// An interlayer at a face of a line.
+/// Interlayer at a face of a line.
 #[derive(Clone, Copy, Debug)]
 pub struct Interlayer<N: Number, L: FaceLaw<N>> {
-    /// Place of the cell behind the face, among all cells of the line, ghosts included. An interlayer between ghosts is seen
-    /// by the reconstruction, but its memory is left as it is.
+    /// Index of the cell above the face, ghosts included. An interlayer between ghosts affects the reconstruction, but
+    /// its memory is not advanced.
     pub place: usize,
-    /// Its law.
+    /// Law of the interlayer.
     pub law: L,
-    /// What it remembers.
+    /// Memory variables.
     pub memory: L::Memory,
 }
 
 impl<N: Number, L: FaceLaw<N>> Interlayer<N, L> {
-    /// At rest in front of a place.
+    /// An interlayer at rest at the lower face of cell `place`.
     pub fn new(place: usize, law: L) -> Self {
         Self { place, law, memory: L::REST }
     }
 
-    /// Kinetic and stored energy, J/m².
+    /// Returns kinetic plus stored energy, J/m².
     pub fn energy(&self) -> N {
         self.law.kinetic_energy(&self.memory) + self.law.stored_energy(&self.memory)
     }
 }
 
-/// An interlayer as the cells beside it see it, which s − zv reaches from the left and s + yv from the right; and what it
-/// dissipates, J/m².
+/// Advances an interlayer with incident waves `left` = s − zv and `right` = s + yv; returns the interface states of
+/// both cells and the dissipation, J/m².
 #[inline(always)]
 pub(crate) fn interlayer_states<N: Number, L: FaceLaw<N>>(
     law: &L,
@@ -66,8 +66,8 @@ pub(crate) fn interlayer_states<N: Number, L: FaceLaw<N>>(
     (seen, moved.dissipated)
 }
 
-/// Advances a pair of fields by a step of `step` (s) along a line with interlayers, in the order of their places, as
-/// [`sweep`](super::line::sweep) does without them; returns what the interlayers dissipated, J/m².
+/// [`sweep`](super::line::sweep) by `step`, s, along a line with interlayers, in the order of their places. Returns the
+/// dissipation of the interlayers, J/m².
 pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T>>(
     velocity: &mut [T],
     stress: &mut [T],
@@ -105,7 +105,7 @@ mod tests {
     use models::interface::{FaceLaw, FaceState, FaceStep, Incoming};
     use nalgebra::DMatrix;
 
-    /// Numbers that look random, the same on every machine.
+    /// Linear congruential generator, the same on every machine.
     struct Random(u64);
 
     impl Random {
@@ -118,7 +118,7 @@ mod tests {
         }
     }
 
-    /// Sends both sides a wave of its own, whatever they send: s + zv to smaller, s − zv to greater coordinates.
+    /// Emits prescribed waves to both sides whatever arrives: s + zv to the left, s − zv to the right.
     #[derive(Clone, Copy)]
     struct Emitter;
 
@@ -150,8 +150,8 @@ mod tests {
         }
     }
 
-    /// What a sweep of a piece of line between two interlayers dissipates, by the states of its cells and the waves that
-    /// the interlayers send, all in units of the root of energy.
+    /// Dissipation of a sweep of a line segment between two interlayers, from the states of its cells and the waves
+    /// that the interlayers emit; all in units of the square root of energy.
     fn dissipated(cells: &[CellConstants<f64>], slopes: Slopes, numbers: &[f64]) -> f64 {
         let count = cells.len();
         let (mut all, mut velocity, mut stress) = (Vec::new(), Vec::new(), Vec::new());
@@ -160,7 +160,7 @@ mod tests {
             let cell = cells[inside.min(if place < GHOSTS { 0 } else { count - 1 })];
             let (z, c) = (cell.impedance, cell.courant());
             all.push(cell);
-            // The reconstruction must not see ghosts.
+            // The reconstruction must not read ghosts.
             let own = (inside < count).then(|| [numbers[inside], numbers[count + inside]]);
             velocity.push(own.map_or(7.0, |own| own[0] * (2.0 * c / z).sqrt()));
             stress.push(own.map_or(-3.0, |own| own[1] * (2.0 * c * z).sqrt()));
@@ -181,7 +181,7 @@ mod tests {
         accounts.iter().sum::<Account>().dissipated
     }
 
-    /// The least eigenvalue of that quadratic form.
+    /// Smallest eigenvalue of the quadratic form [`dissipated`].
     fn least_dissipation(cells: &[CellConstants<f64>]) -> f64 {
         let count = 2 * cells.len() + 2;
         let form = |numbers: &[f64]| dissipated(cells, Slopes::FourthOrder, numbers);

@@ -1,4 +1,4 @@
-//! Interlayers at regular places inside a domain: blocky media.
+//! Interlayers at regular positions in a domain: blocky media.
 
 use super::medium::Medium;
 use crate::simd::Real;
@@ -6,28 +6,28 @@ use models::interface::FaceLaw;
 use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
 use models::solid::waves::{Field, Pair};
 
-/// V and S of an interlayer for a pair of waves: numbers of its memory.
+/// Number of memory variables of an interlayer per wave pair: V and S.
 pub(crate) const MEMORY: usize = 2;
 
-/// Interlayers across an axis, in front of every so many cells: in front of the cells `offset`, `offset + every`, …
+/// Interlayers normal to an axis, at the lower faces of cells `offset`, `offset + every`, …
 ///
-/// Thickness enters the law alone: the cells on both sides meet in one face.
+/// The thickness enters only the law; geometrically an interlayer is a face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interlayers {
-    /// The axis that is normal to the faces.
+    /// Axis normal to the faces.
     pub axis: usize,
-    /// Cells in front of the first one. On a periodic axis it may be 0; on others blocks at the ends have three cells at
-    /// least.
+    /// Number of cells below the first interlayer. May be 0 on a periodic axis; on others the blocks at both ends have
+    /// at least three cells.
     pub offset: usize,
-    /// Cells of a block.
+    /// Number of cells per block.
     pub every: usize,
-    /// The law for each pair of waves of the axis.
+    /// Law for each wave pair of the axis.
     pub laws: Vec<ElasticInterlayer<f64>>,
 }
 
 impl Interlayers {
-    /// Of one material, between blocks of a medium: the law of the normal component for the pair of waves whose velocity is
-    /// along the axis, that of tangential components for other velocities. Spins are welded.
+    /// Interlayers of one material between blocks of a medium: the normal law for the wave pair whose velocity is along
+    /// the axis, the tangential law for the other velocities. Spins are continuous.
     pub fn of_material(
         axis: usize,
         [offset, every]: [usize; 2],
@@ -44,18 +44,18 @@ impl Interlayers {
         Self { axis, offset, every, laws }
     }
 
-    /// Whether there is one in front of a cell along the axis.
+    /// Returns whether there is an interlayer at the lower face of cell `place` along the axis.
     pub fn is_in_front_of(&self, place: usize) -> bool {
         place >= self.offset && (place - self.offset).is_multiple_of(self.every.max(1))
     }
 }
 
-/// The memory of an interlayer that moves with the cells in front of it and behind, of these velocities, without stress.
+/// Initial memory of a stress-free interlayer: mean of the velocities of the two adjacent cells, zero stress.
 pub(crate) fn memory_at_start<T: Real>([front, behind]: [T; 2]) -> [T; MEMORY] {
     [T::HALF * (front + behind), T::ZERO]
 }
 
-/// The cell in front of a cell of a grid along an axis; in front of the first one is the last one.
+/// Returns cell i − 1 along an axis for cell i of a grid; for the first cell, the last one (periodic).
 pub(crate) fn cell_in_front(cells: &[usize], axis: usize, cell: usize) -> usize {
     let (stride, count) = (cells[..axis].iter().product::<usize>(), cells[axis]);
     match cell / stride % count {
@@ -64,7 +64,7 @@ pub(crate) fn cell_in_front(cells: &[usize], axis: usize, cell: usize) -> usize 
     }
 }
 
-/// Kinetic and stored energy of a face of this area, m², for a pair of waves, J.
+/// Computes kinetic and stored energy, J, of a face of area `area`, m², for a wave pair.
 pub(crate) fn energy_of<T: Real>(
     law: &ElasticInterlayer<T>,
     memory: [T; MEMORY],
@@ -75,7 +75,7 @@ pub(crate) fn energy_of<T: Real>(
     [area * law.kinetic_energy(&memory), area * law.stored_energy(&memory)]
 }
 
-/// The field of a pair whose counterpart in a memory is not finite.
+/// Returns the field of a wave pair whose memory variable is not finite.
 pub(crate) fn first_non_finite<T: Real>(pair: &Pair, memory: [T; MEMORY]) -> Option<Field> {
     let [velocity, stress] = memory.map(|own| own.wide().is_finite());
     match (velocity, stress) {

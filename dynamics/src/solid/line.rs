@@ -1,5 +1,4 @@
-//! One pair of fields along a line of cells and joints: a Godunov-type predictor–corrector on
-//! characteristic variables.
+//! Sweep of a wave pair along a line of cells: Godunov-type predictor–corrector on characteristic variables.
 //!
 //! In a cell of impedance z and Courant number C = cΔt/h ≤ 1 the pair
 //!
@@ -7,41 +6,41 @@
 //! m v̇ = ∂s,    ṡ = M ∂v
 //! ```
 //!
-//! is two waves: s − zv runs to greater x, s + zv to smaller x. Of each the mean over the step of what reaches a face is
-//! reconstructed from the cells around it; velocity and stress at the face are the same from both sides,
+//! has two waves: s − zv is right-going, s + zv left-going. The time-averaged waves at a face are reconstructed from
+//! the cells around it; velocity and stress at the face are continuous (Riemann problem),
 //!
 //! ```text
 //! s* − z_L v* = (s − zv)_L,    s* + z_R v* = (s + zv)_R,
 //! ```
 //!
-//! and the cells change by the fluxes of their faces (Godunov 1959; van Leer 1979). Exact for C = 1 where cells
-//! meet cells of their kind or steps in the medium; for C < 1 of the order of the reconstruction, [`Slopes`].
+//! and the cells are updated with the fluxes of their faces (Godunov 1959; van Leer 1979). Exact for C = 1 between
+//! cells of the same constants and at material interfaces; for C < 1 of the order of the reconstruction, [`Slopes`].
 //!
-//! The [`Account`] holds what the step does to the energy, cell by cell and from the fluxes.
+//! The [`Account`] holds the work and the dissipation of the sweep, by cell and from the fluxes.
 //!
-//! The formulas are generic over [`Number`](crate::simd::Number): [`sweep`] applies them to a line, cell by cell, and keeps
-//! the account; the kernel of [`crate::solid::domain`] applies them to many lines at once.
+//! The formulas are generic over [`Number`](crate::simd::Number): [`sweep`] applies them to one line, cell by cell,
+//! with the account; the kernel of [`crate::solid::domain`] applies them to many lines at once.
 
 pub use super::cell::CellConstants;
 pub use super::reconstruction::{GHOSTS, HALO, Slopes};
 use super::riemann::{InterfaceState, State, updated};
 use crate::simd::Real;
 
-/// What a sweep does to energy, W/m² of the line's cross-section: times the time step J/m².
+/// Energy account of a sweep, W per m² of the line's cross-section; times the time step, J/m².
 ///
-/// With the energy of a cell in the same unit, h(½mv² + ½s²/M)/Δt = (zv² + s²/z)/(2C):
+/// With the cell energy in the same unit, h(½mv² + ½s²/M)/Δt = (zv² + s²/z)/(2C):
 /// energy after − energy before = inflow − dissipated, to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account {
-    /// Work at the ends of the line, positive inwards: of the mean stress over the step on the mean velocity.
+    /// Work at the ends of the line, positive inwards: mean stress × mean velocity over the step.
     pub inflow: f64,
-    /// What the scheme itself dissipates. A wave w that a cell changes by the fluxes F of its two faces loses
-    /// (F₊ − F₋)((w + w′) − (F₊ + F₋))/4z there, w′ being the wave after the step: of the fourth order this may be
-    /// negative in a cell, but not in all of them together.
+    /// Numerical dissipation. A wave w of a cell with fluxes F± through its faces loses (F₊ − F₋)((w + w′) − (F₊ +
+    /// F₋))/4z, w′ being the wave after the step. In the fourth-order scheme this may be negative in a cell, but the
+    /// sum over all cells is not.
     pub dissipated: f64,
 }
 
-/// By cell.
+/// Sum over cells.
 impl<'a> std::iter::Sum<&'a Self> for Account {
     fn sum<I: Iterator<Item = &'a Self>>(accounts: I) -> Self {
         accounts.fold(Self::default(), |sum, own| Self {
@@ -51,8 +50,8 @@ impl<'a> std::iter::Sum<&'a Self> for Account {
     }
 }
 
-/// The face values of the waves from the left and from the right of a face, from the four cells around it, where
-/// `joined` is 0 at interlayers and 1 at other faces.
+/// Face values of the right-going and the left-going wave from the four cells around a face; `joined` is 0 at
+/// interlayers and 1 at other faces.
 pub(super) fn face_values<T: Real>(
     states: [State<T>; 4],
     cells: [&CellConstants<T>; 4],
@@ -66,7 +65,7 @@ pub(super) fn face_values<T: Real>(
     slopes.face_values_beside_interlayers(known, around, cells, joined).0
 }
 
-/// The interface states of a face for the cells at its left and right, from the four cells around it.
+/// Interface states of a face for its left and right cell, from the four cells around it.
 fn face<T: Real>(
     states: [State<T>; 4],
     cells: [&CellConstants<T>; 4],
@@ -76,14 +75,14 @@ fn face<T: Real>(
     InterfaceState::riemann(impedance, face_values(states, cells, [T::ONE; 3], slopes))
 }
 
-/// Mean stress times mean velocity over the step, W/m².
+/// Mean stress × mean velocity over the step at the lower face of a cell, W/m².
 fn work<T: Real>(lower_face: &InterfaceState<T>, cell: &CellConstants<T>) -> f64 {
     lower_face.sum.wide() * lower_face.difference.wide() / (4.0 * cell.impedance.wide())
 }
 
-/// Mean stress times mean velocity over the step at the face in the middle of four cells, W/m²; positive
-/// towards the first of them. Exact at driven boundaries, where one factor is constant in time; at
-/// non-reflecting ones the correlation within the step is neglected.
+/// Mean stress × mean velocity over the step at the face in the middle of four cells, W/m²; positive towards the first
+/// of them. Exact at driven boundaries, where one factor is constant over the step; at non-reflecting ones the
+/// correlation within the step is neglected.
 pub(crate) fn work_between<T: Real>(
     states: [State<T>; 4],
     cells: [CellConstants<T>; 4],
@@ -92,11 +91,11 @@ pub(crate) fn work_between<T: Real>(
     work(&face(states, cells.each_ref(), slopes)[0], &cells[1])
 }
 
-/// Advances a pair of fields by a step along a line whose first and last [`GHOSTS`] cells are ghosts,
-/// and adds to the accounts of the other cells, if there are any; work at the ends goes to the outermost.
+/// Advances a wave pair by a step along a line whose first and last [`GHOSTS`] cells are ghosts. Adds to the accounts
+/// of the interior cells, if given; the work at the ends is assigned to the outermost cells.
 ///
-/// All slices have one length, of at least 2·[`GHOSTS`] + 1, `accounts` one of so many less; lines that
-/// are shorter are left as they are.
+/// All slices have the same length, at least 2·[`GHOSTS`] + 1; `accounts` is shorter by 2·[`GHOSTS`]. Shorter lines are
+/// not changed.
 pub fn sweep<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
@@ -109,8 +108,8 @@ pub fn sweep<T: Real>(
     advance(velocity, stress, cells, at_face, accounts);
 }
 
-/// [`sweep`] with the interface states that `at_face` gives for the lower face of a cell, from the states and constants of
-/// the four cells around the face and the place of that cell: called once for each face, in ascending order.
+/// [`sweep`] with interface states from `at_face`, which is called once per face, in ascending order, with the states
+/// and constants of the four cells around the face and the index of the cell above it.
 pub(super) fn advance<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
@@ -127,7 +126,7 @@ pub(super) fn advance<T: Real>(
         velocity: velocity[place],
         stress: stress[place],
     };
-    // The lower face of the cell at a place, from old states.
+    // Evaluates the lower face of cell `place` from old states.
     let mut lower_face_of = |states: [State<T>; 4], place: usize| {
         let around = std::array::from_fn(|i| &cells[place - 2 + i]);
         at_face(states, around, place)
@@ -153,14 +152,14 @@ pub(super) fn advance<T: Real>(
     }
 }
 
-/// What a cell dissipates by its states before and after, and the faces at its left and at its right.
+/// Numerical dissipation of a cell, from its states before and after and the states of its left and right face.
 fn dissipated<T: Real>(
     states: [State<T>; 2],
     [left, right]: [&InterfaceState<T>; 2],
     cell: &CellConstants<T>,
 ) -> f64 {
     let z = cell.impedance.wide();
-    // s − zv with sign −1, s + zv with sign 1.
+    // Sign −1: s − zv, sign 1: s + zv.
     let by_wave = |sign: f64| {
         let wave = |own: State<T>| own.stress.wide() + sign * z * own.velocity.wide();
         let flux = |lower_face: &InterfaceState<T>| {
@@ -173,7 +172,7 @@ fn dissipated<T: Real>(
     (by_wave(-1.0) + by_wave(1.0)) / (4.0 * z)
 }
 
-/// The energy of the cells of a line without its ghosts, in the unit of the [`Account`].
+/// Energy of the interior cells of a line, in the unit of [`Account`].
 pub fn energy<T: Real>(velocity: &[T], stress: &[T], cells: &[CellConstants<T>]) -> f64 {
     let inner = GHOSTS..cells.len().saturating_sub(GHOSTS);
     inner

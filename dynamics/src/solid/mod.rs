@@ -1,20 +1,20 @@
-//! Elastoplastic solids in time.
+//! Time-domain solvers of elastoplastic solids.
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | [`problem`] | what is to be solved: grid, media, boundary conditions, sources, scheme |
-//! | [`medium`] | a solid as pairs of waves along the axes, a rotation, and a yield set |
+//! | [`problem`] | problem definition: grid, media, boundary conditions, sources, scheme |
+//! | [`medium`] | a solid as wave pairs along the axes, a rotation, and a yield set |
 //! | [`boundary`] | boundary conditions, loads and sources |
-//! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | a one-dimensional sweep: constants of a cell, interface states, limiter, update |
+//! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | sweep: cell constants, Riemann solver, limiter, update |
 //! | [`interlayers`], [`interface`] | thin layers with mass between blocks of cells; faces with memory along a line |
 //! | `ghosts` | boundary conditions as ghost cells |
-//! | [`metric`] | layers with spacings of their own, and polar blocks |
-//! | [`domain`] | the fused solver; its `step` is the recipe of a time step |
-//! | [`mod@reference`] | the same scheme written plainly, with the energy account of every cell; `cell_laws`: formulas of both |
-//! | [`region`], `restriction` | a part of a grid with its halo; the problem of such a part |
-//! | [`snapshot`] | the state, as solvers save and restore it |
-//! | [`ledger`] | the energy, and what steps do to it |
-//! | [`initial`], [`point_kernel`], [`probe`] | initial states, point sources spread over cells, receivers |
+//! | [`metric`] | cell lengths that vary by layer, and polar blocks |
+//! | [`domain`] | the fused solver; its `step` defines the sequence of operations of a time step |
+//! | [`mod@reference`] | reference solver with energy accounts by cell; `cell_laws`: formulas of both solvers |
+//! | [`region`], `restriction` | subdomain with its halo; problem restricted to it |
+//! | [`snapshot`] | state for checkpoints |
+//! | [`ledger`] | energy, work and dissipation |
+//! | [`initial`], [`point_kernel`], [`probe`] | initial states, point sources distributed over cells, receivers |
 
 pub(crate) mod axis_permutation;
 pub mod boundary;

@@ -1,72 +1,71 @@
-//! The shares of cells in what acts at a point: kernels with the moments of a point, folded at planes of symmetry.
+//! Distribution of point sources over cells: kernels that preserve moments, folded at symmetry planes.
 //!
-//! Far away a source of shares wᵢ in cells at xᵢ is felt as Σ wᵢ G(xᵢ), a quadrature for the value at the point of
-//! a function G that is smooth on the medium's side of interfaces: moments decide the error. Along each axis the
-//! kernel is
+//! In the far field, shares wᵢ in cells at xᵢ act as Σ wᵢ G(xᵢ), a quadrature for the value at the point of a function
+//! G that is smooth on one side of material interfaces: the moments determine the error. Along each axis the kernel is
 //!
 //! ```text
 //! K(u) = ¼ (B(u − 1) + 2 B(u) + B(u + 1)),    w(u) = (7/4) K(u) − ⅜ (K(u − 1) + K(u + 1)),
 //! ```
 //!
-//! u in cells, with the quadratic B-spline B. Wherever the point is in the grid the moments of w are those of the point
-//! up to the second; waves of two cells, which nothing damps, are absent, wherever the point is, and those next to them are of the second
-//! order (Fourier transform of w: two zeros at π a cell). It reaches less than four cells.
+//! with u in cells and the quadratic B-spline B. For any position of the point in the grid, the moments of w equal
+//! those of the point up to second order; waves with a wavelength of two cells, which nothing damps, are not excited,
+//! and nearby ones to second order only (Fourier transform of w: double zero at π per cell). The half-width is less
+//! than four cells.
 //!
-//! Beyond a side of symmetry or antisymmetry the kernel is folded back with the sign of the field's mirror image: what is
-//! left is half (a quarter, an eighth) of the whole model with its images. Amplitudes are those of the whole model: a point
-//! on such a plane is its own image, and half of what acts there acts on either side of it. Beyond any other side a
-//! share goes by linear extrapolation to the two cells at the side, which keeps the sum and the first moments. A bell
-//! is cut off there.
+//! At a plane of symmetry or antisymmetry the kernel is folded back with the sign of the field's mirror image: the grid
+//! is half (a quarter, an eighth) of the whole model. Amplitudes refer to the whole model: a point on such a plane is
+//! its own image, and half of the source acts on either side. At other boundaries, shares outside are moved to the two
+//! outermost cells by linear extrapolation, which preserves sum and first moments. A bell is cut off there.
 
 use models::common::elementary::Elementary;
 use models::solid::waves::Field;
 use nalgebra::{DMatrix, DVector};
 
-/// Cells from that in front of the point, and one more behind it, within which the spline lies.
+/// Support of the spline kernel: from `REACH` cells below the cell that contains the point to `REACH` + 1 above.
 const REACH: isize = 3;
 
-/// A point so near to a plane, in cells, is on it.
+/// Distance from a plane, in cells, below which a point counts as on it.
 const ON_A_PLANE: f64 = 1e-6;
 
-/// What is beyond an end of an axis.
+/// Continuation beyond an end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// The mirror image, by so much.
+    /// Mirror image, multiplied by this sign.
     Physical(f64),
-    /// Nothing, or a body of its own.
+    /// None, or another body.
     Open,
-    /// The other end.
+    /// Periodic.
     Periodic,
 }
 
 impl End {
-    /// A plane of symmetry normal to an axis, as what drives a field meets it.
+    /// Symmetry plane normal to an axis, for the source of a field.
     pub fn symmetry(field: Field, axis: usize) -> Self {
         Self::Physical(if is_odd(field, axis) { -1.0 } else { 1.0 })
     }
 
-    /// A plane in which the solid is mirrored with the opposite sign.
+    /// Antisymmetry plane normal to an axis, for the source of a field.
     pub fn antisymmetry(field: Field, axis: usize) -> Self {
         Self::Physical(if is_odd(field, axis) { 1.0 } else { -1.0 })
     }
 }
 
-/// Coordinates, and the cell that stands for them with a factor, if there is one.
+/// Offsets from the point, m, and the cell that represents the position, with a factor, if any.
 type Place = (Vec<f64>, Option<(usize, f64)>);
 
-/// An axis as a point sees it.
+/// Position of the point along an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
-    /// Cells along it.
+    /// Number of cells.
     pub cells: usize,
-    /// What is beyond its lower and its upper end.
+    /// Continuation beyond the lower and the upper end.
     pub ends: [End; 2],
-    /// The point, in cells from the first centre.
+    /// Coordinate of the point, in cells from the centre of the first cell.
     pub x: f64,
 }
 
 impl Axis {
-    /// The end at which a place lies beyond the grid, and by how many cells.
+    /// Returns the end beyond which a position lies, and the distance in cells; `None` inside the grid.
     fn beyond(&self, place: isize) -> Option<(usize, isize)> {
         let count = self.cells as isize;
         match place {
@@ -76,7 +75,7 @@ impl Axis {
         }
     }
 
-    /// The cell that stands for a place, and by how much; none beyond an open end.
+    /// Maps a position to a cell and a factor; `None` beyond an open end.
     fn cell(&self, mut place: isize) -> Option<(usize, f64)> {
         let mut factor = 1.0;
         while let Some((end, by)) = self.beyond(place) {
@@ -92,8 +91,8 @@ impl Axis {
         Some((place as usize, factor))
     }
 
-    /// The part of what acts at the point that acts on the grid's side of planes of symmetry through the point: ½ for
-    /// each.
+    /// Returns the fraction of the source that acts inside the grid: ½ if the point is on a symmetry plane at an end,
+    /// squared for both ends.
     fn part(&self) -> f64 {
         let planes = [-0.5, self.cells as f64 - 0.5].into_iter().zip(self.ends);
         let is_on = |&(plane, end): &(f64, End)| {
@@ -102,7 +101,7 @@ impl Axis {
         0.5f64.powi(planes.filter(is_on).count() as i32)
     }
 
-    /// Adds the share of a place to those of the cells.
+    /// Adds the share of a position to those of the cells.
     fn add(&self, place: isize, share: f64, shares: &mut Vec<(usize, f64)>) {
         let last = self.cells as isize - 1;
         match (self.cell(place), self.beyond(place)) {
@@ -115,13 +114,13 @@ impl Axis {
                 self.add(first, (1 + by) as f64 * share, shares);
                 self.add(second, -by as f64 * share, shares);
             }
-            // One cell, or the far end of one that is mirrored.
+            // A grid of one cell, or an open end reached through a mirror plane.
             (None, Some((end, _))) => self.add(if end == 0 { 0 } else { last }, share, shares),
             (None, None) => {}
         }
     }
 
-    /// The shares of the cells in the spline.
+    /// Computes the shares of the spline kernel along the axis.
     fn spline(&self) -> Vec<(usize, f64)> {
         let middle = self.x.floor() as isize;
         let mut shares = Vec::new();
@@ -135,7 +134,7 @@ impl Axis {
     }
 }
 
-/// The quadratic B-spline, in cells.
+/// Quadratic B-spline; u in cells.
 fn quadratic(u: f64) -> f64 {
     match u.abs() {
         u if u <= 0.5 => 0.75 - u * u,
@@ -144,13 +143,13 @@ fn quadratic(u: f64) -> f64 {
     }
 }
 
-/// The kernel along an axis, in cells.
+/// Kernel w(u) along an axis; u in cells.
 fn spline(u: f64) -> f64 {
     let wide = |u: f64| 0.25 * (quadratic(u - 1.0) + 2.0 * quadratic(u) + quadratic(u + 1.0));
     1.75 * wide(u) - 0.375 * (wide(u - 1.0) + wide(u + 1.0))
 }
 
-/// A bell over a radius: 1 in the middle, 0 beyond, without corners.
+/// Raised cosine: 1 at distance 0, 0 beyond `radius`, continuously differentiable.
 fn bell(distance: f64, radius: f64) -> f64 {
     if distance < radius {
         0.5 + 0.5 * (std::f64::consts::PI * distance / radius).cr_cos()
@@ -159,7 +158,7 @@ fn bell(distance: f64, radius: f64) -> f64 {
     }
 }
 
-/// Whether the mirror image of a field, in a plane normal to an axis, has the opposite sign.
+/// Whether the mirror image of a field in a plane normal to an axis has the opposite sign.
 fn is_odd(field: Field, axis: usize) -> bool {
     match field {
         Field::Velocity(i) => i == axis,
@@ -169,31 +168,31 @@ fn is_odd(field: Field, axis: usize) -> bool {
     }
 }
 
-/// The part on the grid's side of planes of symmetry through the point: half of all shares for each.
+/// Scales shares to the fraction inside the grid: ½ for each symmetry plane through the point.
 fn on_this_side(along: &[Axis], mut shares: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     let part: f64 = along.iter().map(Axis::part).product();
     shares.iter_mut().for_each(|own| own.1 *= part);
     shares
 }
 
-/// Shares of cells in the source of a field at a point of a grid of these axes, or of faces of a side of which these are
-/// the axes; by index, the first axis fastest. They add up to 1 but for odd mirror images, and to half of that for
-/// each plane of symmetry through the point. The kernel is the spline.
+/// Shares of cells in a point source of a field, or of faces of a boundary (with its two axes), by index (first axis
+/// fastest), with the spline kernel. Their sum is 1, unless mirror images are odd, and is halved for each symmetry
+/// plane through the point.
 pub fn spline_shares(along: &[Axis]) -> Vec<(usize, f64)> {
     on_this_side(along, product(along))
 }
 
-/// The same with a bell of that radius, m; `spacing` are the edges of a cell along the axes, m.
+/// [`spline_shares`] with a bell of radius `radius`, m, as kernel; `spacing`: cell edges, m.
 pub fn bell_shares(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     on_this_side(along, within(along, spacing, radius))
 }
 
-/// The same with the one cell or face that is nearest to the point.
+/// [`spline_shares`] with the nearest cell or face only.
 pub fn nearest_share(along: &[Axis]) -> Vec<(usize, f64)> {
     on_this_side(along, vec![(nearest(along), 1.0)])
 }
 
-/// The cell that holds the point.
+/// Returns the cell that contains the point.
 fn nearest(along: &[Axis]) -> usize {
     along.iter().rev().fold(0, |cell, axis| {
         let index = (axis.x + 0.5).floor().max(0.0) as usize;
@@ -201,7 +200,7 @@ fn nearest(along: &[Axis]) -> usize {
     })
 }
 
-/// The tensor product of splines.
+/// Computes the tensor product of the spline kernels.
 fn product(along: &[Axis]) -> Vec<(usize, f64)> {
     let mut all = vec![(0, 1.0)];
     for axis in along.iter().rev() {
@@ -216,9 +215,9 @@ fn product(along: &[Axis]) -> Vec<(usize, f64)> {
     all
 }
 
-/// A bell of a radius (m), normalised; unless a side cuts it off, with the point as its centre of mass.
+/// Computes the normalised shares of a bell of radius `radius`, m; unless cut off, its centre of mass is at the point.
 fn within(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
-    // Offsets from the point (m), the cell and its factor, by place.
+    // Offset from the point, m, cell and factor, by position.
     let mut places: Vec<Place> = vec![(Vec::new(), Some((0, 1.0)))];
     for (axis, h) in along.iter().zip(spacing).rev() {
         let reach = radius / h;
@@ -256,7 +255,7 @@ fn within(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     }
     let mut shares: Vec<(usize, f64)> = all.iter().map(|own| (own.1, own.2 * own.3)).collect();
     shares.sort_by_key(|own| own.0);
-    // A cell and its mirror images.
+    // Merge the contributions of a cell and its mirror images.
     let mut merged: Vec<(usize, f64)> = Vec::new();
     for (cell, share) in shares {
         match merged.last_mut().filter(|last| last.0 == cell) {
@@ -267,8 +266,8 @@ fn within(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     merged
 }
 
-/// Makes the centre of mass of shares the point: with its offset m and the covariance C by the factors
-/// 1 − (x − m)·C⁻¹m, whose mean is 1.
+/// Moves the centre of mass of shares to the point, by factors 1 − (x − m)·C⁻¹m with mean 1; m: offset of the centre of
+/// mass, C: covariance.
 fn centre(all: &mut [(Vec<f64>, usize, f64, f64)]) {
     let d = all.first().map_or(0, |own| own.0.len());
     let mean: DVector<f64> =
@@ -295,7 +294,7 @@ mod tests {
         shares.iter().map(|(cell, share)| share * (*cell as f64 - x).powi(power)).sum()
     }
 
-    /// Moments are those of the point, and no wave of two cells is made, wherever the point is.
+    /// Verifies that moments equal those of the point and that two-cell waves are not excited, for many positions.
     #[test]
     fn splines_have_exact_moments() {
         for step in 0..=200 {
@@ -311,8 +310,8 @@ mod tests {
         }
     }
 
-    /// Next to sides: sums and first moments stay where nothing is mirrored, sums where the image has the same
-    /// sign; a grid of few cells holds everything.
+    /// Verifies sums and first moments near boundaries without mirror planes, and sums with even mirror images; few
+    /// cells suffice.
     #[test]
     fn splines_end_at_sides() {
         for cells in [1, 2, 3, 5, 20] {
@@ -329,7 +328,7 @@ mod tests {
                 }
             }
         }
-        // On the plane half of the whole kernel, twice; of odd fields nothing.
+        // On a symmetry plane the half kernel is doubled; for odd fields it vanishes.
         let whole = axis(20, [End::Open; 2], 9.5).spline();
         let half = axis(10, [End::Physical(1.0), End::Open], -0.5).spline();
         for (cell, share) in &half {
@@ -340,7 +339,7 @@ mod tests {
         assert!(odd.iter().all(|own| own.1.abs() < 1e-15), "{odd:?}");
     }
 
-    /// Bells that lie inside have the sum 1 and the point as their centre; those cut off by a side the sum 1.
+    /// Verifies sum 1 and the centre of mass of bells inside the grid, and sum 1 of bells that are cut off.
     #[test]
     fn bells_are_centred() {
         for step in 0..50 {

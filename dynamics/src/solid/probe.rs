@@ -1,42 +1,41 @@
-//! Probes: what is recorded at a point, by polynomial interpolation of cell values.
+//! Probes: records at a point by polynomial interpolation of cell values.
 //!
-//! Along each axis the Lagrange polynomial of degree 3 through the four cells nearest to the point, and their
-//! tensor product: the error is O(h⁴), below that of the scheme. Next to a side the four cells stay inside and
-//! the polynomial extrapolates, by half a cell at most; round a periodic axis they wrap round. All cells are of
-//! the medium of the cell that holds the point, since fields have kinks or jumps at an interface: where
-//! it is near, the polynomials extrapolate to it, and have fewer cells if the medium is thinner.
+//! Tensor product of cubic Lagrange polynomials through the four nearest cells along each axis; the error O(h⁴) is
+//! below that of the scheme. Near a boundary the four cells stay inside and the polynomial extrapolates by at most half
+//! a cell; on a periodic axis they wrap around. All cells belong to the medium of the cell that contains the point,
+//! since fields have kinks or jumps at interfaces: near an interface the polynomials extrapolate, and in a thin medium
+//! they have fewer cells.
 
 use crate::solid::medium::Medium;
 
-/// Cells along an axis, at most.
+/// Maximum number of cells along an axis.
 const MOST: usize = 4;
 
-/// Distance from the centre of a cell, in cells, that counts as rounding.
+/// Distance from a cell centre, in cells, that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A point at which fields are recorded.
+/// Interpolation stencil of a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
-    /// Cells, the first axis running fastest, and their weights, which add up to 1.
+    /// Cells (first axis fastest) and their weights, which add up to 1.
     stencil: Vec<(usize, f64)>,
-    /// The cell that holds the point.
+    /// Cell that contains the point.
     home: usize,
 }
 
-/// Cells that follow each other along an axis, by the index of the first one, which may lie before the grid
-/// where that is periodic.
+/// Consecutive cells along an axis. `first` may be negative on a periodic axis.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     first: isize,
     count: usize,
-    /// How much is lost without more cells: 0 where the point is at a centre.
+    /// Number of cells short of the maximum; 0 for a point at a cell centre.
     lacking: usize,
-    /// Distance of the middle from the point, in cells.
+    /// Distance of the centre of the run from the point, in cells.
     distance: f64,
 }
 
-/// The runs along an axis that may hold the point at `x`, in cells from the centre of the first one, which is in
-/// the cell `home`.
+/// Lists the admissible runs along an axis for a point at `x`, in cells from the centre of the first cell, in cell
+/// `home`.
 fn runs(cells: usize, is_periodic: bool, home: usize, x: f64) -> Vec<Run> {
     let home = home as isize;
     if (x - home as f64).abs() < ROUNDING {
@@ -54,7 +53,7 @@ fn runs(cells: usize, is_periodic: bool, home: usize, x: f64) -> Vec<Run> {
     runs
 }
 
-/// Lagrange weights at `x` of the cells of a run.
+/// Computes the Lagrange weights of the cells of a run at `x`.
 fn weights(run: &Run, x: f64) -> Vec<f64> {
     let places: Vec<f64> =
         (0..run.count).map(|index| (run.first + index as isize) as f64).collect();
@@ -68,12 +67,12 @@ fn weights(run: &Run, x: f64) -> Vec<f64> {
     places.iter().map(weight).collect()
 }
 
-/// Index of the cell at a place along an axis.
+/// Wraps an index along a periodic axis.
 fn wrapped(place: isize, cells: usize) -> usize {
     place.rem_euclid(cells as isize) as usize
 }
 
-/// The cells of a box, the first axis fastest, by their indices along the axes.
+/// Lists the cells of a box of runs (first axis fastest).
 fn cells_of(cells: &[usize], runs: &[Run]) -> Vec<usize> {
     let mut all = vec![0];
     for (axis, run) in runs.iter().enumerate().rev() {
@@ -89,8 +88,8 @@ fn cells_of(cells: &[usize], runs: &[Run]) -> Vec<usize> {
     all
 }
 
-/// The best box of one medium: the lowest degree as high as can be, then the others, then centred. `along` are by
-/// axis the runs that it may have; `None` where there is none of one medium.
+/// Selects the best box of one medium: highest minimum degree, then highest sum of degrees, then best centred. `along`:
+/// admissible runs by axis. `None` if no box is of one medium.
 fn best_box(along: &[Vec<Run>], is_alike: impl Fn(&[Run]) -> bool) -> Option<Vec<Run>> {
     let mut boxes: Vec<Vec<Run>> = vec![Vec::new()];
     for runs in along {
@@ -112,14 +111,13 @@ fn best_box(along: &[Vec<Run>], is_alike: impl Fn(&[Run]) -> bool) -> Option<Vec
 }
 
 impl Probe {
-    /// The values of a cell.
+    /// A probe that takes the values of one cell.
     pub fn nearest(home: usize) -> Self {
         Self { stencil: vec![(home, 1.0)], home }
     }
 
-    /// A point inside the cell `home` of a grid of so many `cells` along each axis, the first running fastest, which
-    /// is periodic along some. `at` is the point in cells from the centre of the first one, `of_cell` the medium
-    /// of each cell.
+    /// A point in cell `home` of a grid of `cells` (first axis fastest). `at`: coordinates in cells from the centre of
+    /// the first cell; `of_cell`: medium of each cell.
     pub fn interpolating(
         cells: &[usize],
         is_periodic: &[bool],
@@ -138,7 +136,7 @@ impl Probe {
         let is_alike = |runs: &[Run]| {
             cells_of(cells, runs).into_iter().all(|cell| of_cell[cell] == of_cell[home])
         };
-        // The cell alone is always one.
+        // The run of one cell always qualifies.
         let Some(runs) = best_box(&along, is_alike) else { return Self::nearest(home) };
         let mut products = vec![1.0];
         for (run, x) in runs.iter().zip(at).rev() {
@@ -149,12 +147,12 @@ impl Probe {
         Self { stencil: cells_of(cells, &runs).into_iter().zip(products).collect(), home }
     }
 
-    /// The cells whose values it needs.
+    /// Returns the cells of the stencil.
     pub(crate) fn cells(&self) -> impl Iterator<Item = usize> {
         self.stencil.iter().map(|own| own.0)
     }
 
-    /// The same with places among `watched`, ascending, instead of cells.
+    /// Replaces cells by their indices in the ascending list `watched`.
     pub(crate) fn among(mut self, watched: &[usize]) -> Self {
         for (cell, _) in &mut self.stencil {
             *cell = watched.partition_point(|own| own < cell);
@@ -162,8 +160,8 @@ impl Probe {
         self
     }
 
-    /// Appends the quantities at the point, of which there are `width` for each place in `values`. Interpolated
-    /// stresses are put back into the yield set of the medium.
+    /// Appends the quantities at the point; `values` has `width` quantities per watched cell. Interpolated stresses are
+    /// projected onto the yield set of the medium.
     pub(crate) fn append(
         &self,
         values: &[f64],
@@ -176,7 +174,7 @@ impl Probe {
         all.extend((0..width).map(|name| {
             let terms =
                 self.stencil.iter().map(|(place, weight)| weight * values[place * width + name]);
-            // One cell alone keeps its bits.
+            // For a single cell the value is unchanged bit for bit.
             terms.reduce(|sum, term| sum + term).unwrap_or(0.0)
         }));
         if self.stencil.len() > 1 {

@@ -1,4 +1,4 @@
-//! What is to be solved: grid, media, sides, what acts, and the choices of the scheme.
+//! Problem definition: grid, media, boundary conditions, sources, initial stress and scheme.
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
 use crate::solid::ghosts::BESIDE;
@@ -10,76 +10,76 @@ use crate::solid::region::Region;
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 
-/// A rectangular grid of `D` dimensions.
+/// Uniform rectangular grid of `D` dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid<const D: usize> {
-    /// Cells along each axis.
+    /// Number of cells along each axis.
     pub cells: [usize; D],
-    /// Edges of a cell, m.
+    /// Edge lengths of a cell, m.
     pub spacing: [f64; D],
 }
 
 impl<const D: usize> Grid<D> {
-    /// Cells in all.
+    /// Returns the total number of cells.
     pub fn count(&self) -> usize {
         self.cells.iter().product()
     }
 
-    /// Volume of a cell, m³; in plane strain of a slice of unit thickness.
+    /// Returns the volume of a cell, m³; in plane strain per unit thickness.
     pub fn volume(&self) -> f64 {
         self.spacing.iter().product()
     }
 
-    /// Faces of a side across `axis`.
+    /// Returns the number of faces of a boundary normal to `axis`.
     pub fn faces(&self, axis: usize) -> usize {
         self.count() / self.cells[axis].max(1)
     }
 }
 
-/// How stresses are kept in their yield sets: the place of the return mapping in a step.
+/// Position of the return mapping in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PlasticStep {
-    /// The return mapping P after the elastic step: first order, and the state always in its set. Fronts at which flow begins or
-    /// ends are as sharp as the sweeps make them.
+    /// Return mapping P after the elastic step: first order; the state is always in its yield set. Elastic–plastic
+    /// fronts are as sharp as the sweeps permit.
     #[default]
     ReturnMapping,
-    /// The reflection 2P − I between the halves of the elastic step: second order while the same conditions stay active. If
-    /// plastic flow stops abruptly, as behind a shock, the overshoot of the last reflection remains: an error
-    /// of one step's plastic strain. The state is in its set in the middle of steps; output is
+    /// Reflection 2P − I between the halves of the elastic step: second order while the same conditions stay active. If
+    /// plastic flow stops abruptly, as behind a shock, the overshoot of the last reflection remains: an error of one
+    /// step's plastic strain. The state is in its yield set at mid-step; for output use
     /// [`Domain::admissible`](crate::solid::domain::Domain::admissible).
     MidpointReflection,
 }
 
-/// The order of the sweeps of a step.
+/// Order of the sweeps of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Splitting {
-    /// x y z, then z y x, each by half a step (Marchuk 1968; Strang 1968): across each axis two sweeps follow each
-    /// other, and waves of Courant number 1 along an axis move by two cells to the bit.
+    /// x y z, then z y x, each by half a step (Marchuk 1968; Strang 1968). Two sweeps along an axis follow each other,
+    /// and waves of Courant number 1 along an axis are shifted by two cells exactly.
     #[default]
     TwoCyclic,
-    /// Sweeps along x alternate with those across it: x, y z, x, z y; which axis x is in space says
-    /// [`Problem::first_axis`]. The state is a quarter of a step of the sweep
-    /// along x behind its time, which [`Domain::output_cell`](crate::solid::domain::Domain::output_cell) makes up for, and the first sweep
-    /// is half as long. As many sweeps, a quarter of the splitting error between x and the other axes; above all on
-    /// free sides, where two sweeps in a row across the side let the traction that the sweep along the side makes
-    /// grow twice as far before they release it.
+    /// Sweeps along x alternate with those along the other axes: x, y z, x, z y; x is the axis [`Problem::first_axis`].
+    /// The state lags by a quarter of a step of the sweep along x, which
+    /// [`Domain::output_cell`](crate::solid::domain::Domain::output_cell) completes; the first sweep is half as long.
+    /// Same number of sweeps, a quarter of the splitting error between x and the other axes. The gain is largest at
+    /// free boundaries, where two successive normal sweeps let the traction produced by tangential sweeps grow twice as
+    /// far before it is released.
     Alternating,
 }
 
-/// The choices of the scheme.
+/// Numerical scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
-    /// How waves are reconstructed.
+    /// Reconstruction.
     pub slopes: Slopes,
-    /// Where the correction stands.
+    /// Position of the return mapping.
     pub plastic_step: PlasticStep,
-    /// The order of sweeps. [`PlasticStep::MidpointReflection`] needs a step with a middle between sweeps:
-    /// [`Splitting::TwoCyclic`] is taken.
+    /// Order of the sweeps. [`PlasticStep::MidpointReflection`] requires a step with a middle between sweeps and
+    /// therefore always uses [`Splitting::TwoCyclic`].
     pub splitting: Splitting,
 }
 
 impl Scheme {
-    /// A two-cyclic scheme.
+    /// A scheme with two-cyclic splitting.
     pub fn new(slopes: Slopes, plastic_step: PlasticStep) -> Self {
         Self { slopes, plastic_step, splitting: Splitting::TwoCyclic }
     }
@@ -89,49 +89,49 @@ impl Scheme {
         self.splitting == Splitting::Alternating && self.plastic_step == PlasticStep::ReturnMapping
     }
 
-    /// The reconstruction that sweeps compute with.
+    /// Returns the reconstruction that the sweeps execute.
     pub(crate) fn sweep_slopes(&self) -> Slopes {
         match self.slopes {
-            // The weights of their cells are zero.
+            // First order: cells have zero weights, see `CellConstants::constant`.
             Slopes::Godunov => Slopes::FourthOrder,
             own => own,
         }
     }
 }
 
-/// What is to be solved.
+/// Problem definition of a solid.
 #[derive(Clone)]
 pub struct Problem<const D: usize> {
-    /// The grid.
+    /// Grid.
     pub grid: Grid<D>,
-    /// The media: all of the same fields, memory variables apart.
+    /// Media, all with the same fields except memory variables.
     pub media: Vec<Medium>,
-    /// Medium of each cell, the first axis running fastest.
+    /// Index of the medium of each cell (first axis fastest).
     pub of_cell: Vec<u16>,
-    /// What lies beyond the sides: by axis, then by end.
+    /// Boundary conditions, by axis and end.
     pub boundaries: [[Boundary; 2]; D],
     /// Time step Δt, s.
     pub step: f64,
-    /// The choices of the scheme.
+    /// Numerical scheme.
     pub scheme: Scheme,
-    /// What sides are given in the course of time.
+    /// Time-dependent loads on boundaries.
     pub loads: Vec<Load>,
-    /// What acts inside.
+    /// Sources in the interior.
     pub sources: Vec<Source>,
-    /// Acceleration that acts on all cells, m/s².
+    /// Uniform acceleration (gravity), m/s².
     pub acceleration: [f64; D],
-    /// An initial stress in equilibrium: an axis, and the stress in each layer across it; or none.
+    /// Initial stress in equilibrium: an axis, and the stress of each layer normal to it.
     pub initial_stress: Option<(usize, Vec<Stress>)>,
-    /// Velocities and spins of which the integrals in time, displacements and rotations, are kept.
+    /// Velocities and spins whose time integrals (displacements, rotations) are computed.
     pub integrals: Vec<Field>,
-    /// Interlayers between blocks of cells, at most once across each axis.
+    /// Interlayers between blocks of cells, at most one set per axis.
     pub interlayers: Vec<Interlayers>,
-    /// Spacings and curvatures by layer of a block in the plane, if layers differ.
+    /// Cell lengths and curvatures by layer of a plane block, if not uniform.
     pub metric: Option<Metric>,
 }
 
 impl<const D: usize> Problem<D> {
-    /// A problem without loads, sources or initial stress.
+    /// A problem without loads, sources and initial stress.
     pub fn new(
         grid: Grid<D>,
         media: Vec<Medium>,
@@ -157,10 +157,10 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// The axis that should be swept as the first one. In space, alternating sweeps along one axis alternate
-    /// with those along both others, which do not alternate with each other: this is the last axis with
-    /// reflecting boundaries, if there is any. Waves along a free boundary have four times the splitting error
-    /// if sweeps normal to the boundary do not alternate with tangential ones.
+    /// Returns the axis that should be swept first: the last axis with reflecting boundaries, if any. In three
+    /// dimensions, alternating sweeps along one axis alternate with those along both others, which do not alternate
+    /// with each other. Waves along a free boundary have four times the splitting error unless sweeps normal to the
+    /// boundary alternate with tangential ones.
     pub fn first_axis(&self) -> usize {
         let reflects = |side: &Boundary| match side {
             Boundary::Fixed | Boundary::Free => true,
@@ -172,7 +172,7 @@ impl<const D: usize> Problem<D> {
         axes.rev().find(|axis| self.boundaries[*axis].iter().any(reflects)).unwrap_or(0)
     }
 
-    /// The components of the state: the fields of the media, then the memory variables of all of them.
+    /// Returns the fields of the state: those of the media, then the memory variables of all media.
     pub fn fields(&self) -> Vec<Field> {
         let mut fields = self.media.first().map_or(Vec::new(), |medium| medium.fields.clone());
         for field in self.media.iter().flat_map(Medium::history) {
@@ -183,7 +183,7 @@ impl<const D: usize> Problem<D> {
         fields
     }
 
-    /// Looks whether it can be solved.
+    /// Checks the problem.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -191,7 +191,7 @@ impl<const D: usize> Problem<D> {
         self.check_in(&Region::whole(self.grid.cells))
     }
 
-    /// The same of the problem of a region, see [`Self::restricted`].
+    /// [`Self::check`] for the problem of a region, see [`Self::restricted`].
     pub(crate) fn check_in(&self, region: &Region<D>) -> Result<(), DomainError> {
         let needed = region.count();
         if needed == 0 || self.of_cell.len() != needed {
@@ -215,7 +215,7 @@ impl<const D: usize> Problem<D> {
                 _ => self.grid.spacing[axis],
             };
             let courant = 0.5 * self.step * speeds.fold(0.0, f64::max) / spacing;
-            // A step that was computed from the Courant number may miss it by rounding.
+            // A step computed from the Courant number may exceed it by rounding.
             if courant.is_nan() || courant > 1.0 + 1e-11 {
                 return Err(DomainError::Courant { axis, courant });
             }
@@ -244,7 +244,7 @@ impl<const D: usize> Problem<D> {
         self.check_actions(region)
     }
 
-    /// That there are spacings and curvatures for all layers, and nothing that needs one spacing or straight rows.
+    /// Checks that the metric has values for all layers and that no part of the problem requires a uniform one.
     fn check_metric(&self) -> Result<(), DomainError> {
         let Some(metric) = &self.metric else { return Ok(()) };
         let is_curved = !metric.curvature.is_empty();
@@ -268,7 +268,7 @@ impl<const D: usize> Problem<D> {
         Ok(())
     }
 
-    /// That loads, sources and the initial stress have their places.
+    /// Checks the positions of loads, sources and the initial stress.
     fn check_actions(&self, region: &Region<D>) -> Result<(), DomainError> {
         let is_lost = |load: &Load| {
             load.axis >= D
@@ -298,17 +298,17 @@ impl<const D: usize> Problem<D> {
 }
 
 impl<const D: usize> Problem<D> {
-    /// Whether waves meet other media or interlayers.
+    /// Whether the problem has several media or interlayers.
     pub(crate) fn is_mixed(&self) -> bool {
         self.media.len() > 1 || !self.interlayers.is_empty()
     }
 
-    /// The interlayers across an axis.
+    /// Returns the interlayers normal to an axis.
     pub(crate) fn interlayers_across(&self, axis: usize) -> Option<&Interlayers> {
         self.interlayers.iter().find(|own| own.axis == axis)
     }
 
-    /// That all interlayers can be taken.
+    /// Checks the interlayers.
     pub(crate) fn check_interlayers(&self) -> Result<(), DomainError> {
         for (index, own) in self.interlayers.iter().enumerate() {
             let refuse = |reason| Err(DomainError::Interlayers { index, reason });
@@ -342,10 +342,10 @@ impl<const D: usize> Problem<D> {
     }
 }
 
-/// A domain that cannot be made.
+/// An invalid problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DomainError {
-    /// Media of different theories or dimensions, or none at all.
+    /// Media of different theories or dimensions, or no medium.
     #[error(
         "all media of a domain must have its dimensions and the same fields, and there must be one"
     )]
@@ -355,72 +355,72 @@ pub enum DomainError {
     NoSuchMedium {
         /// The cell.
         cell: usize,
-        /// Its medium.
+        /// Index of its medium.
         medium: usize,
-        /// How many there are.
+        /// Number of media.
         count: usize,
     },
-    /// As many media as cells are needed.
+    /// The number of cells with a medium differs from that of the grid.
     #[error("{found} cells have a medium, of {needed}")]
     Cells {
-        /// Cells given.
+        /// Number of cells given.
         found: usize,
-        /// Cells of the grid.
+        /// Number of cells of the grid.
         needed: usize,
     },
-    /// A step that is too long: the scheme would be unstable.
+    /// A time step beyond the stability limit.
     #[error("Courant number {courant} along axis {axis}: at most 1 is stable")]
     Courant {
         /// The axis, from 0.
         axis: usize,
-        /// c(Δt/2)/h.
+        /// Courant number c(Δt/2)/h.
         courant: f64,
     },
-    /// As many conditions as pairs are needed, and by face as many as faces.
+    /// The number of conditions differs from that of wave pairs, or by face from that of faces.
     #[error("axis {axis}: {found} conditions are given for {needed} pairs of waves")]
     Conditions {
         /// The axis, from 0.
         axis: usize,
-        /// Conditions given.
+        /// Number of conditions given.
         found: usize,
-        /// Pairs of the axis.
+        /// Number of wave pairs of the axis.
         needed: usize,
     },
-    /// A load on faces or pairs that are not there, or on a periodic side.
+    /// A load on missing faces or wave pairs, or on a periodic boundary.
     #[error("load {0} acts on a side, a pair or a face that is not there")]
     Load(usize),
-    /// A source on cells or fields that are not there.
+    /// A source in missing cells or fields.
     #[error("source {0} acts on a cell or a field that is not there")]
     Source(usize),
-    /// As many initial stresses as layers are needed.
+    /// The number of initial stresses differs from that of layers.
     #[error("an initial stress is needed for every layer across its axis")]
     InitialStress,
-    /// Parts that are too many or none.
+    /// An invalid number of subdomains.
     #[error(
         "{found} parts along axis {axis}: at least 1, and {least} cells in each of several, of {cells}"
     )]
     Parts {
         /// The axis, from 0.
         axis: usize,
-        /// Parts asked for.
+        /// Number of subdomains requested.
         found: usize,
-        /// Cells along the axis.
+        /// Number of cells along the axis.
         cells: usize,
-        /// Cells that a part must have.
+        /// Minimum number of cells of a subdomain.
         least: usize,
     },
-    /// Interlayers that cannot be taken.
+    /// Invalid interlayers.
     #[error("interlayers {index}: {reason}")]
     Interlayers {
-        /// Their number in the list, from 0.
+        /// Index in the list.
         index: usize,
-        /// Why.
+        /// Reason.
         reason: &'static str,
     },
-    /// A metric that cannot be taken.
+    /// An invalid metric.
     #[error("metric: {0}")]
     Metric(&'static str),
-    /// A periodic side whose opposite is not.
+    /// A periodic boundary whose opposite is not periodic.
     #[error("both sides of axis {0} must be periodic, or neither")]
     Periodic(usize),
 }

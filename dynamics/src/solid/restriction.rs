@@ -1,4 +1,4 @@
-//! The part of a problem that stands in a region of its grid.
+//! Restriction of a problem to a region of its grid.
 
 use crate::solid::boundary::{Boundary, Load, Source};
 use crate::solid::problem::Problem;
@@ -7,7 +7,8 @@ use crate::solid::region::Region;
 use std::borrow::Cow;
 
 impl<const D: usize> Problem<D> {
-    /// All cells of its grid, for passes of so many steps: layers across a periodic last axis are each other's halo.
+    /// Region of the whole grid for passes of `most_steps` steps; on a periodic last axis it has a halo of opposite
+    /// layers.
     pub(crate) fn uncut_region(&self, most_steps: usize) -> Region<D> {
         let comes_round = self.boundaries[D - 1][0] == Boundary::Periodic;
         let width = if comes_round { most_steps * HALO } else { 0 };
@@ -16,9 +17,9 @@ impl<const D: usize> Problem<D> {
         Region::new(cells, cells.map(|count| 0..count), halo)
     }
 
-    /// The problem of a region: media, conditions by face, loads and sources are those of its cells and faces, by their
-    /// numbers in the region. The grid is the whole one; layers of the initial stress, of the metric and interlayers count
-    /// along it.
+    /// Restricts the problem to a region: media, by-face conditions, loads and sources are renumbered to the cells and
+    /// faces of the region. The grid remains the whole one, and so do the layers of the initial stress and of the
+    /// metric, and the interlayers.
     #[must_use]
     pub fn restricted(&self, region: &Region<D>) -> Cow<'_, Self> {
         if *region == Region::whole(self.grid.cells) {

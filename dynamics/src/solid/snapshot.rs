@@ -14,6 +14,7 @@ pub struct Snapshot<T> {
     /// By cell: plastic dissipation, work of the initial stress and dissipation of dashpots, J/m³, if any medium has
     /// them; then the time integrals of the problem.
     pub sums: Vec<Vec<f64>>,
-    /// V and S of interlayers, in the order of [`Domain::interlayer_memory`](crate::solid::domain::Domain::interlayer_memory).
+    /// V and S of interlayers, in the order of
+    /// [`Domain::interlayer_memory`](crate::solid::domain::Domain::interlayer_memory).
     pub interlayers: Vec<[T; 2]>,
 }

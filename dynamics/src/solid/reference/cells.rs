@@ -1,4 +1,4 @@
-//! What a step does to cells on their own, between its sweeps.
+//! Cell laws of a step, applied between its sweeps.
 
 use super::Reference;
 use crate::solid::cell_laws::{
@@ -14,34 +14,34 @@ use models::rheology::relaxation::Relaxation;
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 
-/// What acts in cells on their own.
+/// Constants of the cell laws.
 #[derive(Clone)]
 pub(super) struct LocalLaws<T: SolverReal> {
-    /// By medium, over a whole step and over half a step.
+    /// Spin–stress rotation coefficients by medium, over a whole and over half a step.
     rotations: Vec<[SpinStressRotation<T>; 2]>,
-    /// Fields that rotate: a spin and two stresses each.
+    /// Field indices of rotating fields: a spin and two stresses each.
     rotated: Vec<[usize; 3]>,
-    /// Planes of the rotation of curved rows by medium; none where rows are straight.
+    /// Rotation planes of the curvature by medium; empty if rows are straight.
     geometry: Vec<Vec<PlaneByLayer<T>>>,
-    /// `None` where nothing relaxes.
+    /// Relaxation; `None` if nothing relaxes.
     relaxations: Option<Relaxations<T>>,
-    /// The return mapping in lanes, which rounds otherwise than that of one stress; `None` where it is not used.
+    /// Vectorised return mapping, which rounds differently from the scalar one; `None` if it is not used.
     mapping: Option<CellMapping<T>>,
 }
 
-/// A plane of the rotation of curved rows, and its constants by layer over a whole step and over half a step.
+/// A rotation plane of the curvature, and its coefficients by layer over a whole and over half a step.
 type PlaneByLayer<T> = (GeometricPlane, Vec<[[T; 4]; 2]>);
 
-/// Relaxation of stresses.
+/// Constants of stress relaxation.
 #[derive(Clone)]
 struct Relaxations<T> {
     fields: RelaxedFields,
-    /// By medium, over a whole step and over half a step.
+    /// Coefficients by medium, over a whole and over half a step.
     by_medium: Vec<[Relaxation<T>; 2]>,
 }
 
 impl<T: SolverReal> LocalLaws<T> {
-    /// Those of a problem with these fields.
+    /// Constants for a problem with these fields.
     pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[Field]) -> Self {
         let Problem { media, step, .. } = problem;
         let rotations = media.iter().map(|medium| {
@@ -90,7 +90,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         &self.problem.media[usize::from(self.problem.of_cell[cell])]
     }
 
-    /// All fields of a cell.
+    /// Returns the values of all fields of a cell.
     pub(super) fn state(&self, cell: usize) -> [T; MOST_FIELDS] {
         let mut state = [T::ZERO; MOST_FIELDS];
         for (value, field) in state.iter_mut().zip(&self.fields) {
@@ -99,25 +99,25 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         state
     }
 
-    /// The initial stress in a cell, if there is one.
+    /// Returns the initial stress in a cell, if any.
     pub(super) fn initial_stress(&self, cell: usize) -> Option<Stress> {
         let (axis, layers) = self.problem.initial_stress.as_ref()?;
         let stride: usize = self.problem.grid.cells[..*axis].iter().product();
         Some(layers[cell / stride % layers.len()])
     }
 
-    /// The whole stress in a cell of the sweeps, the initial one included.
+    /// Returns the total stress in a cell (permuted index).
     pub(super) fn whole_stress_of(&self, cell: usize) -> Stress {
         let deviation = stress_of(self.fields(), &self.state(cell));
         combined(&deviation, &self.initial_stress(cell).unwrap_or_default(), 1.0)
     }
 
-    /// What the signals of all sources are over an interval, s.
+    /// Integrates the signals of all sources over an interval, s.
     pub(super) fn sources_over(&self, interval: [f64; 2]) -> Vec<[f64; 2]> {
         self.problem.sources.iter().map(|own| over_interval(&own.signal, interval)).collect()
     }
 
-    /// K: sources, whose signals are given, and gravity over half a step.
+    /// K: applies sources, with integrated signals, and gravity over half a step.
     pub(super) fn apply_sources(&mut self, signals: &[[f64; 2]]) {
         for (source, signal) in signals.iter().enumerate() {
             for index in 0..self.problem.sources[source].cells.len() {
@@ -153,7 +153,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Rotates spins against antisymmetric stress.
+    /// Q: rotates spins and antisymmetric stresses.
     pub(super) fn rotate_spins(&mut self, interval: Interval) {
         for &places in &self.laws.rotated {
             for (cell, medium) in self.problem.of_cell.iter().enumerate() {
@@ -209,7 +209,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.laws.relaxations = Some(relaxations);
     }
 
-    /// The energy dissipated, J/m³.
+    /// Relaxes a cell; returns the energy dissipated, J/m³.
     fn relax_cell<const SHEARS: usize>(
         &mut self,
         cell: usize,
@@ -227,7 +227,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         lost
     }
 
-    /// P.
+    /// P: applies the return mapping to all cells.
     pub(super) fn map_stresses(&mut self) {
         if self.dissipation.plastic.is_empty() {
             return;
@@ -251,7 +251,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.laws.mapping = Some(mapping);
     }
 
-    /// P, or with `reflects` 2P − I.
+    /// Applies P, or 2P − I if `reflects`, cell by cell with the scalar projection.
     pub(super) fn map_one_by_one(&mut self, reflects: bool) {
         (0..self.problem.grid.count()).for_each(|cell| self.map_stress(cell, reflects));
     }
@@ -276,7 +276,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Sets to zero what is near the subnormal numbers, when it is time to.
+    /// Flushes values near the subnormal range to zero, every few steps.
     pub(super) fn flush_subnormals(&mut self) {
         let Some(limit) = flush_limit::<T>(self.steps) else { return };
         for value in self.fields.iter_mut().flatten() {
@@ -285,7 +285,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.faces.flush_below(limit);
     }
 
-    /// Adds so many steps to the integrals in time.
+    /// Adds `steps` steps to the time integrals.
     pub(super) fn accumulate_integrals(&mut self, steps: f64) {
         for (place, sums) in &mut self.integrals {
             for (sum, value) in sums.iter_mut().zip(&self.fields[*place]) {

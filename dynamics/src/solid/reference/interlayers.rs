@@ -1,4 +1,4 @@
-//! Faces with memory: one memory for each face and pair of waves.
+//! Faces with memory: memory variables for each face and wave pair.
 
 use super::sweep::LineOfCells;
 use crate::simd::Real;
@@ -13,28 +13,28 @@ use crate::solid::reconstruction::GHOSTS;
 use models::interface::elastic::ElasticInterlayer;
 use models::solid::waves::{Field, Pair};
 
-/// A face with an interlayer, as a pair of waves sees it.
+/// A face with an interlayer, for one wave pair.
 #[derive(Clone)]
 struct Face<T> {
     axis: usize,
     pair: usize,
-    /// The cell behind it.
+    /// Cell above the face.
     cell: usize,
     law: ElasticInterlayer<T>,
     memory: [T; MEMORY],
 }
 
-/// All of them: by layer across the last axis, axis of the face, cell behind it, and pair of waves.
+/// All interlayers, ordered by layer across the last axis, axis of the face, cell above it, and wave pair.
 #[derive(Clone)]
 pub(super) struct Faces<T, const D: usize> {
     all: Vec<Face<T>>,
-    /// By axis and cell behind the face, the number of its first pair; empty where there is none across the axis.
+    /// By axis and cell above the face, index of its first wave pair; empty if the axis has no interlayers.
     first: [Vec<Option<usize>>; D],
     is_periodic: [bool; D],
 }
 
 impl<T: Real, const D: usize> Faces<T, D> {
-    /// Those of a problem, at rest.
+    /// Interlayers of a problem, at rest.
     pub(super) fn new(problem: &Problem<D>) -> Self {
         let (grid, layer) = (&problem.grid, problem.grid.faces(D - 1));
         let across: [_; D] = std::array::from_fn(|axis| problem.interlayers_across(axis));
@@ -64,17 +64,17 @@ impl<T: Real, const D: usize> Faces<T, D> {
         Self { all, first, is_periodic }
     }
 
-    /// V and S.
+    /// Returns V and S of all interlayers.
     pub(super) fn memory(&self) -> Vec<[T; MEMORY]> {
         self.all.iter().map(|own| own.memory).collect()
     }
 
-    /// Sets as many.
+    /// Sets V and S of all interlayers.
     pub(super) fn set_memory(&mut self, memory: &[[T; MEMORY]]) {
         self.all.iter_mut().zip(memory).for_each(|(face, own)| face.memory = *own);
     }
 
-    /// Memories of interlayers that move with the cells beside them, in which fields have these values.
+    /// Computes the initial memory of all interlayers from the field values of the adjacent cells.
     pub(super) fn at_start(
         &self,
         problem: &Problem<D>,
@@ -88,14 +88,14 @@ impl<T: Real, const D: usize> Faces<T, D> {
         self.all.iter().map(memory).collect()
     }
 
-    /// Sets to zero what is near the subnormal numbers.
+    /// Sets memory variables of magnitude below `limit` to zero.
     pub(super) fn flush_below(&mut self, limit: T) {
         for value in self.all.iter_mut().flat_map(|face| &mut face.memory) {
             *value = value.flush_below(limit);
         }
     }
 
-    /// Adds their energy.
+    /// Adds the energy of all interlayers to `sums`.
     pub(super) fn add_energy(&self, problem: &Problem<D>, sums: &mut EnergySums) {
         for face in &self.all {
             let area = problem.grid.volume() / problem.grid.spacing[face.axis];
@@ -105,14 +105,14 @@ impl<T: Real, const D: usize> Faces<T, D> {
         }
     }
 
-    /// The first one whose memory is not finite: a field of its pair, and the cell behind it.
+    /// Returns field and cell above the face of the first interlayer with non-finite memory.
     pub(super) fn first_non_finite(&self, problem: &Problem<D>) -> Option<(Field, usize)> {
         self.all.iter().find_map(|face| {
             Some((first_non_finite(pair_of(face, problem), face.memory)?, face.cell))
         })
     }
 
-    /// The interlayers that the sweep of a line with its ghosts sees.
+    /// Returns the interlayers of a line, ghosts included.
     pub(super) fn of_line(
         &self,
         pair: usize,
@@ -135,14 +135,14 @@ impl<T: Real, const D: usize> Faces<T, D> {
         (-ghosts..count + ghosts).filter_map(at).collect()
     }
 
-    /// Takes over their memories after the sweep.
+    /// Stores the memory of the interlayers of a line after its sweep.
     pub(super) fn keep(
         &mut self,
         pair: usize,
         line: LineOfCells,
         interlayers: &[Interlayer<T, ElasticInterlayer<T>>],
     ) {
-        // What stands among the ghosts is a copy.
+        // Interlayers among the ghosts are copies.
         let own = GHOSTS..GHOSTS + line.count;
         for interlayer in interlayers.iter().filter(|other| own.contains(&other.place)) {
             let cell = line.cell(interlayer.place - GHOSTS);

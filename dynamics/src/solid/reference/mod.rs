@@ -1,19 +1,19 @@
-//! The reference solver: the scheme of the fused solver, written plainly.
+//! Reference solver: the scheme of the fused solver in plain form.
 //!
-//! Fields are arrays by field and cell, sweeps run line by line on one thread, and every sweep keeps the account of
-//! the energy that the scheme itself dissipates, so that the ledger is full: nothing in it is a remainder.
+//! Fields are arrays by field and cell, sweeps run line by line on one thread, and every sweep accounts for its
+//! numerical dissipation, so that the ledger is full: no term is computed as a residual.
 //!
-//! | file | holds |
+//! | file | contents |
 //! |---|---|
-//! | `step` | the recipe of a step |
-//! | `sweep` | a sweep along an axis, line by line, with ghosts, work at boundaries and the energy account |
-//! | `interlayers` | faces with memory: where they stand, what they remember |
-//! | `cells` | sources, gravity, rotation, relaxation, return mapping, flushing of subnormals, integrals in time |
+//! | `step` | sequence of operations of a step |
+//! | `sweep` | sweep along an axis, line by line, with ghosts, work at boundaries and the energy account |
+//! | `interlayers` | faces with memory: positions and memory variables |
+//! | `cells` | sources, gravity, rotation, relaxation, return mapping, flushing of subnormals, time integrals |
 //! | `output` | fields at the time of the solver, records, snapshots, energies |
 //!
-//! The fields are those of [`Domain`](crate::solid::domain::Domain), bit for bit: both call the same formulas
-//! ([`mod@line`], `cell_laws`, `ghosts`), and random problems are held against each other. Sums over cells are exact, and so
-//! the same as well.
+//! Results equal those of [`Domain`](crate::solid::domain::Domain) bit for bit: both use the same formulas
+//! ([`mod@line`], `cell_laws`, `ghosts`), which tests verify with random problems. Sums over cells are exact and
+//! therefore equal, too.
 
 mod cells;
 mod interlayers;
@@ -34,39 +34,39 @@ use interlayers::Faces;
 use models::solid::waves::Field;
 use sweep::WavePair;
 
-/// Fields on a rectangular grid and what moves them, without lanes, tiles, halo or threads.
+/// Fields on a rectangular grid and their laws, without lanes, tiles, halo or threads.
 #[derive(Clone)]
 pub struct Reference<T: SolverReal, const D: usize> {
-    /// With the axes in the order of the sweeps.
+    /// Problem with the axes in the order of the sweeps.
     problem: Problem<D>,
-    /// From the axes and cells of the problem that was given to those of the sweeps.
+    /// Permutation from the axes of the given problem to those of the sweeps.
     permutation: AxisPermutation<D>,
-    /// The components of the state.
+    /// Fields of the state.
     names: Vec<Field>,
     /// Reconstruction of the sweeps.
     slopes: line::Slopes,
-    /// By axis, for half a step.
+    /// Wave pairs by axis, for sweeps of half a step.
     waves: [Vec<WavePair<T>>; D],
-    /// Along the first axis for half a step by layer, where layers have spacings of their own; else none.
+    /// Wave pairs along the first axis by layer, for sweeps of half a step, if cell lengths vary by layer; else empty.
     row_waves: Vec<Vec<WavePair<T>>>,
-    /// Along the first axis for a quarter of a step.
+    /// Wave pairs along the first axis, for sweeps of a quarter of a step.
     quarter_waves: Vec<WavePair<T>>,
     sides: [[BoundaryFaces<T>; 2]; D],
-    /// What acts in cells on their own.
+    /// Cell laws.
     laws: LocalLaws<T>,
-    /// By field and cell, the first axis running fastest: the deviation from the initial stress.
+    /// Values by field and cell (first axis fastest); stresses as deviation from the initial stress.
     fields: Vec<Vec<T>>,
     /// Faces with interlayers.
     faces: Faces<T, D>,
     work: WorkSums,
-    /// By cell.
+    /// Dissipation by cell, J/m³.
     dissipation: CellDissipation,
-    /// Places of velocities and spins, and Δt times the sum of their values by cell.
+    /// Field indices of velocities and spins, and Δt times the sum of their values by cell.
     integrals: Vec<(usize, Vec<f64>)>,
-    /// Cells that are recorded after each step.
+    /// Cells recorded after each step.
     watched: Vec<usize>,
     records: Vec<f64>,
-    /// Steps done.
+    /// Number of steps done.
     steps: usize,
 }
 
@@ -79,7 +79,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         Self::with_first_axis(0, problem)
     }
 
-    /// The same with this axis swept as the first one; the others keep their order.
+    /// A solid at rest with `axis` swept first; the others keep their order.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -120,17 +120,17 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         })
     }
 
-    /// The components of the state.
+    /// Returns the fields of the state.
     pub fn fields(&self) -> &[Field] {
         &self.names
     }
 
-    /// The grid, with the axes in the order of the sweeps.
+    /// Returns the grid, with the axes in the order of the sweeps.
     pub fn grid(&self) -> Grid<D> {
         self.problem.grid
     }
 
-    /// Time, s.
+    /// Returns the time, s.
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.problem.step
     }
@@ -139,13 +139,13 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.fields().iter().position(|own| *own == field)
     }
 
-    /// The values of a field as they are computed with, the first axis running fastest; `None` if there is no such
-    /// field.
+    /// Returns the stored values of a field (first axis fastest), without completing the step; `None` if there is no
+    /// such field.
     pub fn values(&self, field: Field) -> Option<Vec<T>> {
         self.place(field).map(|place| self.permutation.unpermute(self.fields[place].clone()))
     }
 
-    /// Sets the values of a field, the first axis running fastest; of those beyond the end of either nothing happens.
+    /// Sets the values of a field (first axis fastest); excess values are ignored, missing ones leave cells unchanged.
     pub fn set(&mut self, field: Field, values: &[T]) {
         let values = self.permutation.permute(values);
         let Some(place) = self.place(field) else { return };
@@ -154,7 +154,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Lets interlayers move with the cells beside them, as
+    /// Initialises interlayers with the motion of the adjacent cells, see
     /// [`Domain::initialise_interlayers`](crate::solid::domain::Domain::initialise_interlayers).
     pub fn initialise_interlayers(&mut self) {
         let place = |field| self.place(field);
@@ -163,30 +163,30 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.faces.set_memory(&memory);
     }
 
-    /// V and S of all faces with interlayers, in the order of
+    /// Returns V and S of all interlayers, in the order of
     /// [`Domain::interlayer_memory`](crate::solid::domain::Domain::interlayer_memory).
     pub fn interlayer_memory(&self) -> Vec<[T; 2]> {
         self.faces.memory()
     }
 
-    /// What steps did to the energy so far.
+    /// Returns work and dissipation of the steps so far, J.
     pub fn ledger(&self) -> Ledger {
         let dissipation = self.dissipation.all().map(|values| values.iter().copied().collect());
         LedgerSums { work: self.work.clone(), dissipation }.ledger(self.problem.grid.volume())
     }
 
-    /// Energy of the deviation from the initial stress.
+    /// Returns the energy of the deviation from the initial stress, J.
     pub fn energy(&self) -> Energy {
         self.energy_sums().energy(self.problem.grid.volume())
     }
 }
 
-/// Where a face stands among the lanes of its side.
+/// Converts a face index to a group and a lane.
 fn slot<T: Real>(face: usize) -> Slot {
     (face / T::Lanes::COUNT, face % T::Lanes::COUNT)
 }
 
-/// What lies beyond a side.
+/// Creates the boundary at an end of an axis in the form that the sweeps use.
 fn side<T: Real, const D: usize>(
     problem: &Problem<D>,
     axis: usize,

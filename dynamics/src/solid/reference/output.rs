@@ -1,4 +1,4 @@
-//! What the solver gives to the outside: fields at its time, records, energies, snapshots.
+//! Output: fields at the time of the solver, records, energies, snapshots.
 
 use super::sweep::{LineOfCells, Strip, WavePair};
 use super::{Reference, slot};
@@ -14,24 +14,24 @@ use crate::solid::snapshot::Snapshot;
 use models::solid::stress::Stress;
 use models::solid::waves::Field;
 
-/// The boundaries across the first axis for the sweeps that complete a step: of a quarter of a step, and of half a step.
+/// Boundaries of the first axis for the sweeps that complete a step: by a quarter and by half a step.
 struct ClosingSides<T: Real> {
     quarter: [BoundaryFaces<T>; 2],
     half: [BoundaryFaces<T>; 2],
 }
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
-    /// Numbers that are shown of a cell: its fields and the integrals of the problem.
+    /// Returns the number of output quantities per cell: fields and time integrals.
     pub fn width(&self) -> usize {
         self.fields.len() + self.integrals.len()
     }
 
-    /// The whole stress in a cell of the problem, the initial one included.
+    /// Returns the total stress in a cell of the problem.
     pub fn whole_stress(&self, cell: usize) -> Stress {
         self.whole_stress_of(self.permutation.permuted_cell(cell))
     }
 
-    /// The same with its stresses in their yield sets: what is shown of it.
+    /// Returns a copy with all stresses projected onto their yield sets.
     #[must_use]
     pub fn admissible(&self) -> Self {
         let mut shown = self.clone();
@@ -41,7 +41,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         shown
     }
 
-    /// The first value that is not finite: its field and its cell; of an interlayer those of the cell behind it.
+    /// Returns field and cell of the first non-finite value; for interlayers, the cell above the face.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let is_broken = |cell: &usize| {
             let broken = self.fields.iter().position(|own| !own[*cell].wide().is_finite());
@@ -55,7 +55,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         Some((field, self.permutation.original_cell(cell)))
     }
 
-    /// The first cell whose stress is not in its yield set.
+    /// Returns the first cell whose stress is outside its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         let cell = (0..self.problem.grid.count()).find(|&cell| {
             let stress = self.whole_stress_of(cell);
@@ -64,13 +64,13 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         cell.map(|cell| self.permutation.original_cell(cell))
     }
 
-    /// Records all fields of these cells after each step, and forgets what was recorded of others.
+    /// Records all fields of these cells after each step, and discards earlier records.
     pub fn watch(&mut self, cells: &[usize]) {
         self.records.clear();
         self.watched = cells.iter().map(|cell| self.permutation.permuted_cell(*cell)).collect();
     }
 
-    /// Records all fields of the watched cells as they are.
+    /// Records all fields of the watched cells in the present state.
     pub fn record(&mut self) {
         let mut records = std::mem::take(&mut self.records);
         let sides = self.closing_sides();
@@ -82,13 +82,13 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.records = records;
     }
 
-    /// What was recorded since the last call: by step, then by watched cell, then by field.
+    /// Returns the records since the last call, by step, watched cell and field.
     pub fn records(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.records)
     }
 
-    /// The values of all fields at the time of the solver, the first axis running fastest: the whole stress, the initial
-    /// one included, in its yield set. Behind them the integrals of the problem.
+    /// Returns the output quantities by cell (first axis fastest) at the time of the solver: all fields, with total
+    /// stresses projected onto their yield sets, then the time integrals.
     pub fn shown(&self) -> Vec<Vec<f64>> {
         let mut fields = vec![Vec::new(); self.width()];
         let (mut state, sides) = (Vec::new(), self.closing_sides());
@@ -106,7 +106,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         fields.into_iter().map(|values| self.permutation.unpermute(values)).collect()
     }
 
-    /// Appends all that is shown of a cell, whose row at the time of the solver is given.
+    /// Appends the output quantities of a cell; `row`: completed fields of its row.
     fn output_cell(&self, cell: usize, row: &[Vec<T>], values: &mut Vec<f64>) {
         let x = cell % self.problem.grid.cells[0];
         let state: Vec<T> = row.iter().map(|field| field[x]).collect();
@@ -116,7 +116,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         for (&field, value) in self.fields().iter().zip(&state) {
             values.push(component(field, &stress).unwrap_or_else(|| value.wide()));
         }
-        // Of the trapezoidal rule; where sweeps alternate the rule is that of midpoints.
+        // End correction of the trapezoidal rule; alternating sweeps use the midpoint rule.
         let last = if self.problem.scheme.alternates() { 0.0 } else { 0.5 * self.problem.step };
         for (place, sums) in &self.integrals {
             let sum = sums[cell] - last * self.fields[*place][cell].wide();
@@ -124,7 +124,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// The boundaries of the sweeps that complete the last step; none where nothing is to be completed.
+    /// Returns the boundaries of the sweeps that complete the last step; `None` if it needs no completion.
     fn closing_sides(&self) -> Option<ClosingSides<T>> {
         (self.problem.scheme.alternates() && self.steps > 0).then(|| {
             let [mut quarter, mut half] = [0, 1].map(|_| self.sides[0].clone());
@@ -134,9 +134,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         })
     }
 
-    /// The fields of a row at the time of the solver. Where sweeps alternate the state lacks a sweep of a quarter of a
-    /// step along the first axis, which is applied to a copy; beside boundaries that reflect the mean of the states before
-    /// and after half a step is taken.
+    /// Returns the fields of a row at the time of the solver. With alternating sweeps the state lacks a sweep by a
+    /// quarter of a step along the first axis, which is applied to a copy; near reflecting boundaries the mean of the
+    /// states before and after a sweep by half a step is used.
     fn completed_row(&self, row: usize, sides: Option<&ClosingSides<T>>) -> Vec<Vec<T>> {
         let length = self.problem.grid.cells[0];
         let first = row * length;
@@ -166,7 +166,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         values
     }
 
-    /// Adds a part of what a sweep of a row has changed in a cell, at a place of the row, to the fields of the row.
+    /// Adds the fraction `part` of the change of a cell by a sweep to the fields of its row; `x`: position in the row.
     fn complete(
         &self,
         values: &mut [Vec<T>],
@@ -186,12 +186,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Plastic dissipation by cell, J/m³; empty where nothing yields.
+    /// Returns the plastic dissipation by cell, J/m³; empty if no medium yields.
     pub fn dissipated(&self) -> Vec<f64> {
         self.permutation.unpermute(self.dissipation.plastic.clone())
     }
 
-    /// Sums of the energy.
+    /// Computes the energy sums.
     pub(super) fn energy_sums(&self) -> EnergySums {
         let (terms, kinetic) = energy_terms_of_all(&self.problem.media, &self.names);
         let mut sums = EnergySums::default();
@@ -214,7 +214,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.dissipation.all().into_iter().chain(integrals).cloned().collect()
     }
 
-    /// All that the steps to come depend on.
+    /// Returns the state for a checkpoint.
     pub fn snapshot(&self) -> Snapshot<T> {
         Snapshot {
             steps: self.steps,
@@ -225,7 +225,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Goes back to rest, before the first step.
+    /// Returns to the state of rest before the first step.
     pub(crate) fn reset(&mut self) {
         self.steps = 0;
         self.fields.iter_mut().for_each(|own| own.fill(T::ZERO));
@@ -235,7 +235,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.faces.set_memory(&vec![[T::ZERO; 2]; self.faces.memory().len()]);
     }
 
-    /// Goes back, or on, to a snapshot of the same problem; `false` where it is one of another.
+    /// Restores a snapshot; `false` if it belongs to another problem.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
         let Snapshot { steps, fields, work, sums, interlayers } = snapshot;
         let is_same = fields.iter().map(Vec::len).eq(self.fields.iter().map(Vec::len))
@@ -258,7 +258,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 }
 
-/// Whether a side reflects a pair of waves at a row.
+/// Returns whether a boundary reflects a wave pair at a row.
 fn reflects<T: Real>(side: &BoundaryFaces<T>, pair: usize, row: usize) -> bool {
     side.mirror().is_some_and(|rule| {
         let [sign, .., one_sided] = rule.face_at(pair, slot::<T>(row));

@@ -1,4 +1,4 @@
-//! The recipe of a time step; see the step of the fused solver for the theory, with references.
+//! Sequence of operations of a time step; theory and references: `step` of the fused solver.
 
 use super::Reference;
 use crate::solid::cell_laws::Interval;
@@ -6,7 +6,7 @@ use crate::solid::domain::SolverReal;
 use crate::solid::problem::PlasticStep;
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
-    /// Advances all fields by so many time steps.
+    /// Advances all fields by `steps` time steps.
     pub fn advance(&mut self, steps: usize) {
         for _ in 0..steps {
             let start = self.steps as f64 * self.problem.step;
@@ -24,12 +24,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// U ← x y z, K Q K, z y x, with P after it or 2P − I in the middle of Q, of which relaxation is part.
+    /// U ← x y z, K Q K, z y x, then P; or 2P − I in the middle of Q, which includes relaxation.
     fn two_cyclic_step(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
         if self.steps == 0 {
-            // The trapezoidal rule.
+            // First term of the trapezoidal rule.
             self.accumulate_integrals(0.5);
         }
 
@@ -48,7 +48,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// K Q K, with relaxation, and with the return mapping where it stands in the middle.
+    /// K Q K with relaxation, and with the reflection 2P − I in the middle if the scheme requires it.
     fn apply_middle(&mut self, sources: &[Vec<[f64; 2]>; 2]) {
         self.apply_sources(&sources[0]);
         match self.problem.scheme.plastic_step {
@@ -60,7 +60,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 self.rotate_spins(Interval::HalfStep);
             }
             _ => {
-                // The rotation by the curvature does not commute with the others: half of it on each side of them.
+                // The rotation by the curvature does not commute with the other laws: half of it before, half after
+                // them.
                 let others = self.laws.is_any();
                 let interval = if others { Interval::HalfStep } else { Interval::Step };
                 self.rotate_geometry(interval);
@@ -74,7 +75,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.apply_sources(&sources[1]);
     }
 
-    /// U ← x y z, K √Q x √Q K, z y, then P; the first x of all by a quarter of a step.
+    /// U ← x y z, K √Q x √Q K, z y, then P; the very first x by a quarter of a step.
     fn alternating_step(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
@@ -91,7 +92,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.apply_sources(&sources[0]);
         self.rotate_spins(Interval::HalfStep);
         self.relax(Interval::HalfStep);
-        // The mean of the states before and after the sweep, which is second order in the middle of the step.
+        // Mean of the states before and after the sweep: second order at mid-step.
         self.accumulate_integrals(0.5);
         self.sweep(0, middle);
         self.accumulate_integrals(0.5);

@@ -1,4 +1,4 @@
-//! A sweep along an axis: each line with its ghosts, pair by pair.
+//! Sweep along an axis: line by line with ghosts, wave pair by wave pair.
 
 use super::{Reference, slot};
 use crate::simd::Real;
@@ -12,24 +12,24 @@ use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 use models::solid::waves::Field;
 
-/// A pair of waves along an axis.
+/// A wave pair along an axis.
 #[derive(Clone)]
 pub(super) struct WavePair<T: Real> {
-    /// Length of a cell along the line, m, and the share of a time step that a sweep takes.
+    /// Cell length along the axis, m, and fraction of a time step per sweep.
     spacing: f64,
     share: f64,
-    /// Places of its fields.
+    /// Field indices.
     pub(super) velocity: usize,
     pub(super) stress: usize,
-    /// By medium.
+    /// Cell constants by medium.
     pub(super) cells: Vec<CellConstants<T>>,
     coefficients: Vec<GhostCoefficients<T>>,
-    /// Places of the stresses that follow in any medium, and by medium r = ds′/ds.
+    /// Indices of the passive stresses of any medium, and by medium the coupling ratio r = ds′/ds.
     pub(super) passive_stresses: Vec<(usize, Vec<T>)>,
 }
 
 impl<T: Real> WavePair<T> {
-    /// A pair along an axis with a spacing, m, swept by a share of the time step.
+    /// A wave pair along an axis with cell length `spacing`, m, and sweeps of a fraction of the time step.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         (axis, spacing): (usize, f64),
@@ -68,7 +68,7 @@ impl<T: Real> WavePair<T> {
     }
 }
 
-/// The cells of a line, and its number among the faces of its sides.
+/// The cells of a line, and its index among the faces of its boundaries.
 #[derive(Clone, Copy)]
 pub(super) struct LineOfCells {
     pub(super) axis: usize,
@@ -83,13 +83,13 @@ impl LineOfCells {
         self.first + place * self.stride
     }
 
-    /// The place at a depth behind an end; lines shorter than that repeat themselves.
+    /// Position at a depth from an end of the line; wraps around in shorter lines.
     fn inside(&self, end: usize, depth: usize) -> usize {
         [depth % self.count, self.count - 1 - depth % self.count][end]
     }
 }
 
-/// A pair of fields along a line with its ghosts.
+/// Fields of a wave pair along a line with ghosts.
 pub(super) struct Strip<T> {
     pub(super) velocity: Vec<T>,
     pub(super) stress: Vec<T>,
@@ -110,7 +110,7 @@ impl<T: Real> Strip<T> {
 }
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
-    /// A sweep of half a step along an axis, with boundary values of this time, s.
+    /// Sweeps by half a step along an axis, with boundary values at `time`, s.
     pub(super) fn sweep(&mut self, axis: usize, time: f64) {
         let waves = std::mem::take(&mut self.waves[axis]);
         let of_rows = std::mem::take(&mut self.row_waves);
@@ -118,14 +118,14 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         (self.waves[axis], self.row_waves) = (waves, of_rows);
     }
 
-    /// A sweep of a quarter of a step along the first axis.
+    /// Sweeps by a quarter of a step along the first axis.
     pub(super) fn quarter_sweep(&mut self, time: f64) {
         let waves = std::mem::take(&mut self.quarter_waves);
         self.sweep_axis(0, |_| &waves, time);
         self.quarter_waves = waves;
     }
 
-    /// `waves` are those of a line by its number among the faces of its sides.
+    /// Sweeps along an axis; `waves`: wave pairs of a line by its face index.
     fn sweep_axis<'a>(
         &mut self,
         axis: usize,
@@ -137,7 +137,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let [length, layer] = [self.problem.grid.cells[0], self.problem.grid.faces(D - 1)];
         let count = self.problem.grid.cells[axis];
         let faces = self.problem.grid.faces(axis);
-        // From a cell to the next one along the axis, from a row of lines to the next one, and lines of a row.
+        // Strides between cells along the axis and between rows of lines, and number of lines per row.
         let (stride, next, lines) = match axis {
             0 => (1, length, 1),
             _ if axis + 1 == D => (layer, length, length),
@@ -186,7 +186,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Velocities, stresses and constants of a pair of waves along a line, with its ghosts.
+    /// Fills `strip` with velocities, stresses and constants of a wave pair along a line, ghosts included.
     pub(super) fn fill(
         &self,
         strip: &mut Strip<T>,
@@ -203,7 +203,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         back.into_iter().for_each(|own| strip.push(own));
     }
 
-    /// State and constants of a cell.
+    /// Returns state and constants of a cell of a line.
     fn cell_of(
         &self,
         line: LineOfCells,
@@ -218,7 +218,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         (state, wave.cells[usize::from(self.problem.of_cell[cell])])
     }
 
-    /// The ghosts beyond an end, the nearest first.
+    /// Computes the ghosts beyond an end, nearest first.
     fn beyond(
         &self,
         line: LineOfCells,
@@ -247,7 +247,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         };
         std::array::from_fn(|depth| {
             let (mut seen, cell) = at(end, depth);
-            // A single cell is seen through the other boundary.
+            // A line of one cell: the second ghost is an image by the opposite boundary, too.
             if let (BoundaryFaces::Physical(other), true) = (&sides[1 - end], depth >= line.count) {
                 seen = image_by(other.face_at(pair, face), seen);
             }
@@ -255,7 +255,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         })
     }
 
-    /// Power per area that a side does work with at an end of a line before its sweep, W/m², positive inwards.
+    /// Computes the power per area of the boundary at an end of a line before its sweep, W/m², positive inwards.
     fn work_at(&self, strip: &Strip<T>, line: LineOfCells, pair: usize, end: usize) -> f64 {
         match &self.sides[line.axis][end] {
             BoundaryFaces::Physical(rule) if rule.does_work_on(pair, slot::<T>(line.face)) => {}
