@@ -5,7 +5,7 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`solid`] | problems, sweeps; fused solver [`domain`], reference solver with full energy account [`mod@reference`] |
+//! | [`solid`] | problems, sweeps; fused solver [`domain`], reference solver with full ledger [`mod@reference`] |
 //! | [`decomposition`] | domain decomposition: subdomains on threads, halo exchange |
 //! | [`simulation`] | time loop of solids and flows: end of a run, observers, output times |
 //! | [`flow`] | granular flow in a box that deforms with the mean flow, by Fourier series |

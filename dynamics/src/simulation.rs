@@ -187,7 +187,7 @@ pub trait Observer<S: Simulation> {
     /// only those of earlier [`after_steps`](Self::after_steps) calls exist.
     ///
     /// # Errors
-    /// The run is to end here.
+    /// The run is interrupted.
     fn replay(&mut self) -> Result<(), Self::Error> {
         Ok(())
     }
@@ -196,7 +196,7 @@ pub trait Observer<S: Simulation> {
     /// checkpoint. `last` is the last account delivered.
     ///
     /// # Errors
-    /// The run is to end here.
+    /// The run is interrupted.
     fn after_steps(&mut self, simulation: &S, last: &S::Account) -> Result<(), Self::Error>;
 }
 

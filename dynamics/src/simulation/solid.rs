@@ -352,7 +352,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn state(&self) -> State {
-        // The one before goes first: there is memory for two copies of the fields, not for three.
+        // Drop the previous copy first, to limit memory to two copies of the fields.
         *self.saved.borrow_mut() = None;
         let snapshot = self.solver.snapshot();
         let Snapshot { steps, fields, work, sums, interlayers } = &snapshot;

@@ -1,5 +1,5 @@
 //! Permutation of the axes: with alternating sweeps ([`Splitting::Alternating`](crate::solid::problem::Splitting)) the
-//! first axis of a domain is swept differently from the others, and any axis of the problem can take that place.
+//! first axis of a domain is swept differently from the others, and may be any axis of the problem.
 
 use std::borrow::Cow;
 
@@ -27,7 +27,7 @@ impl<const D: usize> AxisPermutation<D> {
         Self { axes, cells: grid.cells }
     }
 
-    /// Whether every axis keeps its place.
+    /// Whether the permutation is the identity.
     fn is_identity(&self) -> bool {
         self.axes.is_sorted()
     }

@@ -325,7 +325,7 @@ pub(crate) struct GhostCoefficients<N> {
     /// Non-reflecting boundary, per two differences: arriving wave in both ghosts, leaving wave in the nearest ghost;
     /// last row: leaving wave in the farther ghost, from its nearest ghost and outermost cell values and a difference.
     open: [[N; 3]; 4],
-    /// Coefficient that cancels the upwind difference in the farther ghost where cells are not of one medium.
+    /// Non-reflecting boundary of several media: coefficient that cancels the upwind difference in the farther ghost.
     plain: N,
 }
 

@@ -32,7 +32,7 @@ const ON_A_PLANE: f64 = 1e-6;
 pub enum End {
     /// Mirror image, multiplied by this sign.
     Physical(f64),
-    /// None, or another body.
+    /// Open: nothing, or another body.
     Open,
     /// Periodic.
     Periodic,
@@ -91,8 +91,8 @@ impl Axis {
         Some((place as usize, factor))
     }
 
-    /// Returns the fraction of the source that acts inside the grid: ½ if the point is on a symmetry plane at an end,
-    /// squared for both ends.
+    /// Returns the fraction of the source that acts inside the grid: a factor ½ for each end with a symmetry plane
+    /// through the point.
     fn part(&self) -> f64 {
         let planes = [-0.5, self.cells as f64 - 0.5].into_iter().zip(self.ends);
         let is_on = |&(plane, end): &(f64, End)| {
