@@ -51,20 +51,20 @@ pub fn fit_rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
         phase += cr_arg(pair[1] / pair[0]);
         phases.push(phase);
     }
-    // Relative to the first one: the same in all units.
+    // Normalised by the first modulus, so that the logarithms do not depend on the unit.
     let first = amplitudes.first().map_or(1.0, |own| own.norm());
     let logarithms: Vec<f64> = amplitudes.iter().map(|a| (a.norm() / first).cr_ln()).collect();
     Rate { frequency: -slope(times, &phases), growth: slope(times, &logarithms) }
 }
 
-/// Maximum error of [`fit_rate`] over a `duration` (s), 1/s, for errors of phase and logarithm up to `error`: the slope of
-/// the line fitted to ±`error` on both halves.
+/// Maximum error of [`fit_rate`] over a `duration` (s), 1/s, for errors of phase and logarithm of the modulus up to
+/// `error`: slope of the line fitted to +`error` on one half and −`error` on the other.
 pub fn rate_error(error: f64, duration: f64) -> f64 {
     3.0 * error / duration
 }
 
-/// Powers of the cell size h in the error expansion of a scheme of second order; with two grids only the first power is
-/// fitted.
+/// Exponents of the cell size h in the error expansion of a second-order scheme; with two grids only the first
+/// exponent is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Powers {
     /// Powers in the error of the frequency.
@@ -74,19 +74,19 @@ pub struct Powers {
 }
 
 impl Powers {
-    /// A time-symmetric step: even powers in the frequency, odd ones in the decay.
+    /// Time-symmetric step: even exponents in the frequency, odd exponents in the growth rate.
     pub const SYMMETRIC: Self = Self { frequency: &[2, 4], growth: &[3] };
 
-    /// Alternating sweeps: the first and the last one, each half as long, add an error of h³ once.
+    /// Alternating sweeps: the first and the last sweep, of half length, contribute one error term in h³.
     pub const ALTERNATING: Self = Self { frequency: &[2, 3], growth: &[3] };
 
-    /// Steps that end with a projection: Π exp(Δt A) Π lowers the amplitude by ½Δt²|(1 − Π)A y|² more than
-    /// exp(Δt ΠAΠ) does, A being antisymmetric.
+    /// Steps that end with a projection: Π exp(Δt A) Π, with A antisymmetric, reduces the amplitude by ½Δt²|(1 − Π)A
+    /// y|² more than exp(Δt ΠAΠ) does.
     pub const PROJECTED: Self = Self { frequency: &[2, 3], growth: &[1, 2] };
 }
 
-/// Weights of values at h = 1/n, n in `cells`, in their Richardson extrapolation to h → 0 by a least-squares fit of
-/// 1, h^p, h^q …
+/// Weights of the values at h = 1/n, n in `cells`, in their Richardson extrapolation to h → 0 by a least-squares fit
+/// of 1, h^p, h^q …, with exponents p, q … in `powers`.
 fn weights(cells: &[usize], powers: &[i32]) -> Vec<f64> {
     let powers = &powers[..powers.len().min(cells.len().saturating_sub(1))];
     let edge = |row: usize| cells[0] as f64 / cells[row] as f64;
@@ -112,7 +112,7 @@ pub fn extrapolate(cells: &[usize], rates: &[Rate], powers: Powers) -> Rate {
     }
 }
 
-/// Maximum error of [`extrapolate`], 1/s, for errors of the rates up to `errors`.
+/// Maximum error of [`extrapolate`], 1/s, for errors of the individual rates up to `errors` (1/s).
 pub fn extrapolation_error(cells: &[usize], errors: &[f64], powers: Powers) -> f64 {
     let sum = |powers: &[i32]| -> f64 {
         weights(cells, powers).iter().zip(errors).map(|(own, error)| own.abs() * error).sum()

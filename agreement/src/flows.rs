@@ -25,9 +25,9 @@ pub struct UniformFlow {
     pub model: Model,
     /// Initial state, as given.
     pub state: State,
-    /// Initial state completed by the model: its [`background`](Model::background).
+    /// Initial state completed by the model ([`background`](Model::background)).
     pub flow: Flow,
-    /// Solver problem of the flow; box, points and tolerances are set by each measurement.
+    /// Solver problem of the flow; each measurement replaces box, points and tolerances.
     pub solver: Problem,
 }
 
@@ -47,7 +47,7 @@ impl UniformFlow {
 pub struct ModeResult {
     /// Index of the wave in the list of waves.
     pub wave: usize,
-    /// Number of the mode, by descending initial growth, from 1.
+    /// Number of the mode by descending initial growth, starting at 1.
     pub mode: usize,
     /// Duration of the measurement, s.
     pub duration: f64,
@@ -55,7 +55,7 @@ pub struct ModeResult {
     pub predicted: Rate,
     /// Rate predicted by the pencil of the frozen wave vector.
     pub frozen: Rate,
-    /// Rate measured in the solver, or the reason for its absence.
+    /// Rate measured in the solver, or the reason why it is missing.
     pub measured: Result<StepSequences, NotMeasurable>,
 }
 
@@ -64,30 +64,31 @@ pub struct ModeResult {
 pub struct StepSequences {
     /// Number of steps, ascending, with the rate.
     pub sequences: Vec<(usize, Rate)>,
-    /// Rate extrapolated to zero time step.
+    /// Rate extrapolated to zero time step, 1/s.
     pub limit: Rate,
     /// Bound on the error of the limit by extrapolation and rounding, 1/s.
     pub tolerance: f64,
 }
 
 impl ModeResult {
-    /// Scale of relative differences, 1/s: the maximum of the predicted rate and the shear rate Q_D of the mean flow.
+    /// Scale of relative differences, 1/s: the larger of the norm of the predicted rate and the shear rate Q_D of the
+    /// mean flow.
     pub fn scale(&self, shear_rate: f64) -> f64 {
         self.predicted.max_norm().max(shear_rate)
     }
 
-    /// Measured minus predicted rate; `None` where there is no measurement.
+    /// Measured minus predicted rate; `None` without measurement.
     pub fn difference(&self) -> Option<Rate> {
         self.measured.as_ref().ok().map(|own| own.limit - self.predicted)
     }
 
-    /// Whether measured and predicted rate agree; `None` where there is no measurement.
+    /// Whether measured and predicted rate agree within the tolerance; `None` without measurement.
     pub fn agrees(&self) -> Option<bool> {
         let own = self.measured.as_ref().ok()?;
         Some((own.limit - self.predicted).max_norm() <= own.tolerance)
     }
 
-    /// Order of convergence in the time step; `None` if the error is rounding.
+    /// Order of convergence in the time step; `None` if the error is at the level of rounding.
     pub fn order(&self) -> Option<f64> {
         let own = self.measured.as_ref().ok()?;
         let [(few, coarse), .., (many, fine)] = own.sequences.as_slice() else { return None };

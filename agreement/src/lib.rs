@@ -73,7 +73,7 @@ pub enum AgreementError {
     /// The background stress does not satisfy the active yield conditions with equality.
     #[error("active conditions that no stress meets alone")]
     ActiveConditions,
-    /// Some plastic multiplier is not positive.
+    /// Flow satisfying the active conditions has a plastic multiplier that is not positive.
     #[error("active conditions of which flow leaves one")]
     PlasticFlow,
     /// The rate response of the yielding solid is not defined.
@@ -100,16 +100,16 @@ pub enum AgreementError {
         /// Allowed number of cell updates.
         most: f64,
     },
-    /// A constraint or the pencil of a flow is singular.
+    /// The constraint or the matrix pencil of a flow is singular.
     #[error("a state in which the equations do not determine how waves evolve")]
     Undetermined,
     /// The solver rejects the flow.
     #[error(transparent)]
     Flow(#[from] dynamics::flow::FlowError),
-    /// The solver stops before the end of a perturbation.
+    /// The solver stops before the end time of a perturbation.
     #[error(transparent)]
     Left(#[from] dynamics::flow::Left),
-    /// A perturbation without a value at each point.
+    /// A field of the perturbation does not have one value per point.
     #[error("{found:?} values of velocities and internal variable for {points:?} points")]
     Points {
         /// Numbers of values.
@@ -117,7 +117,7 @@ pub enum AgreementError {
         /// Points along each axis.
         points: [usize; 2],
     },
-    /// No mode of the perturbation has a velocity.
+    /// No Fourier mode of the perturbation has a non-zero velocity.
     #[error("a perturbation that moves nothing on these grids")]
     NothingMoves,
     /// Cancelled by the progress callback.
@@ -128,7 +128,7 @@ pub enum AgreementError {
 /// Reason why a wave has no measurement.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotMeasurable {
-    /// The equations in energy coordinates have fewer waves than the analysis.
+    /// The equations in energy coordinates have fewer propagating waves than the analysis predicts.
     #[error("the equations in units of energy have no such wave")]
     NoSuchWave,
     /// An amplitude small enough to activate no further yield condition is below the rounding of the background.
@@ -154,11 +154,11 @@ pub enum NotMeasurable {
     NotFinite,
 }
 
-/// Progress callback, called with (parts done, total parts) at the beginning and after each part, from any thread;
+/// Progress callback, called with (tasks done, total tasks) at the beginning and after each task, from any thread;
 /// [`Break`](ControlFlow::Break) ends the work with [`AgreementError::Cancelled`].
 pub type OnProgress<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
 
-/// Counter of finished parts.
+/// Counter of finished tasks.
 struct Progress<'a> {
     on_progress: OnProgress<'a>,
     done: AtomicUsize,

@@ -2,8 +2,8 @@
 //! the matrices of the analysis.
 //!
 //! In energy coordinates y = LᵀU, A = LLᵀ, the equations are ẏ = Σ B̂ⁱ∂ᵢy + Q̂y with B̂ⁱ symmetric and Q̂
-//! antisymmetric, and the projection onto the tangent of a yield surface is the orthogonal one, Π. A sweep of
-//! Δt/2 along axis i is, on exp(iκ·x) with θ = κᵢhᵢ, V g Vᵀ with B̂ⁱ = V diag(c) Vᵀ and for waves that run to
+//! antisymmetric; the projection Π onto the tangent space of a yield surface is orthogonal. A sweep of Δt/2 along
+//! axis i multiplies exp(iκ·x) by V g Vᵀ, where B̂ⁱ = V diag(c) Vᵀ and, with θ = κᵢhᵢ, for waves that propagate to
 //! the right with Courant number C = |c|Δt/2hᵢ
 //!
 //! ```text
@@ -11,8 +11,8 @@
 //! α = (1 − C²)(2 + C)/24,  β = (1 − C)/2 − C(1 − C²)/12,  γ = −(1 − C²)(2 − C)/24.
 //! ```
 //!
-//! With X, Y, Z these sweeps, x a quarter sweep (Δt/4) along the first axis, R = e^(½Q̂Δt) and Π = I where nothing
-//! yields, n steps multiply a wave by
+//! Let X, Y, Z be these sweeps, x a quarter sweep (Δt/4) along the first axis, R = e^(½Q̂Δt), and Π = I without
+//! yielding. In n steps the amplitude is multiplied by
 //!
 //! ```text
 //! two-cyclic, second-order correction    Gⁿ, G = X Y Z R (2Π − I) R Z Y X,
@@ -20,9 +20,9 @@
 //! alternating                            x (M X)ⁿ⁻¹ M x, M = Π Y Z R X R Z Y,
 //! ```
 //!
-//! where the last x completes the output of the solver.
+//! where the last x completes the sweeps for output.
 //!
-//! Shares only these formulas and the names of options with the solver.
+//! The module shares only these formulas and the names of options with the solver.
 
 use dynamics::problem::{PlasticStep, Splitting};
 use models::common::elementary::{Elementary, cr_cis};
@@ -54,8 +54,8 @@ pub struct Propagator {
 }
 
 impl Propagator {
-    /// Projections onto a wave of unit norm of the output after 0, `every`, 2 `every` … `count` × `every` steps from
-    /// that wave.
+    /// Inner products of the unit vector `wave` with the output state after 0, `every`, 2 `every` … `count` × `every`
+    /// steps, for `wave` as initial state.
     pub fn amplitudes(
         &self,
         wave: &DVector<Complex64>,
@@ -83,13 +83,13 @@ pub struct Equations<const D: usize> {
     pub into_energy: DMatrix<f64>,
     /// Transformation L⁻ᵀ from energy coordinates to unknowns.
     pub from_energy: DMatrix<f64>,
-    /// Eigenvectors V and eigenvalues c of B̂ⁱ, by axis.
+    /// Eigenvectors V and eigenvalues c of B̂ⁱ, for each axis i.
     along: [SymmetricEigen<f64, nalgebra::Dyn>; D],
     b: [DMatrix<f64>; D],
     q: DMatrix<f64>,
     /// Projection Π onto the tangent space of the yield surface.
     tangent: DMatrix<f64>,
-    /// Unit normals L⁻¹n/|L⁻¹n| in energy coordinates, by active condition.
+    /// Unit normals L⁻¹n/|L⁻¹n| in energy coordinates, one for each active condition.
     normals: Vec<DVector<f64>>,
 }
 
@@ -98,12 +98,12 @@ impl<const D: usize> Equations<D> {
     /// energy is not positive definite or the normals are linearly dependent.
     pub fn new(form: &SymmetricForm<D>, normals: &[DVector<f64>]) -> Option<Self> {
         let lower = form.a.clone().cholesky()?.l();
-        // By substitution: no pivots, whose choice would depend on the units.
+        // Forward substitution needs no pivoting, so the result does not depend on the choice of units.
         let inverse =
             lower.solve_lower_triangular(&DMatrix::identity(lower.nrows(), lower.nrows()))?;
         let scaled = |m: &DMatrix<f64>| triple_product(&inverse, m, &inverse.transpose());
         let size = lower.nrows();
-        // Of unit length: conditions on stresses and on couple stresses have values of different units.
+        // Normalised, since conditions on stresses and on couple stresses have values of different units.
         let unit = |normal: &DVector<f64>| (&inverse * normal).try_normalize(0.0);
         let normals: Vec<DVector<f64>> = normals.iter().map(unit).collect::<Option<_>>()?;
         let mut tangent = DMatrix::identity(size, size);
@@ -123,7 +123,7 @@ impl<const D: usize> Equations<D> {
         })
     }
 
-    /// Symbol i(Σ κᵢB̂ⁱ) + Q̂ of the equations, without Π.
+    /// Symbol i Σ κᵢB̂ⁱ + Q̂ of the equations without the projection Π.
     fn symbol(&self, wave: [f64; D]) -> Matrix {
         let mut symbol = complex(&self.q);
         for (b, k) in self.b.iter().zip(wave) {
@@ -132,10 +132,10 @@ impl<const D: usize> Equations<D> {
         symbol
     }
 
-    /// Waves y = Re ŷ exp(i(κ·x − ωt)) of the wave vector κ (1/m): frequencies (rad/s, positive, descending) and unit
-    /// amplitudes in energy coordinates.
+    /// Plane waves y = Re ŷ exp(i(κ·x − ωt)) of the wave vector κ (1/m): frequencies ω (rad/s, positive, descending)
+    /// and unit amplitudes ŷ in energy coordinates.
     pub fn waves(&self, wave: [f64; D]) -> Vec<(f64, DVector<Complex64>)> {
-        /// Frequencies below this fraction of the greatest are zero.
+        /// Frequencies below this fraction of the largest are treated as zero.
         const NEGLIGIBLE: f64 = 1e-9;
         let tangent = complex(&self.tangent);
         let symbol = &tangent * self.symbol(wave) * &tangent * Complex64::i();
@@ -146,7 +146,7 @@ impl<const D: usize> Equations<D> {
             .map(|i| (eigen.eigenvalues[i], eigen.eigenvectors.column(i).into_owned()))
             .collect();
         waves.sort_by(|a, b| b.0.total_cmp(&a.0));
-        // The polarisations of a multiple frequency are arbitrary, and the scheme is not isotropic.
+        // The polarisations of a multiple frequency are not unique, and the scheme is anisotropic: choose a basis.
         let mut first = 0;
         while first < waves.len() {
             let is_other = |own: &(f64, _)| waves[first].0 - own.0 > NEGLIGIBLE * greatest;
@@ -163,8 +163,8 @@ impl<const D: usize> Equations<D> {
         waves
     }
 
-    /// Bounds on the value of an active condition in a wave of the given amplitude, in energy coordinates, and on its rate
-    /// while the solid is elastic (Cauchy–Schwarz; normals have unit length).
+    /// Bounds on the value of an active yield condition in a wave of the given amplitude (energy coordinates), and on
+    /// its time derivative during elastic response (Cauchy–Schwarz inequality; normals have unit length).
     pub fn bounds(&self, wave: [f64; D], amplitude: &DVector<Complex64>) -> [f64; 2] {
         [amplitude.norm(), (self.symbol(wave) * amplitude).norm()]
     }
@@ -178,11 +178,11 @@ impl<const D: usize> Equations<D> {
         let all = DMatrix::from_columns(&self.normals);
         let share = (all.transpose() * &all).try_inverse()?
             * DVector::from_element(self.normals.len(), 1.0);
-        // The plastic multipliers: all positive while all conditions stay active.
+        // Plastic multipliers; all are positive if all conditions remain active.
         share.iter().all(|own| *own > 0.0).then(|| &self.from_energy * all * share)
     }
 
-    /// Amplification matrices of the wave vector κ (1/m). The midpoint return mapping requires two-cyclic sweeps.
+    /// Amplification matrices of the wave vector κ (1/m). The midpoint reflection requires two-cyclic sweeps.
     pub fn propagator(
         &self,
         wave: [f64; D],
@@ -195,7 +195,7 @@ impl<const D: usize> Equations<D> {
         let tangent = complex(&self.tangent);
         let sweeps: Vec<Matrix> =
             (0..D).map(|axis| self.sweep(axis, wave[axis], grid, 0.5)).collect();
-        // The sweep along the last axis is innermost.
+        // The sweep along the last axis is the innermost one.
         let around = |sweeps: &[Matrix], inner: Matrix| {
             sweeps.iter().rev().fold(inner, |inner, sweep| sweep * inner * sweep)
         };
@@ -220,7 +220,8 @@ impl<const D: usize> Equations<D> {
         }
     }
 
-    /// Amplification matrix of a sweep along `axis` over a fraction of the step.
+    /// Amplification matrix of a sweep along `axis`, with component `k` (1/m) of the wave vector, over a fraction of
+    /// the step.
     fn sweep(&self, axis: usize, k: f64, grid: &Discretisation<D>, fraction: f64) -> Matrix {
         let h = grid.spacing[axis];
         let (sin, cos) = (k * h).cr_sin_cos();
@@ -236,7 +237,7 @@ impl<const D: usize> Equations<D> {
             let next = Complex64::new(cos, sin);
             let correction = weights[0] + next * (weights[1] + next * weights[2]);
             let to_right = 1.0 - courant * difference * (1.0 + difference * correction);
-            // ẇ = c∂w runs to the left for c > 0.
+            // Solutions of ẇ = c∂w propagate to the left for c > 0.
             if speed > 0.0 { to_right.conj() } else { to_right }
         };
         let eigen = &self.along[axis];
@@ -244,7 +245,7 @@ impl<const D: usize> Equations<D> {
         &vectors * Matrix::from_diagonal(&eigen.eigenvalues.map(factor)) * vectors.adjoint()
     }
 
-    /// Rotation exp(Q̂t).
+    /// Rotation exp(Q̂t) over a time t (s).
     fn rotation(&self, time: f64) -> Matrix {
         let symbol = self.q.map(|x| Complex64::new(0.0, x));
         let eigen = ((&symbol + symbol.adjoint()) * Complex64::from(0.5)).symmetric_eigen();
@@ -253,10 +254,10 @@ impl<const D: usize> Equations<D> {
     }
 }
 
-/// Canonical orthonormal basis of the span of orthonormal columns, depending on the space only: projections of the
+/// Canonical orthonormal basis of the span of orthonormal columns, a function of the span only: projections of the
 /// coordinate axes, orthogonalised by Gram–Schmidt.
 fn canonical_basis(columns: &Matrix) -> Vec<DVector<Complex64>> {
-    /// The longest projection onto the remaining space is longer: of at most 24 axes, 1/√24.
+    /// Threshold of accepted projections: with at most 24 axes the longest one has at least length 1/√24 > 0.1.
     const LEAST: f64 = 0.1;
     let (size, count) = columns.shape();
     let mut chosen: Vec<DVector<Complex64>> = Vec::new();

@@ -1,9 +1,9 @@
 //! Comparison for solids: plane waves of every branch.
 //!
-//! Each wave propagates in a periodic box of one wavelength along each axis, on two or more grids, over one period in
-//! time. Elastic waves propagate in a stress-free solid. In a yielding solid they propagate on a uniform background on
-//! the yield surface: one that flows faster than the wave can unload it ([`Response::Loading`]), and one that has just
-//! left the yield surface ([`Response::Unloading`]).
+//! Each wave propagates in a periodic box of one wavelength along each axis, on two or more grids, over one period.
+//! Elastic waves propagate in a stress-free solid. In a yielding solid the uniform background is on the yield surface
+//! and flows faster than the wave can unload it ([`Response::Loading`]), or is slightly inside the yield surface
+//! ([`Response::Unloading`]).
 
 mod background;
 mod branch;
@@ -20,14 +20,14 @@ use dynamics::problem::{PlasticStep, Splitting};
 use models::common::elementary::Elementary;
 use models::elastoplastic::Solid;
 
-/// Response of a solid to a wave, which selects the linearised equations.
+/// Response of a solid to a wave; selects the linearised equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
     /// Elastic solid without yield set.
     Elastic,
-    /// Elastic unloading: the background has just left the yield surface.
+    /// Elastic unloading: the background is slightly inside the yield surface.
     Unloading,
-    /// Plastic loading: the background keeps flowing.
+    /// Plastic loading: plastic flow of the background continues.
     Loading,
 }
 
@@ -49,7 +49,7 @@ pub struct SolverSettings {
     pub cells: Vec<usize>,
     /// Maximum Courant number (CFL number) c(Δt/2)/h of the fastest wave.
     pub courant: f64,
-    /// Maximum rotation of spins per step, rad.
+    /// Maximum rotation angle of the spins per step, rad.
     pub rotation: f64,
     /// Plastic step: return mapping or midpoint reflection.
     pub plastic_step: PlasticStep,
@@ -66,9 +66,9 @@ pub struct BranchResult {
     pub response: Response,
     /// Name of the branch.
     pub branch: String,
-    /// Predicted frequency, rad/s; no wave grows.
+    /// Predicted frequency, rad/s; the predicted growth rate is zero.
     pub predicted: f64,
-    /// Rate measured in the solver, or the reason for its absence.
+    /// Rate measured in the solver, or the reason why it is missing.
     pub measured: Result<Measurement, NotMeasurable>,
 }
 
@@ -81,14 +81,14 @@ pub struct Measurement {
     pub limit: GridResult,
 }
 
-/// Rates on a grid.
+/// Measured and expected rates on a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridResult {
     /// Cells per wavelength; 0 for the extrapolated result.
     pub cells: usize,
     /// Measured rate.
     pub measured: Rate,
-    /// Expected rate by the amplification matrix: the prediction including the discretisation error.
+    /// Rate expected from the amplification matrix: the prediction including the discretisation error.
     pub expected: Rate,
     /// Bound on the difference of measured and expected rate, 1/s: rounding, and on curved yield surfaces the rotation of
     /// the normal in the wave.
@@ -103,7 +103,7 @@ impl GridResult {
 }
 
 impl BranchResult {
-    /// Whether rates agree on every grid and in the limit; `None` without measurement.
+    /// Whether measured and expected rates agree on every grid and in the limit; `None` without measurement.
     pub fn agrees(&self) -> Option<bool> {
         let own = self.measured.as_ref().ok()?;
         Some(own.grids.iter().chain([&own.limit]).all(GridResult::agrees))
@@ -119,7 +119,7 @@ impl BranchResult {
         self.measured.as_ref().ok().map(|own| self.relative(own.limit.expected))
     }
 
-    /// The difference of a rate from the predicted one, relative to the predicted frequency.
+    /// Difference of a rate from the predicted one, relative to the predicted frequency.
     pub fn relative(&self, rate: Rate) -> Rate {
         let difference = rate - Rate { frequency: self.predicted, growth: 0.0 };
         Rate {
@@ -128,8 +128,8 @@ impl BranchResult {
         }
     }
 
-    /// Order of convergence of the measured rate between the coarsest and the finest grid; `None` if the error is
-    /// rounding.
+    /// Order of convergence of the measured rate between the coarsest and the finest grid; `None` if the error is at
+    /// the level of rounding.
     pub fn order(&self) -> Option<f64> {
         let own = self.measured.as_ref().ok()?;
         let [first, .., last] = own.grids.as_slice() else { return None };
@@ -146,15 +146,16 @@ impl BranchResult {
 /// Band gap: frequencies at which no wave of a polarisation propagates, compared with the measured frequencies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandGap {
-    /// The polarisation.
+    /// Polarisation of the waves.
     pub polarisation: Polarisation,
     /// Lower end, rad/s.
     pub from: f64,
     /// Upper end, rad/s.
     pub to: f64,
-    /// Measured frequencies next to the gap, below and above, rad/s.
+    /// Measured frequencies next to the gap: the largest below its upper end and the smallest above its lower end,
+    /// rad/s.
     pub nearest: [Option<f64>; 2],
-    /// Whether no measured frequency is in the gap.
+    /// Whether no measured frequency is in the gap, within the discretisation error and the tolerance.
     pub agrees: bool,
 }
 

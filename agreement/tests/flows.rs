@@ -1,4 +1,4 @@
-//! Waves and perturbations of a uniform flow by the plastic potential.
+//! Verifies measured against predicted rates of waves and perturbations of a uniform flow with the plastic potential.
 
 use dynamics::flow::{Closure, Problem};
 use models::flow::Model;
@@ -11,7 +11,7 @@ use wellposed_agreement::flows::{
 };
 use wellposed_agreement::{AgreementError, PlaneWave};
 
-/// The solver has its own density, kg/m³.
+/// Uniform flow whose solver has the density `density` (kg/m³); the density of the model is 1600 kg/m³.
 fn flow(density: f64) -> UniformFlow {
     let friction_angle = 30f64.to_radians();
     let constants = [friction_angle, 0.0, 0.0];

@@ -1,4 +1,4 @@
-//! Solids that agree, solids that do not, and problems that cannot be.
+//! Verifies that consistent solids agree, that inconsistent ones do not, and that invalid problems are rejected.
 
 use dynamics::medium::Medium;
 use dynamics::problem::{PlasticStep, Splitting};

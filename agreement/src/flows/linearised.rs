@@ -1,4 +1,4 @@
-//! Evolution of the waves of a uniform flow by the linearised equations.
+//! Evolution of waves in a uniform flow by the linearised equations.
 
 use super::UniformFlow;
 use super::mean_flow::MeanFlow;
@@ -10,11 +10,12 @@ use models::flow::state::Flow;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Number of times at which amplitudes are sampled, after the beginning.
+/// Number of sample times after the initial time.
 pub(super) const TIMES: usize = 8;
-/// Points along each axis of a box of one wave; more points would resolve shorter waves and make the steps stiffer.
+/// Points along each axis of the box of a single wave; more points would resolve shorter waves and make the problem
+/// stiffer.
 pub(super) const POINTS: usize = 4;
-/// Integration steps of the analysis between two sample times.
+/// Integration steps of the predicted evolution between two sample times.
 const COURSE: usize = 50;
 
 impl PlaneWave<2> {
@@ -24,10 +25,10 @@ impl PlaneWave<2> {
         [self.number * n1, self.number * n2]
     }
 
-    /// Smallest periodic box of the wave, m, and its mode in it.
+    /// Smallest periodic box of the wave (edge lengths, m) and the Fourier mode of the wave in it.
     pub(super) fn periodic_box(&self) -> ([f64; 2], Mode) {
         let [k1, k2] = self.vector();
-        // Directions close to an axis are snapped to it.
+        // Wave vectors almost parallel to an axis are treated as parallel.
         let is_negligible = |component: f64| component.abs() < 1e-9 * self.number;
         match [k1, k2].map(is_negligible) {
             [true, _] => ([TAU / self.number; 2], [0, k2.signum() as i32]),
@@ -62,7 +63,7 @@ impl<'a> LinearisedFlow<'a> {
         Evolution::new(self.mean.system(), wave, rate).ok_or(AgreementError::Undetermined)
     }
 
-    /// Evolution along k(t) at the initial time.
+    /// Evolution with the wave vector k(t), at the initial time.
     pub(super) fn moving(&self, wave: [f64; 2]) -> Result<Evolution, AgreementError> {
         self.evolution(wave, wave_vector_rate(self.gradient, wave))
     }
@@ -79,14 +80,15 @@ impl<'a> LinearisedFlow<'a> {
         all[..count].to_vec()
     }
 
-    /// The inverse of [`unknowns`](Self::unknowns).
+    /// Transverse velocity and internal variable from the unknowns: the inverse of [`unknowns`](Self::unknowns).
     pub(super) fn transverse(&self, wave: [f64; 2], unknowns: &[Complex64]) -> [Complex64; 2] {
         let number = wave[0].root_sum_square(wave[1]);
         let transverse = (unknowns[1] * wave[0] - unknowns[0] * wave[1]) / number;
         [transverse, unknowns.get(2).copied().unwrap_or_default()]
     }
 
-    /// The larger field, transverse velocity (0) or internal variable (1), in units of the mean flow, with its unit.
+    /// Index of the field, transverse velocity (0) or internal variable (1), that is larger relative to its scale by
+    /// the mean flow; and that scale.
     pub(super) fn greater(&self, number: f64, all: [Complex64; 2]) -> (usize, f64) {
         let size = |field: usize| all[field].norm() / self.unit(number, field);
         let greater = usize::from(size(1) > size(0));
@@ -103,7 +105,8 @@ impl<'a> LinearisedFlow<'a> {
         }
     }
 
-    /// Inertial ratio q/(ρ(Q_D/k)²): relative velocity gradient of a wave over its relative pressure.
+    /// Inertial ratio q/(ρ(Q_D/k)²), q = p sin φ + c cos φ: relative velocity gradient of a wave over its relative
+    /// pressure.
     pub(super) fn inertial_ratio(&self, number: f64) -> f64 {
         let (coulomb, velocity) = (self.problem.model.coulomb(), self.flow.shear_rate / number);
         let (sin, cos) = coulomb.friction_angle.cr_sin_cos();
@@ -111,7 +114,7 @@ impl<'a> LinearisedFlow<'a> {
         deviator / self.flow.density / velocity / velocity
     }
 
-    /// Largest growth rate of the waves in the box of one wave at a time (s), 1/s; 0 if none grows.
+    /// Largest growth rate of the modes of the box at a time (s), 1/s; 0 if no mode grows.
     pub(super) fn fastest_growth(
         &self,
         lengths: [f64; 2],
@@ -134,7 +137,7 @@ impl<'a> LinearisedFlow<'a> {
         Ok(fastest)
     }
 
-    /// Predicted amplitudes of a wave by the linearised equations.
+    /// Amplitudes of a wave at the sample times, predicted by the linearised equations.
     pub(super) fn predicted(
         &self,
         wave: [f64; 2],

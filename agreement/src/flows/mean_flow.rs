@@ -1,8 +1,8 @@
-//! The uniform mean flow in the course of time. In v = Γx with constant Γ the angle ψ of the greater principal stress
-//! is constant, but for
+//! Evolution of the uniform mean flow. In v = Γx with constant Γ the angle ψ of the major principal stress is
+//! constant, except for
 //!
-//! - double shearing, ψ̇ = s₂₁ + Q_D sin 2(ψ − ψ_D)/sin φ (Spencer 1964; ν = 0). With θ = ψ − ψ_D and
-//!   tan θ = y/x that is linear, ẋ = −bx − sy, ẏ = sx + by, where b = Q_D/sin φ and s = s₂₁;
+//! - double shearing: ψ̇ = s₂₁ + Q_D sin 2(ψ − ψ_D)/sin φ (Spencer 1964; ν = 0). With θ = ψ − ψ_D and tan θ = y/x the
+//!   equation is linear, ẋ = −bx − sy, ẏ = sx + by, where b = Q_D/sin φ and s = s₂₁;
 //! - Harris & Grekova with DΩ/Dt ≠ 0: sin 2(ψ − ψ_D) = sin φ (Ω(t) − s₂₁)/Q_D (2005, eq. 42).
 
 use models::LinearisedSystem;
@@ -14,9 +14,9 @@ use nalgebra::{Matrix2, Vector2};
 /// A time-dependent uniform mean flow.
 pub(super) struct MeanFlow {
     model: Model,
-    /// At the beginning.
+    /// Initial state.
     state: State,
-    /// At the beginning.
+    /// Initial flow.
     flow: Flow,
     system: LinearisedSystem<2>,
     rotation_ratio: f64,
@@ -26,9 +26,9 @@ pub(super) struct MeanFlow {
 /// Evolution law of ψ − ψ_D.
 enum Law {
     Constant,
-    /// Double shearing.
+    /// Double shearing: linear equation of the module comment.
     DoubleShearing,
-    /// Harris–Grekova: by the spin with this constant rate, rad/s².
+    /// Harris–Grekova: ψ − ψ_D follows from the spin, which has this constant rate, rad/s².
     Spin(f64),
 }
 
@@ -117,7 +117,7 @@ mod tests {
         MeanFlow::new(model, state, flow)
     }
 
-    /// Against the equation of ψ by the classical method of Runge and Kutta.
+    /// Verifies the angle ψ − ψ_D against the classical Runge–Kutta method applied to the evolution equation of ψ.
     #[test]
     fn the_stress_axes_turn_as_their_equation_says() {
         let own = double_shearing(State {

@@ -1,4 +1,4 @@
-//! Grid refinement: the fastest growing wave of one perturbation on a sequence of grids.
+//! Grid refinement: the fastest growing mode of a perturbation on a sequence of grids.
 
 use super::UniformFlow;
 use super::linearised::LinearisedFlow;
@@ -12,7 +12,7 @@ use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-/// A perturbation of a uniform flow at the points of a box, first axis fastest.
+/// Perturbation of a uniform flow, sampled at the points of a box, first axis fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Perturbation {
     /// Points along each axis; even, at least 4.
@@ -21,7 +21,7 @@ pub struct Perturbation {
     pub lengths: [f64; 2],
     /// Velocity perturbation, m/s.
     pub velocity: [Vec<f64>; 2],
-    /// Perturbation of the internal variable, if one evolves: spin ω, rad/s, or stress angle ψ, rad.
+    /// Perturbation of the internal variable: spin ω (rad/s) or stress angle ψ (rad); zero if the model has none.
     pub internal_variable: Vec<f64>,
 }
 
@@ -43,20 +43,20 @@ pub struct FastestMode {
 /// Fastest growing modes of one perturbation under grid refinement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refinement {
-    /// Order of growth in k as k → ∞ by the verdict; 0 if the flow is well-posed.
+    /// Order of growth in k as k → ∞ according to the analysis; 0 if the flow is well-posed.
     pub verdict_order: f64,
-    /// Results by grid.
+    /// Result of each grid.
     pub grids: Vec<FastestMode>,
-    /// Q_D of the mean flow, 1/s.
+    /// Shear rate Q_D of the mean flow, 1/s.
     pub shear_rate: f64,
 }
 
 impl Refinement {
-    /// Tolerance of measured against predicted rates (relative), and of their orders.
+    /// Relative tolerance of measured against predicted rates, and of their orders.
     pub const RATE_TOLERANCE: f64 = 0.01;
 
-    /// Tolerance of the order on finite grids against the asymptotic order of the verdict: half of the difference between
-    /// orders 1 and ½.
+    /// Tolerance of the order on finite grids against the asymptotic order of the analysis: half of the difference
+    /// between the orders 1 and ½.
     pub const ORDER_TOLERANCE: f64 = 0.25;
 
     /// Whether measured and predicted rates on `grid` agree.
@@ -65,19 +65,19 @@ impl Refinement {
         (grid.measured - grid.predicted).abs() <= Self::RATE_TOLERANCE * scale
     }
 
-    /// Whether the fastest mode of each grid grows faster than the mean flow deforms.
+    /// Whether the fastest mode of each grid grows at more than three times the shear rate of the mean flow.
     pub fn grows(&self) -> bool {
         let grows = |own: &FastestMode| own.predicted.min(own.measured) > 3.0 * self.shear_rate;
         !self.grids.is_empty() && self.grids.iter().all(grows)
     }
 
-    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` if nothing grows faster
-    /// than the mean flow deforms, or if the fastest modes of all grids have the same wave number.
+    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` for less than two
+    /// grids, if [`grows`](Self::grows) is false, or if the fastest modes of all grids have the same wave number.
     pub fn orders(&self) -> Option<[f64; 2]> {
         let ends = self.grids.iter().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], own| {
             [low.min(own.number), high.max(own.number)]
         });
-        // The same but for rounding.
+        // Equal within rounding.
         let is_one_number = ends[1] - ends[0] <= 1e-9 * ends[1];
         if self.grids.len() < 2 || is_one_number || !self.grows() {
             return None;
@@ -90,10 +90,10 @@ impl Refinement {
         Some([order(|own| own.predicted), order(|own| own.measured)])
     }
 
-    /// Whether rates and orders agree, and the order is within tolerance of that of the verdict.
+    /// Whether rates and orders agree, and the predicted order agrees with that of the verdict within tolerance.
     pub fn agrees(&self) -> bool {
         let orders = match self.orders() {
-            // On grids too coarse for growth, or for another fastest mode on a finer one, there is no order.
+            // No order is defined if the grids are too coarse for growth, or if they share the fastest mode.
             None => true,
             Some([predicted, measured]) => {
                 (predicted - self.verdict_order).abs() < Self::ORDER_TOLERANCE
@@ -104,21 +104,21 @@ impl Refinement {
     }
 }
 
-/// Rates of the modes of a grid, by mode.
+/// Rates (1/s) of one Fourier mode, by descending growth.
 type Rates = (Mode, Vec<Complex64>);
 
 /// Predicts and measures the fastest growing mode of a perturbation.
 ///
 /// # Errors
-/// The solver does not take the flow or does not bring the perturbation to its end; the perturbation has no velocity,
-/// or not a value at each point; the equations do not determine the evolution.
+/// The solver rejects the flow or stops before the end time; the perturbation has no velocity, or not one value per
+/// point; the equations do not determine the evolution.
 pub fn fastest_mode(
     problem: &UniformFlow,
     perturbation: &Perturbation,
 ) -> Result<FastestMode, AgreementError> {
     let flow = LinearisedFlow::new(problem);
     let (points, lengths) = (perturbation.points, perturbation.lengths);
-    // Tolerance for the whole perturbation, of which one wave is a small part.
+    // Looser than for a single wave: the tolerance applies to the entire perturbation, which contains many waves.
     let solver_problem = Problem { tolerance: 3e-7, points, lengths, ..problem.solver.clone() };
     let mut solver = Solver::new(&solver_problem)?;
     let ([v1, v2], internal) = (&perturbation.velocity, &perturbation.internal_variable);
@@ -133,7 +133,7 @@ pub fn fastest_mode(
     let (mode, rates) = fastest.ok_or(AgreementError::NothingMoves)?;
     let stiffest = all.iter().flat_map(|own| &own.1).map(|rate| rate.norm()).fold(0.0, f64::max);
     let shear_rate = flow.flow.shear_rate;
-    // Three e-folds; where nothing grows, as long as hundreds of stages reach.
+    // Three e-folds; without growth, limited by the stiffest mode to a few hundred stages.
     let duration = (3.0 / rates.first().map_or(0.0, |rate| rate.re).max(0.0))
         .min(0.1 / shear_rate)
         .min(2e3 / stiffest);
@@ -144,7 +144,7 @@ pub fn fastest_mode(
         let mut duration = duration;
         loop {
             let predicted = flow.predicted(wave, measured[0], count, duration)?;
-            // A decaying mode is followed while it is far above rounding.
+            // The duration of a decaying mode is halved until its amplitude stays far above rounding.
             let least = predicted.iter().map(|own| own[0].norm()).fold(f64::MAX, f64::min);
             if least > LEAST * predicted[0][0].norm() || duration < 1e-9 / shear_rate {
                 break (duration, predicted);
@@ -158,7 +158,7 @@ pub fn fastest_mode(
         }
         measured.push(amplitudes(&solver, *mode));
     }
-    // Fit over the last half, after the decay of other modes.
+    // Fit to the last half, after the other modes have decayed.
     let half = TIMES / 2;
     let growth = |all: &[[Complex64; 2]]| {
         let transverse: Vec<Complex64> = all[half..].iter().map(|own| own[0]).collect();
@@ -173,7 +173,7 @@ pub fn fastest_mode(
     })
 }
 
-/// Predicted rates of the modes in the velocity of the perturbation, one of each pair of opposite modes.
+/// Predicted rates of the modes whose velocity exceeds 1/1000 of the largest; one of each pair of opposite modes.
 fn rates(flow: &LinearisedFlow, solver: &Solver) -> Result<Vec<Rates>, AgreementError> {
     let [most, across] = solver.greatest_modes().map(|greatest| greatest as i32);
     let all: Vec<(Mode, f64)> = (0..=most)

@@ -1,4 +1,4 @@
-//! Waves of one wave vector in a uniform flow, predicted and measured.
+//! Plane waves in a uniform flow: prediction and measurement of their modes.
 
 use super::linearised::{LinearisedFlow, POINTS, TIMES};
 use super::{ModeResult, StepSequences, UniformFlow};
@@ -11,33 +11,33 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Amplitude of perturbations relative to the background.
+/// Amplitude of perturbations relative to the mean flow.
 const AMPLITUDE: f64 = 1e-6;
 /// Steps between two sample times of the coarsest of three step sequences; each further sequence doubles them. If the
 /// solver rejects the steps as too long, all three are halved, up to the second number of steps.
 const STEPS: [usize; 2] = [4, 64];
-/// Maximum number of e-folds by which other waves in the box may grow.
+/// Maximum number of e-folds by which other waves in the box may grow during a measurement.
 const FOLDS: f64 = 4.0;
-/// Smallest amplitude of a wave relative to its initial amplitude, far above rounding.
+/// Smallest admissible amplitude of a wave relative to its initial amplitude, far above rounding.
 pub(super) const LEAST: f64 = 0.1;
 
-/// Measured amplitudes of a mode: transverse velocity and internal variable (ω or ψ).
+/// Measured amplitudes of a mode: transverse velocity V (m/s) and internal variable (ω or ψ).
 pub(super) fn amplitudes(solver: &Solver, mode: Mode) -> [Complex64; 2] {
     let [k1, k2] = solver.wave_vector(mode);
     let [[vorticity, internal], _] = solver.mode(mode).unwrap_or_default();
-    // ζ = ikV
+    // Vorticity ζ = ikV
     [vorticity / (Complex64::I * k1.root_sum_square(k2)), internal]
 }
 
-/// Times at which amplitudes are sampled.
+/// Sample times, s: 0 to `duration` in equal intervals.
 pub(super) fn times(duration: f64) -> Vec<f64> {
     (0..=TIMES).map(|index| duration * index as f64 / TIMES as f64).collect()
 }
 
-/// Predicts and measures all modes of all waves, in the order of the waves.
+/// Predicts and measures all modes of all waves; results in the order of the waves.
 ///
 /// # Errors
-/// The equations do not determine the evolution of a wave; that it was cancelled.
+/// The equations do not determine the evolution of a wave; the progress callback cancels the comparison.
 pub fn wave_results(
     problem: &UniformFlow,
     waves: &[PlaneWave<2>],
@@ -55,10 +55,10 @@ pub fn wave_results(
     Ok(all.into_iter().flatten().collect())
 }
 
-/// An eigenvalue and the unknowns of its wave.
+/// An eigenvalue (1/s) and the unknowns of its mode.
 type Eigenmode = (Complex64, Vec<Complex64>);
 
-/// One wave in its box.
+/// A wave of one wave vector in its periodic box.
 struct Experiment<'a> {
     flow: &'a LinearisedFlow<'a>,
     wave: usize,
@@ -66,16 +66,16 @@ struct Experiment<'a> {
     number: f64,
     /// Initial wave vector k, 1/m.
     vector: [f64; 2],
-    /// Edges of the box, m.
+    /// Edge lengths of the box, m.
     lengths: [f64; 2],
     mode: Mode,
     problem: Problem,
-    /// Amplitude of the larger field, in units of the mean flow.
+    /// Initial amplitude of the larger field, relative to its scale by the mean flow.
     amplitude: f64,
     frozen: Vec<Eigenmode>,
 }
 
-/// All modes of a wave.
+/// Predicts and measures all modes of a wave.
 fn mode_results(
     flow: &LinearisedFlow,
     index: usize,
@@ -124,7 +124,7 @@ impl Experiment<'_> {
         let fit = |all: &[[Complex64; 2]]| {
             fit_rate(&times(duration), &all.iter().map(|own| own[leading]).collect::<Vec<_>>())
         };
-        // The same number of stages in all steps: the limit is that of one method.
+        // A fixed number of stages for all step sizes, so that the extrapolation applies to one method.
         let measure = |steps: usize, stages: usize| {
             measured(&self.problem, self.mode, start, [steps, stages], duration)
         };
@@ -143,8 +143,8 @@ impl Experiment<'_> {
                 found => break found,
             }
         };
-        // Fields are rounded as parts of the background, which weighs more next to the bound; what a wave
-        // makes of itself is of third order.
+        // Field values are rounded relative to the background; rounding errors are amplified close to 2ν = ±90°
+        // (factor 1/|cos 2ν|). Nonlinear self-interaction of the wave is of third order.
         let inverse = 1.0 / (2.0 * flow.flow.noncoaxiality).cr_cos().abs();
         let unit = flow.unit(self.number, leading);
         let least = course.iter().map(|own| own[leading].norm() / unit);
@@ -159,8 +159,8 @@ impl Experiment<'_> {
         Ok(ModeResult { wave: self.wave, mode, duration, predicted, frozen, measured })
     }
 
-    /// An e-fold (s), while the wave vector does not turn by much, and before the growth of rounding in faster waves of
-    /// the box is seen.
+    /// Duration of a measurement, s: one e-fold, limited so that the wave vector changes little and rounding errors
+    /// in faster waves of the box grow by at most [`FOLDS`] e-folds.
     fn duration(&self, eigenvalue: Complex64) -> Result<f64, AgreementError> {
         let duration = (1.0 / eigenvalue.norm()).min(0.2 / self.flow.flow.shear_rate);
         let mut growth = 0.0f64;
@@ -170,8 +170,8 @@ impl Experiment<'_> {
         Ok(duration.min(FOLDS / growth))
     }
 
-    /// The predicted amplitudes over a duration (s), which is halved until they stay far above rounding, and the field
-    /// that varies less: the other may pass through zero.
+    /// Predicted amplitudes over a duration (s), which is halved until they stay far above rounding, and the index of
+    /// the field with the smaller relative variation: the other field may pass through zero.
     fn course(
         &self,
         start: [Complex64; 2],
@@ -185,7 +185,8 @@ impl Experiment<'_> {
                 sizes().fold(f64::MAX, f64::min) / sizes().fold(f64::MIN_POSITIVE, f64::max)
             };
             let leading = usize::from(least(1) > least(0));
-            // A rate that is small at the beginning may not stay so.
+            // The growth rate may change along k(t): limit the decay by the predicted amplitudes, not by the initial
+            // rate.
             if least(leading) > LEAST || duration < 1e-9 / self.flow.flow.shear_rate {
                 return Ok((duration, predicted, leading));
             }
@@ -194,18 +195,18 @@ impl Experiment<'_> {
     }
 }
 
-/// Rate of the frozen wave vector closest to that of the moving wave vector.
+/// Rate of the frozen wave vector that is closest to the given rate of the moving wave vector.
 fn nearest(frozen: &[Eigenmode], rate: Complex64) -> Rate {
     let distance = |own: &&Eigenmode| (own.0 - rate).norm();
     let nearest = frozen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
     nearest.map_or(Rate::default(), |own| Rate { frequency: -own.0.im, growth: own.0.re })
 }
 
-/// Amplitudes of a wave in the solver.
+/// Amplitudes (transverse velocity, internal variable) of a wave in the solver, by sample time.
 type Amplitudes = Vec<[Complex64; 2]>;
 
-/// Measured amplitudes of a wave with the given number of steps between samples and minimum number of stages, and the
-/// largest number of stages used; or the reason why the solver stops.
+/// Measures the amplitudes of a wave with the given number of steps between samples and minimum number of stages;
+/// returns them with the largest number of stages used, or the reason why the solver stops.
 fn measured(
     problem: &Problem,
     mode: Mode,
@@ -216,7 +217,7 @@ fn measured(
     let mut solver = Solver::new(problem)?;
     let [k1, k2] = solver.wave_vector(mode);
     let number = k1.root_sum_square(k2);
-    // Re z exp(ik·y), counted from the first point: of it the mode is a half.
+    // Re 2z exp(ik·y), with y from the first point: a real field with Fourier coefficient z.
     let value = |z: Complex64| -> Vec<f64> {
         (0..POINTS * POINTS)
             .map(|point| {
@@ -254,7 +255,7 @@ fn in_the_limit(measured: &[(usize, Rate)]) -> (Rate, f64) {
         };
         Rate { frequency: of(|own| own.frequency), growth: of(|own| own.growth) }
     };
-    // Steps h, h/2 and h/4.
+    // Step sizes h, h/2 and h/4.
     let second = combine([0.0, -1.0 / 3.0, 4.0 / 3.0]);
     let third = combine([1.0 / 21.0, -12.0 / 21.0, 32.0 / 21.0]);
     (third, (third - second).max_norm())

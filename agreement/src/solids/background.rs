@@ -7,19 +7,19 @@ use models::solid::stress::{Component, Stress};
 use models::yield_set::parameters::{ActiveCondition, contract};
 use nalgebra::{DMatrix, DVector};
 
-/// A stress on the yield surface.
+/// Uniform background stress on the yield surface.
 pub(super) struct Background {
     pub(super) stress: Stress,
-    /// Stress, by unknown, for which every active condition has unit value in energy coordinates.
+    /// Stress, as a vector of unknowns, for which every active condition has unit value in energy coordinates.
     pub(super) yield_normal_stress: DVector<f64>,
     pub(super) is_curved: bool,
     /// Energy norm of the background stress, √(J/m³).
     pub(super) norm: f64,
-    /// Largest energy norm of a wave that activates no further condition, √(J/m³).
+    /// Largest energy norm of a wave that activates no further yield condition, √(J/m³).
     pub(super) capacity: f64,
 }
 
-/// Normals of the active conditions with respect to all unknowns.
+/// Yield normals of the active conditions, with respect to all unknowns.
 pub(super) fn normals<const D: usize>(solid: &Solid) -> Vec<DVector<f64>> {
     let active = solid.plastic.iter().flat_map(|plastic| &plastic.active);
     active.map(|condition| normal::<D>(solid, condition)).collect()
@@ -58,7 +58,7 @@ impl Background {
                 continue;
             }
             let normal = normal::<D>(solid, &condition);
-            // By L⁻¹ as normals are.
+            // Transformed by L⁻¹ to energy coordinates, like all normals.
             let scaled = yielding.from_energy.transpose() * &normal;
             capacity = capacity.min((strength - normal.dot(&unknowns)) / scaled.norm());
         }
@@ -80,15 +80,15 @@ fn stress_of(plastic: &Plastic) -> Stress {
     let active: Vec<(ActiveCondition, f64)> =
         half_spaces.filter(|(condition, _)| plastic.active.contains(condition)).collect();
     let shears: Vec<Stress> = active.iter().map(|(condition, _)| shear(condition)).collect();
-    // A condition that limits normal stresses alone is met by no shear.
+    // A condition that limits normal stresses only cannot be reached by shear.
     let mut own = active.iter().zip(&shears);
     if !own.all(|((condition, _), shear)| contract(&condition.normal, shear) > 0.0) {
         return least_stress(&active);
     }
-    // On each active condition, by its own shear or couple stress alone.
+    // Each condition is reached by its own shear or couple stress.
     let mut stress = Stress::default();
     for ((condition, strength), shear) in active.iter().zip(&shears) {
-        // The multiple of it that meets the condition with equality.
+        // Multiple of the shear at which the condition holds with equality.
         let scale = strength / contract(&condition.normal, shear);
         for face in 0..2 {
             stress.force[1 - face][face] += shear.force[1 - face][face] * scale;
@@ -98,7 +98,7 @@ fn stress_of(plastic: &Plastic) -> Stress {
     stress
 }
 
-/// In-plane shear and couple stress of the normal of a condition.
+/// In-plane shear and couple stress components of the normal of a condition.
 fn shear(condition: &ActiveCondition) -> Stress {
     let own = condition.normal;
     let mut shear = Stress::default();
@@ -109,8 +109,8 @@ fn shear(condition: &ActiveCondition) -> Stress {
     shear
 }
 
-/// Minimum-norm stress s = Σ cᵢnᵢ (numbers in SI units) at which all conditions hold with equality, nᵢ·s = kᵢ. Zero if
-/// the normals are linearly dependent.
+/// Minimum-norm stress s = Σ cᵢnᵢ (components in SI units) at which all conditions hold with equality, nᵢ·s = kᵢ;
+/// zero if the normals are linearly dependent.
 fn least_stress(active: &[(ActiveCondition, f64)]) -> Stress {
     let normal = |index: usize| &active[index].0.normal;
     let count = active.len();

@@ -1,4 +1,4 @@
-//! Input of a measurement: a solid for analysis and solver, and a branch of a wave in it.
+//! Input of a measurement: a solid for analysis and solver, and a branch of a plane wave in it.
 
 use super::{Response, SolverSettings};
 use crate::scheme::Equations;
@@ -7,7 +7,8 @@ use models::elastoplastic::Solid;
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-/// Safety factor of the distance of the background from the yield surface, relative to the largest effect of the wave.
+/// Safety factor of the distance of the background from the yield surface, relative to the bound on the effect of the
+/// wave.
 pub(super) const MARGIN: f64 = 2.0;
 
 /// A solid for analysis and solver.
@@ -17,7 +18,7 @@ pub(super) struct Experiment<'a, const D: usize> {
     pub(super) settings: &'a SolverSettings,
 }
 
-/// A wave to be measured.
+/// Branch of a plane wave to be measured.
 pub(super) struct Branch<'a, const D: usize> {
     /// Index of the wave in the list of waves.
     pub(super) wave: usize,
@@ -31,11 +32,11 @@ pub(super) struct Branch<'a, const D: usize> {
     pub(super) predicted: f64,
     /// Largest predicted frequency at this wave vector, rad/s.
     pub(super) greatest: f64,
-    /// The frequency in `equations`, rad/s: the predicted one but for rounding.
+    /// Frequency in `equations`, rad/s: equal to the predicted one within rounding.
     pub(super) frequency: f64,
-    /// Amplitude in energy coordinates.
+    /// Unit amplitude in energy coordinates; `None` if `equations` have no such wave.
     pub(super) amplitude: Option<DVector<Complex64>>,
     pub(super) equations: &'a Equations<D>,
-    /// [`Equations::bounds`] of the amplitude; 0 where nothing yields.
+    /// [`Equations::bounds`] of the amplitude: value and rate of an active condition; 0 without amplitude.
     pub(super) bounds: [f64; 2],
 }

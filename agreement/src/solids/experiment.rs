@@ -1,4 +1,4 @@
-//! All branches of all waves, predicted, expected and measured.
+//! All branches of all waves: predicted, expected and measured frequencies.
 
 use super::background::{Background, normals};
 use super::branch::{Branch, Experiment, MARGIN};
@@ -16,19 +16,21 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Maximum number of cell updates of a simulation.
+/// Maximum number of cell updates per simulation.
 const MOST_UPDATES: f64 = 2e9;
-/// Bound on the roundings of a step, in half units in the last place of the largest field in energy coordinates: about
-/// ten per sweep, and up to seven factors per step.
+/// Bound on the rounding errors of a step, in half units in the last place of the largest field in energy
+/// coordinates: about ten operations per sweep, and up to seven factors per step.
 const ROUNDINGS: f64 = 64.0;
-/// Ratio of wave stress to background stress on flat yield surfaces.
+/// Ratio of wave stress to background capacity on flat yield surfaces.
 const ON_FLAT: f64 = 1e-3;
 
-/// Predicts all branches of waves in `solid` and measures them in `medium`, the same solid for the solver.
+/// Predicts all branches of waves in `solid` and measures them in `medium`, the solver's description of the same
+/// solid.
 ///
 /// # Errors
-/// The solid has no positive energy, no rate of response, or no background on its yield surface; `medium` is of another
-/// dimension; there are no grids; a run would take too long; that it was cancelled.
+/// The energy of the solid is not positive definite, its rate response is not defined, or it has no background on its
+/// yield surface; `medium` has other dimensions; no grids are given; a simulation exceeds the number of cell updates;
+/// the progress callback cancels the comparison.
 pub fn branch_results(
     solid: &Solid,
     medium: &Medium,
@@ -96,7 +98,7 @@ impl<const D: usize> Experiment<'_, D> {
         };
         let mut branches: Vec<Branch<D>> = Vec::new();
         for (index, wave) in waves.iter().enumerate() {
-            // A component that rounding has left is zero.
+            // Components at the level of rounding are set to zero.
             let component = |axis: usize| match wave.normal[axis] {
                 component if component.abs() < 1e-9 => 0.0,
                 component => wave.number * component,
@@ -108,7 +110,8 @@ impl<const D: usize> Experiment<'_, D> {
                 let greatest = predicted.first().map_or(0.0, |own| own.1);
                 let mut waves = waves.into_iter();
                 for (label, predicted) in predicted {
-                    // Without one both parts of the analysis contradict each other: there is nothing to send.
+                    // `None` if the energy form has fewer waves than the analysis: reported as
+                    // `NotMeasurable::NoSuchWave`.
                     let (frequency, amplitude) = waves.next().unzip();
                     let bounds = amplitude.as_ref().map(|own| yielding.bounds(vector, own));
                     branches.push(Branch {
@@ -130,13 +133,13 @@ impl<const D: usize> Experiment<'_, D> {
         Ok(branches)
     }
 
-    /// Labels and frequencies of the waves that propagate, rad/s, descending.
+    /// Labels and predicted frequencies (rad/s) of the propagating waves, by descending frequency.
     fn predicted(
         &self,
         wave: &PlaneWave<3>,
         stays_elastic: bool,
     ) -> Result<Vec<(String, f64)>, AgreementError> {
-        /// Frequencies below this fraction of the greatest are zero.
+        /// Frequencies below this fraction of the largest are treated as zero.
         const NEGLIGIBLE: f64 = 1e-6;
         let groups = branches(self.solid, wave.normal, wave.number, stays_elastic)?;
         let mut all: Vec<(String, f64)> = groups
@@ -175,7 +178,7 @@ impl<const D: usize> Experiment<'_, D> {
         }
     }
 
-    /// Grid of one wavelength along each axis, the period (s), and the number of steps per cell.
+    /// Grid of one wavelength along each axis, period (s), and number of steps per `cells`-th part of the period.
     fn grid(&self, branch: &Branch<D>, cells: usize) -> (Grid<D>, f64, usize) {
         let edges = branch.vector.map(|k| 2.0 * PI / (k.abs() * cells as f64));
         let longest = edges.iter().copied().filter(|edge| edge.is_finite()).fold(0.0, f64::max);
@@ -190,18 +193,18 @@ impl<const D: usize> Experiment<'_, D> {
             speeds.fold(0.0, f64::max) / grid.spacing[axis]
         };
         let by_waves = 2.0 * self.settings.courant / (0..D).map(rate).fold(0.0, f64::max);
-        // The coarsest grid's rotation is the greatest.
+        // The limit of the rotation applies to the coarsest grid, which has the longest step.
         let coarsest = self.settings.cells[0] as f64 / cells as f64;
         let by_rotation = self.medium.rotation.map_or(f64::INFINITY, |rotation| {
             self.settings.rotation / rotation.frequency * coarsest
         });
         let period = 2.0 * PI / branch.predicted;
-        // The same number of steps per cell on all grids, hence one Courant number.
+        // The number of steps per cell is the same on all grids, and so is the Courant number.
         let per_cell = period / (by_waves.min(by_rotation) * cells as f64) * (1.0 - 1e-12);
         (grid, period, per_cell.ceil().max(1.0) as usize)
     }
 
-    /// Checks the number of cell updates of a simulation.
+    /// Checks the number of cell updates of a simulation against [`MOST_UPDATES`].
     fn check_size(&self, branch: &Branch<D>, cells: usize) -> Result<(), AgreementError> {
         let (grid, _, per_cell) = self.grid(branch, cells);
         let updates = (cells * per_cell) as f64 * grid.count() as f64;
@@ -246,8 +249,8 @@ impl<const D: usize> Experiment<'_, D> {
         }
         let times: Vec<f64> =
             (0..=cells).map(|index| (index * per_cell) as f64 * discretisation.step).collect();
-        // The difference that the scheme makes to the predicted frequency. That is the root of an eigenvalue ω², which
-        // is known to the rounding of the greatest.
+        // Shift of the frequency by the discretisation error, relative to the predicted frequency. The latter is the
+        // square root of an eigenvalue ω², whose rounding error is relative to the largest eigenvalue.
         let mut expected = fit_rate(&times, &expected);
         expected.frequency += branch.predicted - branch.frequency;
         let ratio = branch.greatest / branch.predicted;
@@ -260,9 +263,9 @@ impl<const D: usize> Experiment<'_, D> {
         })
     }
 
-    /// Size of a wave of unit amplitude relative to the background, and the phase error after the given number of steps:
-    /// by the rotation of the normal of a curved yield surface in the stress of the wave and of the flow, and by the
-    /// rounding of the total stress.
+    /// Scale factor of a wave of unit amplitude relative to the background, and bound on the phase error after the
+    /// given number of steps: by the rotation of the normal of a curved yield surface due to the stress of the wave
+    /// and of the flow, and by the rounding of the total stress.
     fn size(
         &self,
         branch: &Branch<D>,
@@ -271,11 +274,11 @@ impl<const D: usize> Experiment<'_, D> {
         steps: usize,
     ) -> Result<(f64, f64), NotMeasurable> {
         let part = if background.is_curved { f64::EPSILON.sqrt() } else { ON_FLAT };
-        // In units of energy: components of stress and of couple stress differ in unit.
+        // Energy norm, since stress and couple stress have different units.
         let velocities = self.solid.elastic.carried_rates::<D>().velocities();
         let stress = amplitude.rows_range(velocities..).norm();
         let size = part * background.capacity / stress;
-        // The rates of flow add up over a period; a turn of the normal counts twice.
+        // The rate of plastic flow acts over one period; a rotation of the normal enters the projection twice.
         let turned = if background.is_curved { 4.0 * PI * MARGIN * part } else { 0.0 };
         let rounding = f64::EPSILON * background.norm / (part * background.capacity);
         if rounding > 0.1 {

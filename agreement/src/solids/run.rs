@@ -1,4 +1,4 @@
-//! A simulation of one wave in a periodic box of one wavelength along each axis.
+//! Simulation of one wave in a periodic box of one wavelength along each axis.
 
 use super::background::Background;
 use super::branch::{Branch, Experiment, MARGIN};
@@ -27,7 +27,8 @@ pub(super) struct Run<'a, const D: usize> {
 }
 
 impl<const D: usize> Run<'_, D> {
-    /// Amplitudes of the wave after every `per_cell` steps, in energy coordinates, or the reason for their absence.
+    /// Amplitudes of the wave, initially and after every `per_cell` steps (`cells` times), in energy coordinates; or
+    /// the reason why the solver rejects the problem.
     pub(super) fn amplitudes(
         &self,
         amplitude: &DVector<Complex64>,
@@ -74,14 +75,14 @@ impl<const D: usize> Run<'_, D> {
         Ok(all)
     }
 
-    /// Index of a field among the unknowns.
+    /// Index of a field among the unknowns, by its name.
     fn index_of(&self, field: Field) -> Option<usize> {
         let name = field.to_string();
         self.unknowns.iter().position(|own| *own == name)
     }
 
-    /// Cells of one wavelength on a line along an axis; successive samples use successive lines, so that all rows are
-    /// sampled. A full sample would be slow, as the output of a step is completed cell by cell.
+    /// Cells of one wavelength on a line along an axis. Successive samples use successive lines, so that all rows are
+    /// sampled; sampling all cells would be slow, since the output of a step is completed cell by cell.
     fn line(&self, index: usize) -> Vec<usize> {
         let counts = self.grid.cells;
         let axis = counts.iter().position(|count| *count > 1).unwrap_or(0);
@@ -91,7 +92,7 @@ impl<const D: usize> Run<'_, D> {
         (0..counts[axis]).map(|own| first + own * stride(axis)).collect()
     }
 
-    /// Phase κ·x at the centre of a cell.
+    /// Phase κ·x at the centre of a cell, rad.
     fn phase(&self, cell: usize) -> f64 {
         let mut rest = cell;
         let mut phase = 0.0;
@@ -117,7 +118,7 @@ impl<const D: usize> Run<'_, D> {
         let Some(background) = self.background else { return problem };
         problem.initial_stress = Some((0, vec![background.stress; self.grid.cells[0]]));
         if self.branch.response == Response::Loading {
-            // A stress source relieves its amplitude times its signal: here −t.
+            // A source subtracts amplitude × signal from the stress: the signal −t adds stress at the constant rate.
             let rate = MARGIN * amplitude.norm() * self.branch.bounds[1];
             let volume = self.grid.volume() * count as f64;
             let amplitudes = self.experiment.medium.fields.iter().filter_map(|&field| {
@@ -134,7 +135,7 @@ impl<const D: usize> Run<'_, D> {
         problem
     }
 
-    /// Offset of an unloading background into the interior of the yield surface, by unknown.
+    /// Offset, as a vector of unknowns, of an unloading background from the yield surface into the elastic domain.
     fn offset(&self, amplitude: &DVector<Complex64>) -> Option<DVector<f64>> {
         let background = self.background?;
         (self.branch.response == Response::Unloading).then(|| {
