@@ -67,9 +67,9 @@ pub fn rate_error(error: f64, duration: f64) -> f64 {
 /// exponent is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Powers {
-    /// Powers in the error of the frequency.
+    /// Exponents in the error of the frequency.
     pub frequency: &'static [i32],
-    /// Powers in the error of the growth rate.
+    /// Exponents in the error of the growth rate.
     pub growth: &'static [i32],
 }
 

@@ -62,7 +62,7 @@ pub struct ModeResult {
 /// Rates measured in the solver for a sequence of decreasing time steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepSequences {
-    /// Number of steps, ascending, with the rate.
+    /// Number of steps, ascending, and the rate measured with it (1/s).
     pub sequences: Vec<(usize, Rate)>,
     /// Rate extrapolated to zero time step, 1/s.
     pub limit: Rate,

@@ -47,9 +47,9 @@ pub struct Discretisation<const D: usize> {
 pub struct Propagator {
     /// Amplification matrix of the first step.
     first: Matrix,
-    /// Amplification matrix of each further step.
+    /// Amplification matrix of each subsequent step.
     step: Matrix,
-    /// From the state to the output.
+    /// Matrix from the state after a step to the output state.
     output: Matrix,
 }
 
@@ -169,8 +169,9 @@ impl<const D: usize> Equations<D> {
         [amplitude.norm(), (self.symbol(wave) * amplitude).norm()]
     }
 
-    /// Stress normal to the yield surface, as unknowns, for which every active condition has unit value in energy
-    /// coordinates: unit distance from the surface. `None` if no plastic flow keeps all conditions active.
+    /// Stress normal to the yield surface, as a vector of unknowns, for which every active condition has unit value
+    /// in energy coordinates (unit distance from the surface). `None` without active conditions, or if a plastic
+    /// multiplier is not positive.
     pub fn yield_normal_stress(&self) -> Option<DVector<f64>> {
         if self.normals.is_empty() {
             return None;

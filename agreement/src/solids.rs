@@ -96,7 +96,7 @@ pub struct GridResult {
 }
 
 impl GridResult {
-    /// Whether measured and expected rates agree.
+    /// Whether measured and expected rate agree within the tolerance.
     pub fn agrees(&self) -> bool {
         (self.measured - self.expected).max_norm() <= self.tolerance
     }

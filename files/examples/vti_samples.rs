@@ -1,4 +1,4 @@
-//! Writes image data with known values, for `files/checks/vti.py` to check with VTK's own reader:
+//! Writes image data with known values, which `files/checks/vti.py` verifies with VTK's own reader:
 //!
 //!     cargo run -p wellposed-files --example vti_samples -- FOLDER
 
@@ -8,17 +8,17 @@ use std::path::{Path, PathBuf};
 use wellposed_files::vti::{Grid, ImageData, Number, Storage, collection};
 use wellposed_files::write_atomically;
 
-/// Deformation gradient from the nodes of plane grids to those of structured grids.
+/// Deformation gradient from plane grids to structured grids.
 const DEFORMATION: [[f64; 2]; 2] = [[1.0, 0.5], [-0.25, 1.25]];
 
-/// Number of a cell along each axis, the first axis fastest.
+/// Indices of all cells along three axes, the first axis fastest.
 fn indices(cells: &[usize]) -> Vec<[usize; 3]> {
     let along = |axis| 0..cells.get(axis).copied().unwrap_or(1);
     let planes = along(2).flat_map(|k| along(1).map(move |j| (j, k)));
     planes.flat_map(|(j, k)| along(0).map(move |i| [i, j, k])).collect()
 }
 
-/// A value that tells its cell and its component, without rounding even with 32 bits.
+/// Value that identifies cell and component, exactly representable in 32 bits.
 fn tell([i, j, k]: [usize; 3], component: usize) -> f64 {
     i as f64 - 100.0 * j as f64 + 10_000.0 * k as f64 + 0.125 * component as f64
 }
@@ -69,8 +69,7 @@ fn sample(
 
 fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     let mut files = Vec::new();
-    // A single cell; one that fills its blocks of 2^18 bytes exactly, which 2^15 numbers of 64 bits
-    // do; and ones that do not.
+    // Grids of a single cell, of exactly one block (2^18 bytes, i.e. 2^15 numbers of 64 bits), and others.
     let grids: [&[usize]; 7] =
         [&[1, 1], &[5, 3], &[256, 128], &[301, 211], &[1, 1, 1], &[5, 4, 3], &[61, 53, 47]];
     for cells in grids {

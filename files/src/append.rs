@@ -1,8 +1,8 @@
-//! CSV tables extended row by row, which interrupted runs can resume.
+//! CSV tables extended row by row, with resumption of interrupted runs.
 //!
-//! Rows are buffered in memory and written to disk by [`Appender::sync`]; before that a reader may see a partial last
-//! line. An interrupted run resumes at the length reported by the last `sync`, if that part of the file is unchanged;
-//! the rest is cut off and written again.
+//! Rows are buffered in memory and written to disk by [`Appender::sync`]; before that a reader may find an incomplete
+//! last line. An interrupted run resumes at the length returned by the last `sync`, if that part of the file is
+//! unchanged; later bytes are truncated and the rows are written again.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
@@ -14,7 +14,7 @@ use crate::atomic::sync_name;
 use crate::csv::shortest;
 use crate::open::open_in_place;
 
-/// Error of starting, resuming or extending a table.
+/// Error of creating, resuming or extending a table.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct AppendError {
@@ -28,10 +28,10 @@ pub struct AppendError {
 /// Cause of an [`AppendError`].
 #[derive(Debug, thiserror::Error)]
 pub enum AppendProblem {
-    /// An operation was refused by the operating system.
+    /// The operating system refused an operation.
     #[error("cannot {action}: {source}")]
     Refused {
-        /// Attempted action, a verb that follows "cannot".
+        /// Attempted action, a phrase that follows "cannot".
         action: &'static str,
         /// Error of the operating system.
         source: io::Error,
@@ -41,22 +41,22 @@ pub enum AppendProblem {
     Shorter {
         /// Length of the file, in bytes.
         found: u64,
-        /// Expected length of the part already written, bytes.
+        /// Length of the part already written, bytes.
         length: u64,
     },
-    /// The part already written of the table to be resumed was changed.
+    /// The part already written was changed.
     #[error("has other content in its first {length} bytes than was written")]
     Changed {
-        /// Expected length of the part already written, bytes.
+        /// Length of the part already written, bytes.
         length: u64,
     },
-    /// The length to resume at is not the end of a line below a header.
+    /// The length to resume at is not the end of a line of a table with a header.
     #[error("has no header and whole rows in its first {length} bytes")]
     Header {
-        /// Length at which the table should resume, bytes.
+        /// Length to resume at, bytes.
         length: u64,
     },
-    /// A row whose length differs from the header's.
+    /// The length of a row differs from that of the header.
     #[error("a row has {found} cells where the header names {expected} columns")]
     Row {
         /// Cells in the row.
@@ -68,7 +68,7 @@ pub enum AppendProblem {
 
 pub use crate::open::Written;
 
-/// A table being extended. On drop, buffered rows are passed to the operating system and errors are ignored: call
+/// Table being extended. On drop, buffered rows are passed to the operating system and errors are ignored: call
 /// [`Appender::sync`] first.
 #[derive(Debug)]
 pub struct Appender {
@@ -77,7 +77,7 @@ pub struct Appender {
     writer: csv::Writer<Hashed>,
 }
 
-/// A file with the running checksum of its content.
+/// File with the running checksum of its content.
 #[derive(Debug)]
 struct Hashed {
     file: File,
@@ -104,7 +104,7 @@ impl Write for Hashed {
     }
 }
 
-/// Gives an error of the operating system the file and the action, a word that follows "cannot".
+/// Adds path and attempted action (a phrase that follows "cannot") to an error of the operating system.
 fn at(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> AppendError {
     move |source| wrong(path, AppendProblem::Refused { action, source })
 }
@@ -114,10 +114,10 @@ fn wrong(path: &Path, problem: AppendProblem) -> AppendError {
 }
 
 impl Appender {
-    /// Creates a table with its header and writes it to disk; a file of the same name is replaced, a missing folder is an
+    /// Creates a table and writes its header to disk. A file of the same name is replaced; a missing folder is an
     /// error.
     pub fn create(path: &Path, header: &[&str]) -> Result<Self, AppendError> {
-        // Another file, so that no link to the one before leads here.
+        // A new file, so that other hard links to the previous file remain unchanged.
         match fs::remove_file(path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
                 return Err(at(path, "be created")(error));
@@ -135,7 +135,7 @@ impl Appender {
         Ok(appender)
     }
 
-    /// Resumes a table behind the part already `written`, which must be unchanged; the rest of the file is cut off.
+    /// Resumes a table after the part already `written`, which must be unchanged; later bytes are truncated.
     pub fn resume(path: &Path, written: Written) -> Result<Self, AppendError> {
         Interrupted::open(path, written)?.resume()
     }
@@ -144,13 +144,13 @@ impl Appender {
         Self { path: path.to_path_buf(), header, writer: csv::Writer::from_writer(start) }
     }
 
-    /// The column names.
+    /// Column names.
     pub fn header(&self) -> &[String] {
         &self.header
     }
 
-    /// Adds a row, in which every number has the shortest form that reads back to the same bits;
-    /// not-a-number becomes an empty cell, infinities become `inf` and `-inf`.
+    /// Appends a row. Numbers have the shortest form that reads back to the same bits; not-a-number becomes an empty
+    /// cell, infinities become `inf` and `-inf`.
     pub fn write_row(&mut self, row: &[f64]) -> Result<(), AppendError> {
         let (found, expected) = (row.len(), self.header.len());
         if found != expected {
@@ -160,7 +160,7 @@ impl Appender {
         written.map_err(|error| at(&self.path, "be written")(error.into()))
     }
 
-    /// Writes all rows to disk and returns length and checksum of the file, at which [`Appender::resume`] can resume.
+    /// Writes all rows to disk and returns length and checksum of the file, for [`Appender::resume`].
     pub fn sync(&mut self) -> Result<Written, AppendError> {
         let mut flush = || {
             self.writer.flush()?;
@@ -171,7 +171,7 @@ impl Appender {
     }
 }
 
-/// A verified interrupted table that can be resumed; the file is not changed yet.
+/// Interrupted table that is verified and can be resumed; the file is not changed yet.
 #[derive(Debug)]
 pub struct Interrupted {
     path: PathBuf,
@@ -183,7 +183,7 @@ impl Interrupted {
     /// Opens an interrupted table and verifies that the part already `written` is unchanged.
     ///
     /// # Errors
-    /// That part was changed or cannot be read.
+    /// The part already written was changed or cannot be read.
     pub fn open(path: &Path, written: Written) -> Result<Self, AppendError> {
         let length = written.length;
         let mut file = open_in_place(path).map_err(at(path, "be opened"))?;
@@ -202,7 +202,7 @@ impl Interrupted {
         Ok(Self { path: path.to_path_buf(), header, start })
     }
 
-    /// Cuts off everything written later and resumes the table.
+    /// Truncates the file to the verified part and resumes the table.
     ///
     /// # Errors
     /// The file cannot be truncated.
@@ -218,7 +218,7 @@ impl Interrupted {
     }
 }
 
-/// Hasher over the first `length` bytes, or all bytes of a shorter file.
+/// Hasher over the first `length` bytes, or over all bytes of a shorter file.
 fn hasher_of(mut file: &File, length: u64) -> io::Result<Hasher> {
     file.rewind()?;
     let mut start = file.take(length);
@@ -231,7 +231,7 @@ fn hasher_of(mut file: &File, length: u64) -> io::Result<Hasher> {
     }
 }
 
-/// Column names; `None` if the first `length` bytes are not a header with complete lines.
+/// Reads the column names; `None` if the first `length` bytes are not complete lines with a header.
 fn header_of(file: &mut File, length: u64) -> io::Result<Option<Vec<String>>> {
     let Some(last) = length.checked_sub(1) else { return Ok(None) };
     let mut end = [0];
@@ -252,7 +252,7 @@ fn header_of(file: &mut File, length: u64) -> io::Result<Option<Vec<String>>> {
 mod tests {
     use super::*;
 
-    /// The start of a text as if it had been written.
+    /// Length and checksum of the first `length` bytes of a text.
     fn start(text: &str, length: usize) -> Written {
         let length = length.min(text.len());
         Written { length: length as u64, checksum: crc32fast::hash(&text.as_bytes()[..length]) }
@@ -370,7 +370,7 @@ mod tests {
         assert_eq!(fs::read_to_string(&path).unwrap(), &text[..8]);
     }
 
-    /// A table that begins leaves alone what had its name, under its other names.
+    /// Verifies that a new table leaves the target of a symbolic link and other hard links unchanged.
     #[cfg(unix)]
     #[test]
     fn links_are_not_followed() {

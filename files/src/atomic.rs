@@ -14,7 +14,7 @@ use crate::open::{open_regular, stands_at};
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {action} {}: {source}", path.display())]
 pub struct FileError {
-    /// File or folder of the failed step.
+    /// File or folder of the failed operation.
     pub path: PathBuf,
     /// Attempted action, a phrase that follows "cannot".
     pub action: &'static str,
@@ -22,17 +22,17 @@ pub struct FileError {
     pub source: io::Error,
 }
 
-/// Writes `bytes` to `path` atomically: afterwards the file contains all of them or is unchanged.
+/// Writes `bytes` to `path` atomically: afterwards the file contains all bytes, or is unchanged.
 ///
-/// Missing parent folders are created. The bytes are written to a temporary file in the same folder, flushed to disk,
-/// and the temporary file is renamed. If a step fails the temporary file is removed. A symbolic link is replaced and its
-/// target is not changed; other special files, such as devices, are refused.
+/// Missing parent folders are created. The bytes are written to a temporary file in the same folder and flushed to
+/// disk; then the temporary file is renamed. If an operation fails the temporary file is removed. A symbolic link is
+/// replaced and its target is not changed; other special files, such as devices, are refused.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_atomically_with(path, |file| file.write_all(bytes))
 }
 
-/// As [`write_atomically`], with content produced by `write` into the unbuffered file; many small pieces need a buffer
-/// of the caller.
+/// As [`write_atomically`], with content produced by `write`. The file is unbuffered: callers that write many small
+/// blocks need a buffer.
 pub fn write_atomically_with(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
@@ -40,12 +40,12 @@ pub fn write_atomically_with(
     stage_with(path, write)?.publish()
 }
 
-/// A complete file on disk under a temporary name, removed on drop unless published.
+/// Complete file on disk under a temporary name, removed on drop unless published.
 #[derive(Debug)]
 pub struct Staged {
     path: PathBuf,
     temporary: PathBuf,
-    /// Keeps the file locked, so that other processes do not remove it as abandoned.
+    /// Open file, which is locked so that other processes do not remove it as abandoned.
     _file: File,
 }
 
@@ -66,7 +66,7 @@ impl Staged {
 impl Drop for Staged {
     fn drop(&mut self) {
         let mut own = own_temporaries();
-        // After its renaming nothing stands there any more.
+        // After renaming, the temporary name no longer exists.
         let _ = fs::remove_file(&self.temporary);
         own.remove(&self.temporary);
     }
@@ -93,13 +93,13 @@ pub fn stage_with(
     fs::create_dir_all(folder).map_err(at(folder, "create the folder"))?;
     let (temporary, mut file) = create_temporary(folder, name)?;
     let written = write(&mut file).and_then(|()| file.sync_all());
-    // Where that failed it is dropped, and its file with it.
+    // On failure `staged` is dropped, which removes the temporary file.
     let staged = Staged { path: path.to_path_buf(), temporary, _file: file };
     written.map_err(at(&staged.temporary, "write"))?;
     Ok(staged)
 }
 
-/// Checks that `path` may be replaced by a file.
+/// Checks that `path` is absent or may be replaced: not a device, pipe or socket.
 fn refuse_device(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path).map(|found| found.file_type()) {
         Ok(found) if !found.is_file() && !found.is_symlink() && !found.is_dir() => {
@@ -109,39 +109,39 @@ fn refuse_device(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Temporary files of this process.
+/// Paths of the temporary files of this process.
 static OWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 fn own_temporaries() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     OWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary files of this process and blocks the creation of others, for a process about to be terminated,
-/// e.g. by a signal. Writers in other threads wait from then on.
+/// Removes the temporary files of this process and prevents the creation of others, for a process about to be
+/// terminated, e.g. by a signal. From then on writers in other threads block.
 pub fn remove_own_temporaries() {
     let own = own_temporaries();
     own.iter().for_each(|path| drop(fs::remove_file(path)));
     std::mem::forget(own);
 }
 
-/// Creates and locks a temporary file for the file `name`.
+/// Creates and locks a temporary file for the file `name` in `folder`.
 fn create_temporary(folder: &Path, name: &OsStr) -> Result<(PathBuf, File), FileError> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     loop {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let mut temporary = OsString::from(".");
         temporary.push(name);
-        // The process number keeps two programs apart, the count two files of one.
+        // The process id distinguishes processes, the counter distinguishes files of one process.
         temporary.push(format!(".{}-{count}.partial", std::process::id()));
         let path = folder.join(temporary);
         let mut own = own_temporaries();
         let file = match File::options().write(true).create_new(true).open(&path) {
-            // Left by a process that had the same number.
+            // Abandoned by an earlier process with the same id.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
             Err(source) => return Err(FileError { path, action: "create", source }),
             Ok(file) => file,
         };
-        // Somebody may have taken it for a leftover before it was locked, and has removed it or is about to.
+        // Before it was locked, another process may have considered the file abandoned and removed it.
         let is_locked = !matches!(file.try_lock(), Err(TryLockError::WouldBlock));
         if is_locked && stands_at(&file, &path) {
             own.insert(path.clone());
@@ -150,7 +150,7 @@ fn create_temporary(folder: &Path, name: &OsStr) -> Result<(PathBuf, File), File
     }
 }
 
-/// Removes a temporary file abandoned by a terminated process; files being written are kept.
+/// Removes a temporary file abandoned by a terminated process; a file being written is not removed.
 ///
 /// # Errors
 /// The file cannot be removed.
@@ -162,7 +162,7 @@ pub fn remove_abandoned(path: &Path) -> io::Result<()> {
     let is_abandoned = match file.try_lock() {
         Ok(()) => true,
         Err(TryLockError::WouldBlock) => false,
-        // Without locks the number of its process decides, where that can be looked up.
+        // Without file locks the process id decides, if it can be looked up.
         Err(TryLockError::Error(_)) => {
             process_of(path).is_some_and(|process| is_dead(process) == Some(true))
         }
@@ -189,17 +189,17 @@ fn is_dead(process: u32) -> Option<bool> {
     all.join("self").exists().then(|| !all.join(process.to_string()).exists())
 }
 
-/// The folder of a file.
+/// Folder of a file.
 fn folder_of(path: &Path) -> &Path {
-    // A bare file name has the empty path as its parent, which means the current folder.
+    // The parent of a bare file name is the empty path, which denotes the current folder.
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     }
 }
 
-/// Flushes the folder of a new file to disk, so that its name is durable. Errors are ignored: not every system can flush
-/// folders, and the file itself is complete.
+/// Flushes the folder of a new file to disk, so that its name is durable. Errors are ignored: some systems cannot
+/// flush folders, and the file itself is complete.
 pub(crate) fn sync_name(path: &Path) {
     let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
 }
@@ -226,8 +226,7 @@ mod tests {
     #[test]
     fn a_failure_names_the_place_and_leaves_nothing_behind() {
         let folder = tempfile::tempdir().unwrap();
-        // A folder with content stands where the file should go: the last step, the renaming,
-        // fails.
+        // A non-empty folder exists at the path of the file, so that renaming fails.
         let occupied = folder.path().join("occupied");
         fs::create_dir_all(occupied.join("content")).unwrap();
         let error = write_atomically(&occupied, b"bytes").unwrap_err();
@@ -295,7 +294,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("result");
         let staged = stage_with(&path, |file| file.write_all(b"alive")).unwrap();
-        // Of a process that is no more, and under the number of one that is.
+        // Ids of a terminated process and of a running process.
         let dead = [7_u32, std::process::id()]
             .map(|process| folder.path().join(format!(".result.{process}-999.partial")));
         for leftover in &dead {
@@ -312,7 +311,7 @@ mod tests {
         assert!(!is_dead(std::process::id()).unwrap_or(false));
     }
 
-    /// Eight threads write, one sweeps as fast as it can.
+    /// Verifies that a thread which removes abandoned files does not disturb eight threads which write files.
     #[test]
     fn sweeping_harms_no_living_writer() {
         use std::sync::atomic::AtomicBool;
@@ -362,7 +361,7 @@ mod tests {
         assert!(error.to_string().ends_with("pipe: not a regular file"), "{error}");
         assert_eq!(names(folder.path()), ["pipe"]);
         assert!(!fs::symlink_metadata(&pipe).unwrap().is_file());
-        // A link is replaced, and what it leads to stays.
+        // A symbolic link is replaced; its target is unchanged.
         let (target, link) = (folder.path().join("target"), folder.path().join("link"));
         fs::write(&target, "kept").unwrap();
         std::os::unix::fs::symlink(&target, &link).unwrap();

@@ -1,41 +1,41 @@
-//! A list of files with lengths and checksums, which detects its own damage.
+//! List of files with lengths and checksums, which detects damage to itself.
 //!
-//! A header line, then a line `CHECKSUM LENGTH NAME` for each file, sorted by name; the last line covers the bytes above
-//! it. Checksums are CRC-32 as in zlib, eight hexadecimal digits. A list is valid only if it equals what would be written
-//! for its own content, so that every changed byte is detected.
+//! A header line is followed by a line `CHECKSUM LENGTH NAME` for each file, sorted by name; the last line contains
+//! the checksum of all preceding lines. Checksums are CRC-32 as in zlib, eight hexadecimal digits. A list is valid
+//! only if it equals the list written for its content, so that every changed byte is detected.
 
 use std::collections::BTreeMap;
 
 use crate::open::Written;
 
-/// The first line.
+/// Header line.
 const HEAD: &str = "# CRC-32, length in bytes and name of every file but the log; the last line is for those above\n";
 
-/// The list of files with lengths and checksums.
+/// List of files with lengths and checksums.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Checksums {
     files: BTreeMap<String, Written>,
 }
 
 impl Checksums {
-    /// File name of the list, also the name in its last line.
+    /// File name of the list, and the name in its last line.
     pub const NAME: &str = "checksums.txt";
 
-    /// Adds or replaces a file.
+    /// Adds a file or replaces its entry.
     ///
     /// # Panics
-    /// The name contains a line break or is that of the list itself.
+    /// The name contains a line break or is the name of the list itself.
     pub fn insert(&mut self, name: &str, written: Written) {
         assert!(!name.contains('\n') && name != Self::NAME, "no name of a file in a list: {name}");
         self.files.insert(name.to_owned(), written);
     }
 
-    /// Removes a file from the list, if present.
+    /// Removes a file from the list, if listed.
     pub fn remove(&mut self, name: &str) {
         self.files.remove(name);
     }
 
-    /// Length and checksum of a file.
+    /// Length and checksum of a file; `None` if it is not listed.
     pub fn get(&self, name: &str) -> Option<Written> {
         self.files.get(name).copied()
     }
@@ -45,7 +45,7 @@ impl Checksums {
         self.files.iter().map(|(name, written)| (name.as_str(), *written))
     }
 
-    /// The list as bytes of its file.
+    /// Formats the list as the bytes of its file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut text = HEAD.to_owned();
         for (name, written) in &self.files {

@@ -3,8 +3,8 @@
 /// One cell of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
-    /// A number, written in the shortest form that reads back to the same bits; not-a-number
-    /// becomes an empty cell, infinities become `inf` and `-inf`.
+    /// Number in the shortest form that reads back to the same bits; not-a-number becomes an empty cell, infinities
+    /// become `inf` and `-inf`.
     Number(f64),
     /// Text, quoted where commas, quotes or line breaks require it.
     Text(String),
@@ -22,7 +22,7 @@ impl From<&str> for Cell {
     }
 }
 
-/// Error: the length of a row differs from that of the header.
+/// Error of a row whose length differs from that of the header.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("row {row} of the table has {found} cells where the header names {expected} columns")]
 pub struct RowLength {
@@ -55,7 +55,7 @@ pub fn table(
     Ok(writer.into_inner().expect(IN_MEMORY))
 }
 
-/// Shortest decimal form that reads back to the same bits; very large and very small numbers with an exponent.
+/// Shortest decimal form that reads back to the same bits, with exponent for very large and very small numbers.
 pub(crate) fn shortest(number: f64) -> String {
     let size = number.abs();
     if number.is_nan() {
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn a_line_that_holds_nothing_is_still_a_line() {
-        // An empty line would be skipped by readers, and the rows below would move up.
+        // Readers skip an empty line, which would shift all later rows up.
         let rows = vec![vec![Cell::from(f64::NAN)], vec![Cell::from(2.0)]];
         assert_eq!(written(&["a"], rows), "a\n\"\"\n2\n");
     }

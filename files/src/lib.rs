@@ -1,10 +1,10 @@
-//! File formats and safe file writing: atomic writes, and equal bytes for equal content.
+//! File formats and safe file writing: atomic writes, and reproducible bytes for equal content.
 //!
 //! The crate contains no physics. It encodes columns and arrays as CSV ([`csv`]), NumPy archives ([`npz`]) and VTK files
 //! ([`vti`]), and writes files so that a reader never sees a partial one ([`write_atomically`]). For restarts there are
-//! checkpoint files that detect their own damage ([`sealed`]) and tables extended row by row ([`append`]); for folders
-//! shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file format, add a
-//! module here.
+//! For restarts there are checkpoint files with checksums ([`sealed`]) and tables extended row by row ([`append`]);
+//! for folders shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file
+//! format, add a module here.
 
 #![deny(missing_docs)]
 
@@ -18,7 +18,7 @@ mod open;
 pub mod sealed;
 pub mod vti;
 
-/// CRC-32 checksum as in zlib; detects accidental, not intentional damage.
+/// CRC-32 checksum as in zlib; detects accidental but not intentional damage.
 pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)
 }

@@ -1,7 +1,8 @@
-//! Folder locks: a lock file that one process at a time holds locked.
+//! Folder locks: a lock file that only one process at a time can lock.
 //!
 //! The lock is an advisory lock of the operating system, released when the process ends for any reason; the file is
-//! empty and never written. A symbolic link in its place is refused. On systems without file locks it has no effect.
+//! empty and never written. A symbolic link at its path is refused. On systems without file locks the lock has no
+//! effect.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -10,13 +11,13 @@ use std::time::{Duration, Instant};
 
 use crate::open::{open_in_place, open_regular, stands_at};
 
-/// Time between two attempts.
+/// Pause between two attempts to acquire a lock.
 const PAUSE: Duration = Duration::from_millis(5);
 
 /// Error of acquiring a lock.
 #[derive(Debug, thiserror::Error)]
 pub enum LockError {
-    /// The lock is held by another process, or another part of this one.
+    /// The lock is held by another process, or by another thread of this process.
     #[error("held by another process")]
     Busy,
     /// The file cannot be created or opened.
@@ -24,7 +25,7 @@ pub enum LockError {
     Refused(#[from] io::Error),
 }
 
-/// A held lock. Drop releases it and removes its file if the lock created it.
+/// Held lock. Drop releases it, and removes its file if the lock created it.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
@@ -46,7 +47,7 @@ impl Lock {
                     Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                         match open_in_place(path) {
                             Ok(file) => (file, false),
-                            // Its holder has removed it meanwhile.
+                            // Removed by its holder in the meantime.
                             Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                             Err(error) => return Err(error.into()),
                         }
@@ -57,17 +58,17 @@ impl Lock {
                 Err(TryLockError::WouldBlock) => return Err(LockError::Busy),
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
-            // A file that its last holder has removed keeps nobody out any more.
+            // A lock on a file that its previous holder has removed excludes nobody: try again.
             if stands_at(&file, path) {
                 return Ok(Self { path: path.to_owned(), file, is_new });
             }
         }
     }
 
-    /// Acquires the lock, waiting up to `patience` for its holder.
+    /// Acquires the lock, waiting up to `patience` for its release.
     ///
     /// # Errors
-    /// As [`try_acquire`](Self::try_acquire), after the waiting time.
+    /// As [`try_acquire`](Self::try_acquire), after the waiting time has elapsed.
     pub fn acquire(path: &Path, patience: Duration) -> Result<Self, LockError> {
         let start = Instant::now();
         loop {
@@ -78,14 +79,14 @@ impl Lock {
         }
     }
 
-    /// Whether the lock with its file at `path` is held. The test acquires it for a moment, so callers must exclude
-    /// concurrent acquirers by another lock.
+    /// Whether the lock with its file at `path` is held. The check acquires the lock for a moment, so callers must
+    /// exclude concurrent acquirers by another lock.
     pub fn is_held(path: &Path) -> bool {
         let file = open_regular(path);
         file.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
     }
 
-    /// This lock, with its file removed on drop even if it existed before.
+    /// Returns this lock, with its file to be removed on drop even if it existed before.
     pub fn without_trace(mut self) -> Self {
         self.is_new = true;
         self
@@ -94,7 +95,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // While it is held: afterwards the file may be another's. Where the system cannot tell whose it is it stays.
+        // Remove the file before the lock is released: afterwards it may belong to another holder. On systems that
+        // cannot identify the file it is not removed.
         if self.is_new && cfg!(unix) && stands_at(&self.file, &self.path) {
             let _ = fs::remove_file(&self.path);
         }

@@ -28,7 +28,7 @@ pub enum NpzError {
     /// Compressing or decompressing failed.
     #[error("array archive: {0}")]
     Stream(#[from] io::Error),
-    /// An entry is not an array of a kind that this module writes.
+    /// An entry is not an array of a supported type.
     #[error("entry \"{name}\" of the array archive {problem}")]
     Entry {
         /// Name of the array.
@@ -38,8 +38,8 @@ pub enum NpzError {
     },
 }
 
-/// An archive under construction. Arrays are compressed as they are added; the same arrays added
-/// in the same order give the same bytes.
+/// NPZ archive under construction. Arrays are compressed as they are added; the same arrays added in the same order
+/// give the same bytes.
 pub struct Npz {
     archive: ZipWriter<Cursor<Vec<u8>>>,
 }
@@ -51,29 +51,28 @@ impl Default for Npz {
 }
 
 impl Npz {
-    /// An archive without arrays.
+    /// Creates an archive without arrays.
     pub fn new() -> Self {
         Self { archive: ZipWriter::new(Cursor::new(Vec::new())) }
     }
 
-    /// Adds an array of floating-point numbers (`<f8`) in row-major order; an empty shape is a
-    /// single number.
+    /// Adds an array of double-precision numbers (`<f8`) in row-major order; an empty shape denotes a single number.
     pub fn add_f64(&mut self, name: &str, shape: &[usize], data: &[f64]) -> Result<(), NpzError> {
         self.add(name, "<f8", 8, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
     }
 
-    /// Adds an array of small integers (`|i1`) in row-major order.
+    /// Adds an array of 8-bit integers (`|i1`) in row-major order.
     pub fn add_i8(&mut self, name: &str, shape: &[usize], data: &[i8]) -> Result<(), NpzError> {
         self.add(name, "|i1", 1, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
     }
 
-    /// Adds an array of integers (`<i4`) in row-major order.
+    /// Adds an array of 32-bit integers (`<i4`) in row-major order.
     pub fn add_i32(&mut self, name: &str, shape: &[usize], data: &[i32]) -> Result<(), NpzError> {
         self.add(name, "<i4", 4, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
     }
 
-    /// Adds an array of Unicode strings (`<U…`) in row-major order. The format pads with zero
-    /// characters, so those at the end of a string are not kept.
+    /// Adds an array of Unicode strings (`<U…`) in row-major order. The format pads strings with zero characters;
+    /// trailing zero characters of a string are lost.
     pub fn add_text(
         &mut self,
         name: &str,
@@ -94,7 +93,7 @@ impl Npz {
         Ok(self.archive.finish()?.into_inner())
     }
 
-    /// Adds an entry whose values `put` turns into `width` bytes each.
+    /// Adds an entry; `put` appends `width` bytes for each value.
     fn add<T>(
         &mut self,
         name: &str,
@@ -111,8 +110,7 @@ impl Npz {
         let mut bytes = header(kind, shape);
         bytes.reserve(width * data.len());
         data.iter().for_each(|value| put(value, &mut bytes));
-        // A fixed date keeps the bytes free of the moment of writing. Archives need a wider form
-        // of their records from 4 GiB on.
+        // The fixed date makes the bytes reproducible. Entries of 4 GiB or more need the ZIP64 format.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(DateTime::default())
@@ -130,10 +128,9 @@ fn count(shape: &[usize]) -> Option<usize> {
 
 const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
-/// The header of a `.npy` file, format version 1.0, padded so that the data starts at a multiple
-/// of 64 bytes.
+/// Header of a `.npy` file, format version 1.0, padded so that the data start at a multiple of 64 bytes.
 fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
-    // A Python tuple of a single item needs its comma, longer ones do not mind it.
+    // A Python tuple of one item needs a trailing comma; longer tuples may have one.
     let lengths: String = shape.iter().map(|length| format!("{length}, ")).collect();
     let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({lengths}), }}");
     let unpadded = MAGIC.len() + 2 + text.len() + 1;
@@ -145,27 +142,27 @@ fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
     bytes
 }
 
-/// The values of an array, in row-major order.
+/// Values of an array in row-major order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Floating-point numbers, `<f8`.
+    /// Double-precision numbers, `<f8`.
     F64(Vec<f64>),
-    /// Small integers, `|i1`.
+    /// 8-bit integers, `|i1`.
     I8(Vec<i8>),
-    /// Integers, `<i4`.
+    /// 32-bit integers, `<i4`.
     I32(Vec<i32>),
     /// Unicode strings, `<U…`.
     Text(Vec<String>),
 }
 
-/// An array read from an archive.
+/// Array read from an archive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
-    /// The array's name in the archive.
+    /// Name of the array in the archive.
     pub name: String,
     /// Length along each dimension, slowest first.
     pub shape: Vec<usize>,
-    /// The values.
+    /// Values in row-major order.
     pub values: Values,
 }
 
@@ -175,8 +172,8 @@ pub fn read(bytes: &[u8]) -> Result<Vec<Array>, NpzError> {
     read_some(bytes, |_| true, usize::MAX)
 }
 
-/// As [`read`], for an untrusted archive: only the arrays with wanted names, each of at most `most_values` values; other
-/// arrays are not decompressed.
+/// Reads the arrays with wanted names from an untrusted archive, each limited to the size of `most_values` doubles;
+/// other arrays are not decompressed.
 ///
 /// # Errors
 /// The archive is damaged, or a wanted array is larger or does not fit into memory.
@@ -195,7 +192,7 @@ pub fn read_some(
             continue;
         }
         let wrong = |problem| NpzError::Entry { name: name.clone(), problem };
-        // Strings are as long as their array says: they count as the numbers that take their room.
+        // The width of strings is stated by the array; the limit applies to bytes, in units of 8-byte numbers.
         let most = (MOST_HEADER as u64).saturating_add((most_values as u64).saturating_mul(8));
         let mut bytes = Vec::new();
         let expected = entry.size().min(most);
@@ -212,7 +209,7 @@ pub fn read_some(
 /// Maximum length of a header of format version 1.0, bytes.
 const MOST_HEADER: usize = 10 + u16::MAX as usize;
 
-/// The text between `open` and the next `close`.
+/// Text between `open` and the next `close`.
 fn between<'a>(text: &'a str, open: &str, close: char) -> Option<&'a str> {
     let rest = &text[text.find(open)? + open.len()..];
     Some(&rest[..rest.find(close)?])
@@ -260,7 +257,7 @@ fn parse(bytes: &[u8]) -> Result<(Vec<usize>, Values), &'static str> {
     Ok((shape, values))
 }
 
-/// A string from its padded code points.
+/// String from its zero-padded UTF-32 code points.
 fn text(item: &[u8]) -> Option<String> {
     let points = item.as_chunks().0.iter().map(|&b| char::from_u32(u32::from_le_bytes(b)));
     let padded: String = points.collect::<Option<_>>()?;
@@ -316,7 +313,7 @@ mod tests {
     fn equal_content_gives_equal_bytes() {
         let bytes = sample();
         assert_eq!(bytes, sample());
-        // Nor do they tell when they were written.
+        // No entry contains its time of writing.
         let mut archive = ZipArchive::new(Cursor::new(&bytes[..])).unwrap();
         for index in 0..archive.len() {
             let date = archive.by_index(index).unwrap().last_modified();
@@ -361,7 +358,7 @@ mod tests {
         assert_eq!(read_some(&bytes, wanted, 3).unwrap().len(), 1);
         let refused = read_some(&bytes, |_| true, 3).unwrap_err().to_string();
         assert_eq!(refused, "entry \"large\" of the array archive is larger than it can be");
-        // Damage to an entry is seen by who reads it.
+        // Damage to an entry is detected only when that entry is read.
         let place = bytes.windows(9).position(|window| window == b"large.npy").unwrap() + 9;
         bytes[place..place + 40].fill(0xff);
         assert_eq!(

@@ -1,4 +1,4 @@
-//! Safe opening of untrusted paths: refuses devices and pipes, and symbolic links where unwanted.
+//! Safe opening of untrusted paths: refuses devices, pipes and, for writing, symbolic links.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read};
@@ -6,12 +6,12 @@ use std::path::Path;
 
 use crc32fast::Hasher;
 
-/// Length and checksum of a file, or of its first bytes.
+/// Length and checksum of a file or of its first bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Written {
     /// Length, in bytes.
     pub length: u64,
-    /// CRC-32 of these bytes as in zlib; detects accidental, not intentional damage.
+    /// CRC-32 of these bytes as in zlib; detects accidental but not intentional damage.
     pub checksum: u32,
 }
 
@@ -21,7 +21,7 @@ impl Written {
         Self { length: bytes.len() as u64, checksum: crate::checksum(bytes) }
     }
 
-    /// Length and checksum of a file, read in pieces.
+    /// Length and checksum of a file, read in blocks.
     ///
     /// # Errors
     /// The path is not a regular file or cannot be read.
@@ -87,7 +87,7 @@ pub fn read_regular_within(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads all of a reader, about `length` bytes, into a buffer; allocation failure is an error.
+/// Reads a reader to its end, about `length` bytes, into a buffer; failure to allocate memory is an error.
 pub(crate) fn read_fallibly(
     mut reader: impl Read,
     length: u64,
@@ -100,7 +100,7 @@ pub(crate) fn read_fallibly(
             Ok(0) => return Ok(()),
             Ok(count) => {
                 if bytes.capacity() - bytes.len() < count {
-                    // At first as much as is expected, if that can be had.
+                    // Reserve the expected length, at most 64 MiB at a time.
                     let expected = usize::try_from(length).unwrap_or(usize::MAX);
                     let more = expected.saturating_sub(bytes.len()).clamp(count, 1 << 26);
                     bytes.try_reserve(more.max(count)).map_err(no_memory)?;
@@ -127,7 +127,7 @@ pub(crate) fn open_in_place(path: &Path) -> io::Result<File> {
 /// Opens a regular file for appending, created if missing, without following symbolic links.
 ///
 /// # Errors
-/// The path is something else than a regular file, or cannot be opened.
+/// The path is not a regular file or cannot be opened.
 pub fn open_to_append(path: &Path) -> io::Result<File> {
     refuse_link(path)?;
     let file = without_following(File::options().append(true).create(true)).open(path)?;
@@ -135,7 +135,7 @@ pub fn open_to_append(path: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// Checks that the path is not a symbolic link, with a clearer message than the operating system's.
+/// Checks that the path is not a symbolic link; its message is clearer than that of the operating system.
 fn refuse_link(path: &Path) -> io::Result<()> {
     match fs::symlink_metadata(path) {
         Ok(metadata) if metadata.is_symlink() => {
@@ -153,7 +153,7 @@ fn refuse_irregular(metadata: &Metadata) -> io::Result<()> {
     }
 }
 
-/// Whether an open file is the file at `path`; true if the system cannot tell.
+/// Whether an open file is the file at `path`, by device and inode number; always true on systems other than Unix.
 pub(crate) fn stands_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -200,7 +200,7 @@ mod tests {
         let bytes: Vec<u8> = (0..200_000_u32).map(|i| (i.wrapping_mul(i) >> 5) as u8).collect();
         fs::write(&path, &bytes).unwrap();
         assert_eq!(Written::of_file(&path).unwrap(), Written::of(&bytes));
-        // The value that every description of CRC-32 gives for these nine digits.
+        // Published check value of CRC-32 for these nine digits.
         assert_eq!(Written::of(b"123456789"), Written { length: 9, checksum: 0xcbf4_3926 });
         for length in [0, 1, 65_536, 70_001, 200_000, 300_000] {
             let start = &bytes[..length.min(bytes.len())];

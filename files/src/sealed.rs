@@ -1,13 +1,11 @@
-//! Checkpoint file format: named sections of bytes with checksums, so that damage is detected when a program reads its
-//! own files.
+//! Checkpoint file format: named sections of bytes with checksums, so that damage to a file is detected on reading.
 //!
-//! All numbers are little-endian. A file opens with 28 bytes that are the same in every version
-//! of the format: eight bytes of magic, the format version (4 bytes), the number of sections (4),
-//! the length of the whole file in bytes (8) and the checksum (4) of these 24. Each section has
-//! the length of its name (4), the length of its content (8), the name, the checksum (4) of these
-//! three, the content and the checksum (4) of the content. The file ends with the checksum (4) of
-//! all these parts in a row, without their own checksums. Checksums are CRC-32 as in zlib: they
-//! guard against accidents, not against intent.
+//! All numbers are little-endian. A file begins with an opening of 28 bytes, the same in every version of the format:
+//! eight magic bytes, the format version (4 bytes), the number of sections (4), the length of the file in bytes (8)
+//! and the checksum (4) of these 24 bytes. A section consists of the length of its name (4), the length of its
+//! content (8), the name, the checksum (4) of these three, the content, and the checksum (4) of the content. The file
+//! ends with the checksum (4) of the concatenation of all these parts without their checksums. Checksums are CRC-32
+//! as in zlib: they detect accidental but not intentional damage.
 
 use std::collections::HashSet;
 use std::io::{self, BufReader, Read, Write};
@@ -18,11 +16,11 @@ use crc32fast::Hasher;
 use crate::open::open_regular;
 use crate::{FileError, write_atomically_with};
 
-// The first byte is no text, and the line ends do not survive a transfer as text.
+// The first byte is not ASCII, and the line ends are altered by text-mode transfers.
 const MAGIC: [u8; 8] = *b"\x89seal\r\n\x1a";
-/// Version of the format that is written and read here.
+/// Version of the format written and read by this module.
 const VERSION: u32 = 1;
-/// Lengths in bytes.
+/// Length of the opening, bytes.
 const OPENING: usize = 28;
 const SECTION_HEAD: usize = 12;
 const CHECKSUM: usize = 4;
@@ -31,7 +29,7 @@ const CHECKSUM: usize = 4;
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct SealedError {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
     /// Cause of the error.
     #[source]
@@ -47,13 +45,13 @@ pub enum Problem {
     /// The file is not of this format.
     #[error("is not a file of sealed sections")]
     NotSealed,
-    /// The file has another version of the format.
+    /// The file has a different version of the format.
     #[error("has format version {found} where this program reads version {VERSION}")]
     Version {
-        /// The file's version.
+        /// Version of the file.
         found: u32,
     },
-    /// The file ends too early.
+    /// The file is shorter than stated in it, or than the minimum length.
     #[error("is truncated at {found} bytes: {expected} are needed")]
     Truncated {
         /// Length of the file, in bytes.
@@ -61,7 +59,7 @@ pub enum Problem {
         /// Length stated in the file, or the minimum length, bytes.
         expected: u64,
     },
-    /// The file is longer than stated.
+    /// The file is longer than stated in it.
     #[error("has {found} bytes where it says {expected}")]
     TooLong {
         /// Length of the file, in bytes.
@@ -69,7 +67,7 @@ pub enum Problem {
         /// Length stated in the file, bytes.
         expected: u64,
     },
-    /// The bytes in front of the sections are damaged.
+    /// The opening before the first section is damaged.
     #[error("is damaged in its opening")]
     Opening,
     /// The name or the lengths of a section are damaged.
@@ -81,24 +79,24 @@ pub enum Problem {
     /// The content of a section is damaged.
     #[error("is damaged in section \"{name}\"")]
     Section {
-        /// The section's name.
+        /// Name of the section.
         name: String,
     },
-    /// Each section is valid, but the checksum of the whole file is wrong.
+    /// Each section is valid, but the checksum of the entire file does not match.
     #[error("is damaged: the checksum of the whole does not match")]
     Whole,
     /// There is not enough memory for a section.
     #[error("section \"{name}\" of {length} bytes does not fit into memory")]
     Memory {
-        /// The section's name.
+        /// Name of the section.
         name: String,
         /// Length of the section, in bytes.
         length: u64,
     },
 }
 
-/// Writes sections to a file atomically, as [`crate::write_atomically`], without copying the contents. Duplicate names
-/// are refused.
+/// Writes sections to a file atomically (see [`crate::write_atomically`]), without copying the contents. Duplicate
+/// names are refused.
 pub fn write_sealed(path: &Path, sections: &[(&str, &[u8])]) -> Result<(), FileError> {
     let opening = opening(sections).map_err(|source| FileError {
         path: path.to_path_buf(),
@@ -108,8 +106,8 @@ pub fn write_sealed(path: &Path, sections: &[(&str, &[u8])]) -> Result<(), FileE
     write_atomically_with(path, |file| write(file, &opening, sections))
 }
 
-/// Reads the sections of a file, in the order of writing. Any changed byte is an error, and stated lengths are checked
-/// against the length of the file before allocation.
+/// Reads the sections of a file, in the order of writing. Any changed byte is an error; stated lengths are checked
+/// against the length of the file before memory is allocated.
 pub fn read_sealed(path: &Path) -> Result<Vec<(String, Vec<u8>)>, SealedError> {
     let opened = open_regular(path).and_then(|file| Ok((file.metadata()?.len(), file)));
     opened
@@ -122,8 +120,8 @@ fn refused(reason: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, reason)
 }
 
-/// Writer with the running checksum of all parts. The checksums of the parts are excluded, since the CRC of data followed
-/// by its own CRC is constant.
+/// Writer with the running checksum of all parts. The checksums of the parts are excluded, since the CRC of data
+/// followed by their own CRC is constant.
 struct Sealing<W> {
     writer: W,
     whole: Hasher,
@@ -154,7 +152,7 @@ fn write(writer: impl Write, opening: &[u8], sections: &[(&str, &[u8])]) -> io::
     writer.write_all(&whole.finalize().to_le_bytes())
 }
 
-/// Opening of the file, without its checksum; an error if the sections cannot be written.
+/// Formats the opening of the file without its checksum; an error if the sections cannot be represented.
 fn opening(sections: &[(&str, &[u8])]) -> io::Result<Vec<u8>> {
     let mut names = HashSet::new();
     if let Some((name, _)) = sections.iter().find(|(name, _)| !names.insert(name)) {
@@ -184,13 +182,13 @@ struct Unsealing<R> {
 }
 
 impl<R: Read> Unsealing<R> {
-    /// Reads exactly the next bytes.
+    /// Reads exactly the next `bytes.len()` bytes.
     fn fill(&mut self, bytes: &mut [u8]) -> io::Result<()> {
         self.left = self.left.saturating_sub(bytes.len() as u64);
         self.reader.read_exact(bytes)
     }
 
-    /// Reads the next bytes of a part and hashes them.
+    /// Reads the next bytes of a part and returns their hash.
     fn take(&mut self, bytes: &mut [u8]) -> io::Result<Hasher> {
         self.fill(bytes)?;
         let mut own = Hasher::new();
@@ -211,7 +209,7 @@ impl<R: Read> Unsealing<R> {
         length.checked_add(2 * CHECKSUM as u64).is_some_and(|length| length <= self.left)
     }
 
-    /// Reads name and length of the next section; `None` if damaged.
+    /// Reads name and content length of the next section; `None` if damaged.
     fn section_head(&mut self) -> io::Result<Option<(String, u64)>> {
         if !self.can_hold(SECTION_HEAD as u64) {
             return Ok(None);
@@ -230,7 +228,7 @@ impl<R: Read> Unsealing<R> {
         Ok(String::from_utf8(name).ok().map(|name| (name, length)))
     }
 
-    /// Reads the next section.
+    /// Reads the next section, with number `number`.
     fn section(&mut self, number: u32) -> Result<(String, Vec<u8>), Problem> {
         let head = self.section_head()?;
         let (name, length) = head.ok_or(Problem::SectionHead { number })?;
@@ -266,7 +264,7 @@ fn u64_at(bytes: &[u8], start: usize) -> u64 {
 fn read(reader: impl Read, found: u64) -> Result<Vec<(String, Vec<u8>)>, Problem> {
     let mut unsealing = Unsealing { reader, whole: Hasher::new(), left: found };
     let count = read_opening(&mut unsealing, found)?;
-    // The number of sections is bound by the file's length only through the sections themselves.
+    // No capacity is reserved, since the number of sections has not been checked against the length of the file.
     let mut sections = Vec::new();
     for number in 1..=count {
         sections.push(unsealing.section(number)?);
@@ -276,7 +274,7 @@ fn read(reader: impl Read, found: u64) -> Result<Vec<(String, Vec<u8>)>, Problem
     if confirmed { Ok(sections) } else { Err(Problem::Whole) }
 }
 
-/// Reads the opening, checks the stated length, and returns the number of sections.
+/// Reads the opening, checks the stated length against the length `found`, and returns the number of sections.
 fn read_opening(unsealing: &mut Unsealing<impl Read>, found: u64) -> Result<u32, Problem> {
     let mut bytes = [0; OPENING];
     let there = usize::try_from(found).unwrap_or(OPENING).min(OPENING);
@@ -323,7 +321,8 @@ mod tests {
         read(bytes, bytes.len() as u64)
     }
 
-    /// Replaces bytes of the opening or of a head and makes the checksum behind them fit.
+    /// Replaces bytes at `at` in the opening or a section head, and updates the checksum that follows the range
+    /// `checked`.
     fn forged(
         mut bytes: Vec<u8>,
         at: usize,
@@ -379,7 +378,7 @@ mod tests {
             let told = matches!(problem, Problem::Truncated { found, expected }
                 if found == length as u64 && expected == least);
             assert!(told, "{length}: {problem}");
-            // The same file if it became shorter while it was read.
+            // The file was truncated while it was read.
             assert!(read(&bytes[..length], bytes.len() as u64).is_err(), "{length}");
         }
         let longer = [&bytes[..], b"\0"].concat();

@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 
 /// Amplitude of perturbations relative to the mean flow.
 const AMPLITUDE: f64 = 1e-6;
-/// Steps between two sample times of the coarsest of three step sequences; each further sequence doubles them. If the
-/// solver rejects the steps as too long, all three are halved, up to the second number of steps.
+/// Steps between two sample times of the coarsest of three step sequences; each further sequence doubles the number
+/// of steps. If the solver fails, the number of steps of all three is doubled, up to the second number.
 const STEPS: [usize; 2] = [4, 64];
 /// Maximum number of e-folds by which other waves in the box may grow during a measurement.
 const FOLDS: f64 = 4.0;
@@ -245,8 +245,8 @@ fn measured(
     if is_sound { Ok((all, stages)) } else { Err(NotMeasurable::NotFinite) }
 }
 
-/// The limit of the rates of three numbers of steps, errors being of second and third order in the step; and its
-/// distance from the limit of the two finest with second order alone, a bound on its error.
+/// Richardson extrapolation of the rates of three step sizes to zero, with errors of second and third order in the
+/// step; and its distance from the second-order extrapolation of the two finest, a bound on its error (1/s).
 fn in_the_limit(measured: &[(usize, Rate)]) -> (Rate, f64) {
     let [.., (_, one), (_, two), (_, four)] = measured else { return (Rate::default(), f64::NAN) };
     let combine = |weights: [f64; 3]| {

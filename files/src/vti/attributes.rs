@@ -6,7 +6,7 @@ pub(super) fn finite(time: f64) -> Result<f64, VtiError> {
     if time.is_finite() { Ok(time) } else { Err(VtiError::Time(time)) }
 }
 
-/// Formats a name as attribute value.
+/// Formats a name as attribute value; refuses characters that XML does not allow.
 pub(super) fn attribute(name: &str) -> Result<String, VtiError> {
     let foreign = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
     if name.is_empty() || name.contains(foreign) {

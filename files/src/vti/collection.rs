@@ -1,10 +1,10 @@
-//! PVD collections: files of a time series with their times.
+//! PVD collections: files of a time series and their times.
 
 use super::attributes::{attribute, finite};
 use super::error::VtiError;
 use crate::csv::shortest;
 
-/// Formats a collection (`.pvd`) of files, each with its time (usually s) and its path relative to the collection.
+/// Formats a collection (`.pvd`): time (usually s) and path relative to the collection, for each file.
 pub fn collection(entries: &[(f64, impl AsRef<str>)]) -> Result<Vec<u8>, VtiError> {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n\

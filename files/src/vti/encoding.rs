@@ -18,7 +18,7 @@ pub enum Storage {
 
 pub(super) const IN_MEMORY: &str = "writing into memory";
 
-/// Encodes values, preceded by their length in bytes.
+/// Encodes values without compression, preceded by their length in bytes.
 pub(super) fn plain<T: Number>(values: &[T]) -> Vec<u8> {
     let length = size_of_val(values);
     let mut bytes = Vec::with_capacity(8 + length);
@@ -27,11 +27,11 @@ pub(super) fn plain<T: Number>(values: &[T]) -> Vec<u8> {
     bytes
 }
 
-/// Length of a block before compression, bytes: several windows of 32 KiB of the compressor.
+/// Length of a block before compression, bytes: several of the compressor's windows of 32 KiB.
 pub(super) const BLOCK: usize = 1 << 18;
 
-/// Encodes values in compressed blocks, preceded by the number of blocks, the length of a block, the length of the last
-/// block if shorter (else zero) and the compressed lengths.
+/// Encodes values in compressed blocks, preceded by the number of blocks, the length of a block, the length of the
+/// last block if shorter (otherwise zero), and the compressed length of each block.
 pub(super) fn compressed<T: Number>(values: &[T]) -> Vec<u8> {
     let mut lengths = Vec::new();
     let mut blocks = Vec::new();

@@ -3,20 +3,20 @@
 /// Error of image data or a collection.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VtiError {
-    /// The grid has neither two nor three axes, or its parts disagree on their number.
+    /// The grid has neither two nor three axes, or its fields have different numbers of axes.
     #[error(
         "image data has 2 or 3 axes: found {cells} numbers of cells, {origin} coordinates of the \
          origin and {spacing} spacings"
     )]
     Axes {
-        /// Numbers of cells given.
+        /// Length of the list of cell numbers.
         cells: usize,
-        /// Coordinates of the origin given.
+        /// Number of coordinates of the origin.
         origin: usize,
-        /// Spacings given.
+        /// Number of spacings.
         spacing: usize,
     },
-    /// An axis without cells, or more cells than the format or the machine can count.
+    /// An axis has no cells, or the number of cells exceeds the range of the format or of the machine.
     #[error("image data cannot have {cells:?} cells along its axes")]
     Size {
         /// Cells along each axis.
@@ -28,24 +28,24 @@ pub enum VtiError {
     /// A spacing is not a positive, finite number.
     #[error("the spacing of image data cannot be {0}")]
     Spacing(f64),
-    /// A deformation is not finite, or not one of a plane grid.
+    /// A deformation gradient is not finite, or the grid is not plane.
     #[error("image data of {axes} axes cannot be deformed by {found:?}")]
     Deformation {
-        /// Axes of the grid.
+        /// Number of axes of the grid.
         axes: usize,
-        /// The deformation given.
+        /// Deformation gradient.
         found: [[f64; 2]; 2],
     },
     /// A time is not finite.
     #[error("the time of image data cannot be {0}")]
     Time(f64),
-    /// A name that is empty or has characters that XML does not allow.
+    /// A name is empty or has characters that XML does not allow.
     #[error("image data cannot hold the name {0:?}")]
     Name(String),
-    /// A second array of the same name.
+    /// An array of this name exists already.
     #[error("image data already has an array \"{0}\"")]
     Taken(String),
-    /// A number of components that is not possible: none at all, or a vector with more than three.
+    /// An array without components, or a vector with more than three.
     #[error("array \"{name}\" of image data cannot have {found} components")]
     Components {
         /// Name of the array.

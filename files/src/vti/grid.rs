@@ -3,19 +3,19 @@
 use super::error::VtiError;
 use crate::csv::shortest;
 
-/// A regular grid with axes along x, y and, if there are three, z.
+/// Regular grid with axes along x, y and, in three dimensions, z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Cells along each of the two or three axes.
+    /// Number of cells along each of the two or three axes.
     pub cells: Vec<usize>,
     /// Lower corner of the grid, in any unit of length.
     pub origin: Vec<f64>,
-    /// Length of a cell along each axis, in the same unit.
+    /// Edge length of a cell along each axis, in the same unit.
     pub spacing: Vec<f64>,
 }
 
 impl Grid {
-    /// Number of cells; an error if the grid cannot be written.
+    /// Checks the grid and returns its number of cells.
     pub(super) fn count(&self) -> Result<usize, VtiError> {
         let axes = self.cells.len();
         if !(2..=3).contains(&axes) || self.origin.len() != axes || self.spacing.len() != axes {
@@ -29,7 +29,7 @@ impl Grid {
         if let Some(&spacing) = self.spacing.iter().find(|&spacing| !fits(spacing)) {
             return Err(VtiError::Spacing(spacing));
         }
-        // Extents are signed integers of 32 bits.
+        // VTK extents are signed 32-bit integers.
         let counts = |&cells: &usize| cells > 0 && i32::try_from(cells).is_ok();
         let product = |product: usize, &cells: &usize| product.checked_mul(cells);
         let count = self.cells.iter().try_fold(1, product);
@@ -38,14 +38,14 @@ impl Grid {
             .ok_or_else(|| VtiError::Size { cells: self.cells.clone() })
     }
 
-    /// VTK extent: first and last node along three axes. A plane grid has a single node along z.
+    /// VTK extent: indices of the first and the last node along three axes. A plane grid has a single node along z.
     pub(super) fn extent(&self) -> String {
         let last = |axis| self.cells.get(axis).copied().unwrap_or(0);
         format!("0 {} 0 {} 0 {}", last(0), last(1), last(2))
     }
 }
 
-/// Formats three numbers; absent ones are replaced by `missing`.
+/// Formats three numbers; missing numbers are replaced by `missing`.
 pub(super) fn triple(numbers: &[f64], missing: f64) -> String {
     let texts = (0..3).map(|axis| shortest(numbers.get(axis).copied().unwrap_or(missing)));
     texts.collect::<Vec<_>>().join(" ")

@@ -15,7 +15,7 @@ struct Array {
     pub(super) name: String,
     pub(super) kind: &'static str,
     pub(super) components: usize,
-    /// Encoded values, preceded by their lengths.
+    /// Encoded values, preceded by their length or block lengths.
     pub(super) bytes: Vec<u8>,
 }
 
@@ -35,7 +35,7 @@ struct Array {
 pub struct ImageData {
     pub(super) grid: Grid,
     pub(super) count: usize,
-    /// Encoded nodes of a deformed grid.
+    /// Encoded node coordinates of a deformed grid.
     pub(super) nodes: Option<Vec<u8>>,
     pub(super) storage: Storage,
     pub(super) time: Option<f64>,
@@ -43,13 +43,14 @@ pub struct ImageData {
 }
 
 impl ImageData {
-    /// Image data on a grid, without arrays.
+    /// Creates image data on a grid, without arrays.
     pub fn new(grid: Grid, storage: Storage) -> Result<Self, VtiError> {
         let count = grid.count()?;
         Ok(Self { grid, count, nodes: None, storage, time: None, arrays: Vec::new() })
     }
 
-    /// A structured grid: a plane grid whose nodes x are mapped to Fx by the deformation gradient `matrix` F.
+    /// Creates a structured grid: the nodes x of a plane grid are mapped to Fx by the deformation gradient F =
+    /// `matrix`.
     pub fn deformed(grid: Grid, matrix: [[f64; 2]; 2], storage: Storage) -> Result<Self, VtiError> {
         let mut data = Self::new(grid, storage)?;
         let axes = data.grid.cells.len();
@@ -72,13 +73,13 @@ impl ImageData {
         Ok(data)
     }
 
-    /// Sets the time of the arrays, usually in s.
+    /// Sets the time of all arrays, usually in s.
     pub fn set_time(&mut self, time: f64) -> Result<(), VtiError> {
         self.time = Some(finite(time)?);
         Ok(())
     }
 
-    /// Adds a cell array with interleaved components, first axis fastest.
+    /// Adds a cell array with interleaved components, cells along the first axis fastest.
     pub fn add<T: Number>(
         &mut self,
         name: &str,
@@ -95,7 +96,7 @@ impl ImageData {
         Ok(())
     }
 
-    /// Encodes values by the storage of the file.
+    /// Encodes values according to the storage of the file.
     fn packed<T: Number>(&self, values: &[T]) -> Vec<u8> {
         match self.storage {
             Storage::Plain => plain(values),
@@ -103,8 +104,8 @@ impl ImageData {
         }
     }
 
-    /// Adds a vector from one to three component fields, first axis fastest. The vector always has three components, as
-    /// viewers require; absent components are zero.
+    /// Adds a vector from one to three component fields, cells along the first axis fastest. The vector always has
+    /// three components, as required by viewers; missing components are zero.
     pub fn add_vector<T: Number>(&mut self, name: &str, axes: &[&[T]]) -> Result<(), VtiError> {
         if !(1..=3).contains(&axes.len()) {
             return Err(VtiError::Components { name: name.to_owned(), found: axes.len() });
@@ -121,7 +122,7 @@ impl ImageData {
         self.add(name, 3, &values)
     }
 
-    /// The file's bytes.
+    /// Formats the file as bytes.
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.write_to(&mut bytes).expect(IN_MEMORY);
@@ -133,7 +134,7 @@ impl ImageData {
         write_atomically_with(path, |file| self.write_to(file))
     }
 
-    /// Writes the file's bytes, in few large pieces.
+    /// Writes the bytes of the file, in a few large blocks.
     pub fn write_to(&self, writer: &mut impl Write) -> io::Result<()> {
         writer.write_all(self.head().as_bytes())?;
         let arrays = self.arrays.iter().map(|array| &array.bytes);
@@ -143,7 +144,7 @@ impl ImageData {
         writer.write_all(b"\n  </AppendedData>\n</VTKFile>\n")
     }
 
-    /// Checks that a name is allowed for a new array.
+    /// Checks that a name is valid and not used by another array.
     fn admit(&self, name: &str) -> Result<(), VtiError> {
         attribute(name)?;
         if self.arrays.iter().any(|array| array.name == name) {
@@ -152,7 +153,7 @@ impl ImageData {
         Ok(())
     }
 
-    /// Everything in front of the appended values, up to the underscore where their offsets start.
+    /// File content before the appended values, up to the underscore from which their offsets are counted.
     pub(super) fn head(&self) -> String {
         let compressor = match self.storage {
             Storage::Plain => "",
@@ -183,7 +184,7 @@ impl ImageData {
         )
     }
 
-    /// XML element of the nodes of a deformed grid, with their offset behind all arrays.
+    /// XML element of the nodes of a deformed grid, whose values follow those of all arrays.
     fn node_element(&self) -> String {
         let offset: usize = self.arrays.iter().map(|array| array.bytes.len()).sum();
         format!(
@@ -192,7 +193,7 @@ impl ImageData {
         )
     }
 
-    /// XML element of the time, by the name that VTK readers expect.
+    /// XML element of the time, with the name expected by VTK readers.
     fn time_element(&self) -> String {
         self.time.map_or_else(String::new, |time| {
             let time = shortest(time);

@@ -1,8 +1,8 @@
 //! VTK XML files for ParaView and VisIt: cell fields on regular grids (image data, `.vti`) and on deformed grids
 //! (structured grids, `.vts`), and collections of a time series (`.pvd`).
 //!
-//! Cell values are appended as raw little-endian bytes at offsets, bit for bit; compression is optional. The format has no
-//! units: put them into the name of the array, as in `sigma11 [Pa]`.
+//! Cell values are appended as raw little-endian bytes, bit for bit; compression is optional. The format has no
+//! units: append them to the name of the array, as in `sigma11 [Pa]`.
 
 mod attributes;
 mod collection;

@@ -1,10 +1,10 @@
-//! Reader of files written by this crate without compression.
+//! Reader of uncompressed files written by this crate.
 
 use super::attributes::escaped;
 
 /// Values of an array of doubles in a file written by [`ImageData`](super::image_data::ImageData) with
-/// [`Storage::Plain`](super::encoding::Storage::Plain); `None` if the file is of another kind or damaged, or the array is
-/// absent.
+/// [`Storage::Plain`](super::encoding::Storage::Plain); `None` if the file has another format or is damaged, or the
+/// array is absent.
 pub fn plain_values(bytes: &[u8], name: &str) -> Option<Vec<f64>> {
     const END: &[u8] = b"<AppendedData encoding=\"raw\">\n   _";
     let end = bytes.windows(END.len()).position(|window| window == END)?;
@@ -22,7 +22,7 @@ pub fn plain_values(bytes: &[u8], name: &str) -> Option<Vec<f64>> {
     Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
 }
 
-/// Time of a file written by [`ImageData`](super::image_data::ImageData); `None` if the file is of another kind or has no
+/// Time of a file written by [`ImageData`](super::image_data::ImageData); `None` if the file has another format or no
 /// time.
 pub fn plain_time(bytes: &[u8]) -> Option<f64> {
     const NAME: &[u8] = b" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">";

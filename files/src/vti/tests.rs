@@ -22,7 +22,7 @@ fn sample(storage: Storage) -> ImageData {
     data
 }
 
-/// The text in front of the values, and the values.
+/// Text before the appended values, and the appended values.
 fn parts(bytes: &[u8]) -> (&str, &[u8]) {
     let mark = b"<AppendedData encoding=\"raw\">\n   _";
     let start = bytes.windows(mark.len()).position(|window| window == mark).unwrap();
@@ -48,7 +48,7 @@ fn plain_values_are_read_back() {
     assert_eq!(plain_values(&bytes, "second [m/s]").unwrap()[..3], [1.0, 2.0, 0.0]);
     assert_eq!(plain_values(&bytes, "third"), None);
     for end in 0..bytes.len() - 60 {
-        // What is cut off is not made up.
+        // Truncated files are not completed.
         let found = plain_values(&bytes[..end], "second [m/s]");
         assert!(found.is_none_or(|values| values.len() == 18), "{end}");
     }
@@ -100,7 +100,7 @@ fn deformed_grids_have_nodes_of_their_own() {
     ] {
         assert!(head.contains(expected), "{expected} is missing in\n{head}");
     }
-    // 4 × 3 nodes of three coordinates; the second is a cell along the first axis from the first.
+    // 4 × 3 nodes with three coordinates; the second node is one cell from the first along the first axis.
     assert_eq!(number(&values[56..], 0), 12 * 3 * 8);
     let nodes: Vec<f64> =
         values[64..].as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
