@@ -1,5 +1,5 @@
-//! The exact solutions of `tests/reference` against what is independent of them: equations of motion and free surfaces by
-//! finite differences, balances of momentum and of energy, reciprocity, closed forms.
+//! Verifies the exact solutions of `tests/reference` independently: equations of motion and free surfaces by finite
+//! differences, momentum and energy balances, reciprocity, closed forms.
 
 mod reference;
 
@@ -8,14 +8,14 @@ use reference::oblique::BELOW;
 use reference::{RICKER, SOLID, Solid, full_plane, half_plane, half_space, lamb};
 use std::f64::consts::PI;
 
-/// Displacement in the plane at a point and a time.
+/// Displacement (m) in the plane at a point (m) and a time (s).
 type Field<'a> = &'a dyn Fn([f64; 2], f64) -> [f64; 2];
 
 fn first(values: [Vec<f64>; 2]) -> [f64; 2] {
     values.map(|values| values[0])
 }
 
-/// ∫₀ᵗ of the Ricker function, s: (t − delay) e⁻ᵃ, but for e⁻²².
+/// ∫₀ᵗ of the Ricker function, s: (t − delay) e^(−a) up to an error of e⁻²².
 fn impulse(t: f64) -> f64 {
     let since = t - 1.5 / RICKER.frequency;
     since * (-(PI * RICKER.frequency * since).powi(2)).exp()
@@ -40,7 +40,7 @@ fn the_rayleigh_speed_at_a_quarter() {
     assert!((ratio - 0.919402).abs() < 1e-6, "{ratio}");
 }
 
-/// The shares of the default kernel have the moments of the point.
+/// Verifies that the weights of the default kernel have the moments 0 to 2 of a point.
 #[test]
 fn moments_of_the_kernel() {
     for (power, exact) in [(0, 1.0), (1, 0.0), (2, 0.0)] {
@@ -49,7 +49,7 @@ fn moments_of_the_kernel() {
     }
 }
 
-/// ρü = (λ + μ)∇∇·u + μΔu by central differences.
+/// Checks ρü = (λ + μ)∇∇·u + μΔu by central differences.
 fn assert_motion(u: Field, [x, z]: [f64; 2], t: f64) {
     let (h, dt) = (0.02, 2e-4);
     let at = |i: f64, j: f64| u([x + i * h, z + j * h], t);
@@ -69,7 +69,7 @@ fn assert_motion(u: Field, [x, z]: [f64; 2], t: f64) {
     }
 }
 
-/// σ_xz = σ_zz = 0 at z = 0, by one-sided differences.
+/// Checks σ_xz = σ_zz = 0 at z = 0 by one-sided differences.
 fn assert_free(u: Field, x: f64, t: f64) {
     let h = 0.02;
     let at = |i: f64, j: f64| u([x + i * h, j * h], t);
@@ -105,8 +105,8 @@ fn fields_in_the_plane_obey_the_equations_and_surfaces_are_free() {
     }
 }
 
-/// The momentum is the impulse of the force, on the half-plane and on the plane; ∫ ρ x·v over the plane is that of an
-/// isotropic moment, 2M ∫ f dt.
+/// Verifies that momentum equals the impulse of the force, in the half-plane and in the plane, and that ∫ ρ x·v over
+/// the plane equals the impulse of an isotropic moment, 2M ∫ f dt.
 #[test]
 fn fields_in_the_plane_have_the_impulse_of_their_source() {
     let t = 1.55 / RICKER.frequency;
@@ -131,21 +131,22 @@ fn fields_in_the_plane_have_the_impulse_of_their_source() {
     assert!((moment - 2.0).abs() < 0.04, "{moment}");
 }
 
-/// Reciprocity: the displacement by an explosion at a point in a direction equals the divergence by a force there at the
-/// explosion. Garvin's problem against Lamb's, and both in the unbounded plane.
+/// Verifies reciprocity: the displacement component due to an explosion equals the divergence, at the explosion, of
+/// the displacement due to a force along that component at the point. Garvin's problem against Lamb's problem, and
+/// both sources in the unbounded plane.
 #[test]
 fn explosions_and_forces_are_reciprocal() {
     let (h, depth) = (0.01, 5.0);
     for t in [0.08, 0.11, 0.15, 0.19] {
         for (k, force) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
             for x in [4.0, 12.0] {
-                // The divergence and the size of its parts.
+                // Divergence, and the sum of the magnitudes of its terms.
                 let divergence = |u: Field, [x, z]: [f64; 2]| {
                     let along = (u([x + h, z], t)[0] - u([x - h, z], t)[0]) / (2.0 * h);
                     let across = (u([x, z + h], t)[1] - u([x, z - h], t)[1]) / (2.0 * h);
                     [along + across, along.abs() + across.abs()]
                 };
-                // The force is at the origin, the explosion at −x; mirrored, and with it the force along x.
+                // The force is at the origin, the explosion at −x; mirroring reverses the force along x.
                 let mirror = [-1.0, 1.0][k];
                 let on_surface = |at: [f64; 2], t: f64| {
                     first(half_plane::lamb(&SOLID, force, at, &[t], RICKER, 0))
@@ -168,7 +169,7 @@ fn explosions_and_forces_are_reciprocal() {
 
 const NODES: [usize; 2] = [80, 400];
 
-/// Displacement in space under the vertical force 1 at (x, y, depth z).
+/// Displacement at (x, y, depth z) in three dimensions, due to a unit vertical force.
 fn in_space([x, y, z]: [f64; 3], t: f64, nodes: [usize; 2]) -> [f64; 3] {
     let r = x.hypot(y);
     let field = half_space::vertical_force(&SOLID, 1.0, [r, z], &[t], (RICKER, 0), nodes);
@@ -209,7 +210,7 @@ fn the_field_in_space_obeys_the_equations_and_the_surface_is_free() {
             let size = SOLID.mu * along.iter().map(|d| d.abs()).sum::<f64>() + inertia.abs();
             assert!((elastic - inertia).abs() < 2e-3 * size, "{k}: {elastic} {inertia} of {size}");
         }
-        // Along y = 0 the radius is x: ∇·u has u_r/r besides.
+        // At y = 0 the radius is x, and ∇·u contains the additional term u_r/r.
         let u = |x: f64, z: f64| in_space([x, 0.0, z], t, NODES);
         let x = 9.0;
         let [e, w, c] = [u(x + h, 0.0), u(x - h, 0.0), u(x, 0.0)];
@@ -223,8 +224,8 @@ fn the_field_in_space_obeys_the_equations_and_the_surface_is_free() {
     }
 }
 
-/// The vertical displacement on the surface is that of Pekeris (1955), whose last branch is the static 3F/8πμr; quadrature
-/// has converged, inside, too.
+/// Verifies the vertical displacement on the surface against Pekeris (1955), whose last branch is the static value
+/// 3F/8πμr, and the convergence of the quadrature, also below the surface.
 #[test]
 fn the_field_in_space_on_the_surface_is_that_of_pekeris() {
     let greatest = 1.0 / (SOLID.mu * 9.0);
@@ -247,7 +248,7 @@ fn the_field_in_space_on_the_surface_is_that_of_pekeris() {
     }
 }
 
-/// The momentum of the half-space is the impulse of the force.
+/// Verifies that the momentum of the half-space equals the impulse of the force.
 #[test]
 fn the_field_in_space_has_the_impulse_of_its_force() {
     let t = 1.55 / RICKER.frequency;
@@ -265,8 +266,9 @@ fn the_field_in_space_has_the_impulse_of_its_force() {
     assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
 }
 
-/// Energy flux into and out of the interface is equal; velocities and tractions are continuous; at normal incidence
-/// amplitudes follow from impedances; next to a near-void they are those at a free surface; none beyond a critical angle.
+/// Verifies that energy flux, velocities and tractions are continuous at the interface; amplitudes at normal
+/// incidence against impedances; the free-surface limit for a nearly void lower solid; and that there is no solution
+/// beyond a critical angle.
 #[test]
 fn waves_at_an_interface() {
     for (incident, critical) in [(Wave::P, 43.8f64), (Wave::S, 23.5)] {
@@ -289,7 +291,7 @@ fn waves_at_an_interface() {
     }
     let waves = interface::waves(&SOLID, &BELOW, Wave::P, 0.0).expect("a subcritical angle");
     let [one, other] = [&SOLID, &BELOW].map(|solid| solid.density * solid.pressure_speed());
-    // A reflected P wave of a positive amplitude moves against the incident one.
+    // A reflected P wave of positive amplitude has a velocity opposite to the incident wave.
     let found = [waves.above[1].amplitude, waves.above[2].amplitude, waves.below[0].amplitude];
     let expected = [(other - one) / (one + other), 0.0, 2.0 * one / (one + other)];
     for (found, expected) in found.iter().zip(expected) {
@@ -307,7 +309,7 @@ fn waves_at_an_interface() {
     assert!((found - expected).abs() < 1e-6, "{found} {expected}");
 }
 
-/// The exact field of an oblique pulse is continuous at the interface, as its traction is by differences of displacements.
+/// Verifies that velocity and traction rate (by differences) of an oblique pulse are continuous at the interface.
 #[test]
 fn an_oblique_pulse_is_continuous_at_the_interface() {
     for incident in [Wave::P, Wave::S] {
@@ -319,7 +321,7 @@ fn an_oblique_pulse_is_continuous_at_the_interface() {
                 [sum[0] + v[0], sum[1] + v[1]]
             })
         };
-        // The rate of the traction, by differences of velocities.
+        // Rate of the traction, by differences of velocities.
         let rate = |planes: &[interface::Plane], solid: &Solid, x: f64, t: f64| {
             let h = 1e-3;
             let at = |dx: f64, dy: f64| velocity(planes, [x + dx, dy], t);

@@ -26,7 +26,7 @@ impl From<&str> for Cell {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("row {row} of the table has {found} cells where the header names {expected} columns")]
 pub struct RowLength {
-    /// Number of the row, counted from 1 below the header.
+    /// Number of the row, counted from 1 for the first row after the header.
     pub row: usize,
     /// Cells found in the row.
     pub found: usize,

@@ -1,9 +1,9 @@
-//! Line sources in an infinite plane (plane strain).
+//! Line sources in an unbounded plane (plane strain).
 //!
-//! The wave equation of the speed c has the transform of Green's function K₀(sr/c)/2π, with
-//! K₀(z) = ∫₀^∞ exp(−z cosh θ) dθ, K₀″(z) = ∫ cosh²θ exp(−z cosh θ) dθ and −K₀′(z)/z = ∫ sinh²θ exp(−z cosh θ) dθ. In time
-//! exp(−s(r/c) cosh θ) delays the source by (r/c) cosh θ. The integrands are even and analytic in θ, so that the trapezoidal
-//! rule converges exponentially.
+//! The Laplace transform of Green's function of the wave equation with speed c is K₀(sr/c)/2π, with
+//! K₀(z) = ∫₀^∞ exp(−z cosh θ) dθ, K₀″(z) = ∫ cosh²θ exp(−z cosh θ) dθ and −K₀′(z)/z = ∫ sinh²θ exp(−z cosh θ) dθ.
+//! In the time domain exp(−s(r/c) cosh θ) delays the source by (r/c) cosh θ. The integrands are even and analytic in
+//! θ, so the trapezoidal rule converges exponentially.
 
 use super::half_plane::last;
 use super::{Ricker, Solid};
@@ -27,8 +27,8 @@ fn integrals(delay: f64, t: f64, last: f64, ricker: Ricker, derivative: usize) -
     sums
 }
 
-/// Displacement (m; derivative 0) or velocity (m/s; derivative 1) at a point ≠ 0 of an isotropic moment M (N·m/m) at 0
-/// times the Ricker function, the body force −M f ∇δ: u = ∇φ with φ = −M K₀(sr/c_p) f/(2πρc_p²).
+/// Displacement (m; derivative 0) or velocity (m/s; derivative 1) at a point ≠ 0, due to an isotropic moment M
+/// (N·m/m) at the origin times the Ricker function f (body force −M f ∇δ): u = ∇φ with φ = −M K₀(sr/c_p) f/(2πρc_p²).
 pub fn explosion(
     solid: &Solid,
     moment: f64,
@@ -45,9 +45,10 @@ pub fn explosion(
     [x, z].map(|x| radial.iter().map(|u| u * x / r).collect())
 }
 
-/// Displacement (m; derivative 0) or velocity (m/s; derivative 1) at a point ≠ 0 of a line force (N/m) at 0 times the
-/// Ricker function: u = F g_s/μ − ∇∇·F (g_s − g_p)/(ρs²), g = K₀(sr/c)/2π. Along the radius r̂ that is
-/// F_r (I_p[cosh²]/c_p² − I_s[sinh²]/c_s²)/(2πρ), across it F_t (I_s[cosh²]/c_s² − I_p[sinh²]/c_p²)/(2πρ).
+/// Displacement (m; derivative 0) or velocity (m/s; derivative 1) at a point ≠ 0, due to a line force F (N/m) at the
+/// origin times the Ricker function: u = F g_s/μ − ∇∇·F (g_s − g_p)/(ρs²), g = K₀(sr/c)/2π. The radial component is
+/// F_r (I_p[cosh²]/c_p² − I_s[sinh²]/c_s²)/(2πρ), the transverse component F_t (I_s[cosh²]/c_s² −
+/// I_p[sinh²]/c_p²)/(2πρ).
 pub fn force(
     solid: &Solid,
     force: [f64; 2],

@@ -1,4 +1,4 @@
-//! Garvin's problem: a line explosion in a half-plane.
+//! Garvin's problem: a line explosion inside a half-plane.
 
 use super::run::{Frame, Receiver, Settings, compare};
 use super::{RICKER, Row, SOLID, half_plane};
@@ -8,7 +8,7 @@ const MOMENT: f64 = 1e5;
 /// Depth of the explosion, in wavelengths of the Rayleigh wave.
 const DEPTH: f64 = 0.5;
 
-/// Name and place (x, upwards) of receivers, in wavelengths of the Rayleigh wave.
+/// Names and coordinates (x, upwards) of receivers, in wavelengths of the Rayleigh wave.
 const RECEIVERS: [(&str, [f64; 2]); 6] = [
     ("surface1", [0.87, 0.0]),
     ("surface2", [1.94, 0.0]),
@@ -18,7 +18,7 @@ const RECEIVERS: [(&str, [f64; 2]); 6] = [
     ("shallow3", [2.9, -0.7]),
 ];
 
-/// Errors.
+/// Relative errors of the velocities at all receivers.
 pub fn rows(settings: &Settings) -> Vec<Row> {
     let wavelength = SOLID.rayleigh_speed() / RICKER.frequency;
     let h = wavelength / settings.cells;
@@ -28,7 +28,7 @@ pub fn rows(settings: &Settings) -> Vec<Row> {
         0.0 => DEPTH * wavelength,
         _ => ((DEPTH * settings.cells).round() + shift) * h,
     };
-    // Until the Rayleigh wave has passed the farthest receiver; nothing comes back from the sides until then.
+    // The Rayleigh wave passes the farthest receiver; waves reflected from the boundaries arrive later.
     let duration = 6.2 / RICKER.frequency;
     let reach = SOLID.pressure_speed() * duration / wavelength;
     let half_width = (0.5 * (reach + 3.0) * settings.cells).ceil();

@@ -1,21 +1,21 @@
-//! The elastic half-plane z ≥ 0 (z: depth) in plane strain, with a line force on its surface (Lamb) or a line explosion
-//! inside (Garvin), by the method of Cagniard and de Hoop.
+//! Elastic half-plane z ≥ 0 (z: depth) in plane strain, with a line force on its surface (Lamb) or a line explosion
+//! inside (Garvin), by the Cagniard–de Hoop method.
 //!
-//! With the Laplace transform in time (variable s) every wave is Im ∫ A(p) exp(−sτ(p)) dp along p from 0 to i∞, with
-//! τ = px + (sum of depths times a or b), a² = 1/c_p² − p², b² = 1/c_s² − p². In time exp(−sτ) times the transform of the
-//! source becomes f(t − τ). As f is entire the path need not keep τ real; see [`path`].
+//! With the Laplace transform in time (variable s) every wave has the form Im ∫ A(p) exp(−sτ(p)) dp along p from 0 to
+//! i∞, with τ = px + (sum of depths times a or b), a² = 1/c_p² − p², b² = 1/c_s² − p². In the time domain exp(−sτ)
+//! times the transform of the source is f(t − τ). Since f is entire, τ need not be real on the path; see [`path`].
 
 use super::full_plane;
 use super::{Ricker, Solid};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Nodes p of the path p = (x cosh θ + iz′ sinh θ)·slowness/√(x² + z′²), z′ = max(z, x/10), θ ≥ 0, with dp/dθ times their
-/// weights.
+/// Nodes p and weights times dp/dθ on the path p = (x cosh θ + iz′ sinh θ)·slowness/√(x² + z′²), z′ = max(z, x/10), θ
+/// ≥ 0.
 ///
-/// It starts below `slowness`, where the integrands are real up to a factor, and stays clear of the branch points and of
-/// the Rayleigh pole. Integrands are even and analytic in θ, so that the trapezoidal rule converges exponentially. It
-/// ends where waves arrive after `last` (s).
+/// The path starts below `slowness`, where the integrands are real up to a factor, and avoids the branch points and
+/// the Rayleigh pole. The integrands are even and analytic in θ, so the trapezoidal rule converges exponentially. The
+/// path ends where waves arrive after `last` (s).
 pub fn path(
     [x, z]: [f64; 2],
     slowness: f64,
@@ -35,13 +35,14 @@ pub fn path(
     })
 }
 
-/// √(slowness² − p²) with a real part that is not negative.
+/// Square root with non-negative real part.
 pub fn root(square: Complex64) -> Complex64 {
     let root = square.sqrt();
     if root.re < 0.0 { -root } else { root }
 }
 
-/// Adds Im(factor · f(t − τ)) of each wave (τ, factors along x and z) to sums at the times given.
+/// Adds Im(factor · f(t − τ)), or its derivative, of each wave (τ, factors along x and z) to the sums at the given
+/// times.
 pub fn add_waves(
     sums: &mut [Vec<f64>; 2],
     time: &[f64],
@@ -61,15 +62,15 @@ pub fn add_waves(
     }
 }
 
-/// The last time of a record and the length of the function of time, s.
+/// Last time of a record plus the length of the time function, s.
 pub fn last(time: &[f64], ricker: Ricker) -> f64 {
     time.iter().fold(0f64, |last, t| last.max(*t)) + 2.0 / ricker.frequency
 }
 
-/// Lamb's problem: displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at (x, z), x ≥ 0, z ≥ 0,
-/// x + z > 0, under the line force (F_x, F_z), N/m, at x = z = 0 times the Ricker function.
+/// Lamb's problem: displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at (x, z), x ≥ 0, z ≥
+/// 0, x + z > 0, due to a line force (F_x, F_z) (N/m) at the origin times the Ricker function f.
 ///
-/// u = Im ∫ e(p) f(t − τ) dp / πμ with τ = px + az for pressure and px + bz for shear waves.
+/// u = Im ∫ e(p) f(t − τ) dp / πμ, with τ = px + az for pressure waves and τ = px + bz for shear waves.
 pub fn lamb(
     solid: &Solid,
     force: [f64; 2],
@@ -92,11 +93,12 @@ pub fn lamb(
     sums
 }
 
-/// Garvin's problem: displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at (x, z), x ≥ 0, z ≥ 0,
-/// of a line explosion at (0, `depth`): an isotropic moment (N·m/m) times the Ricker function, the body force −M f ∇δ.
+/// Garvin's problem: displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at (x, z), x ≥ 0, z
+/// ≥ 0, due to a line explosion at (0, `depth`): an isotropic moment M (N·m/m) times the Ricker function f, i.e. the
+/// body force −M f ∇δ.
 ///
-/// To the field in the full plane, of the potential A exp(−s(px + a|depth − z|)) with A = −M/(2πρc_p²a), the surface adds
-/// φ = R_p A exp(−s(px + a(depth + z))) and ψ = R_s A exp(−s(px + a depth + bz)) with
+/// To the field in the unbounded plane, with potential A exp(−s(px + a|depth − z|)), A = −M/(2πρc_p²a), the surface
+/// adds φ = R_p A exp(−s(px + a(depth + z))) and ψ = R_s A exp(−s(px + a depth + bz)), with
 /// R_p = (4p²ab − g²)/(4p²ab + g²), R_s = −4pag/(4p²ab + g²), g = 1/c_s² − 2p²; u = ∇φ + (−∂ψ/∂z, ∂ψ/∂x).
 pub fn garvin(
     solid: &Solid,

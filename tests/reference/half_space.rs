@@ -1,23 +1,23 @@
-//! The elastic half-space z ≥ 0 (z: depth) under a vertical point force on its surface: by the method of Cagniard and
-//! de Hoop anywhere, and in closed form on the surface for Poisson's ratio ¼ (Pekeris 1955).
+//! Elastic half-space z ≥ 0 (z: depth) under a vertical point force on its surface: by the Cagniard–de Hoop method at
+//! any point, and in closed form on the surface for Poisson's ratio ¼ (Pekeris 1955).
 
 use super::half_plane::{add_waves, last, path, root};
 use super::{Ricker, Solid};
 use std::f64::consts::PI;
 
-/// Displacement (m; derivative 0) or velocity (m/s; derivative 1), radial and downwards, at the distance r > 0 from the
-/// axis and the depth z ≥ 0, under the downward force F (N) times the Ricker function.
+/// Displacement (m; derivative 0) or velocity (m/s; derivative 1), radial and downwards, at distance r > 0 from the
+/// axis and depth z ≥ 0, due to a downward force F (N) times the Ricker function f.
 ///
-/// The wave numbers are (−isp, sq) along the radius and across it. For each q the integral over p is that of the half-plane
-/// with P² = p² − q² for p²: a² = 1/c_p² − P², b² = 1/c_s² − P², g = 1/c_s² − 2P²,
+/// The wave numbers along and across the radius are −isp and sq. For each q the integral over p is that of the
+/// half-plane with p² replaced by P² = p² − q²: a² = 1/c_p² − P², b² = 1/c_s² − P², g = 1/c_s² − 2P²,
 ///
 /// ```text
 /// u_r = F/π ∫₀^∞ dq Im ∫ p (g f′(t − τ_p) − 2ab f′(t − τ_s)) dp / (πμ(g² + 4P²ab)),
 /// u_z = F/π ∫₀^∞ dq Im ∫ a (g f′(t − τ_p) + 2P² f′(t − τ_s)) dp / (πμ(g² + 4P²ab)),    τ = pr + az or pr + bz.
 /// ```
 ///
-/// The integral over q has an even and analytic integrand, too, which ends where nothing arrives in time. `nodes` are
-/// the numbers of intervals in q and in p.
+/// The integrand over q is even and analytic, too; the integral ends where waves arrive after the last time. `nodes`
+/// are the numbers of intervals in q and p.
 pub fn vertical_force(
     solid: &Solid,
     force: f64,
@@ -49,17 +49,18 @@ pub fn vertical_force(
     sums
 }
 
-/// Downward displacement (m) on the surface at a distance r and a time, λ = μ, under the downward force F (N) times the
-/// Ricker function (Pekeris 1955).
+/// Downward displacement (m) on the surface at a distance r (m) and a time t (s), for λ = μ, due to a downward force
+/// F (N) times the Ricker function f (Pekeris 1955).
 ///
-/// Under a step of the force it is F w(c_s t/r)/(πμr) with γ² = (3 + √3)/4 and
+/// For a step force it is F w(c_s t/r)/(πμr), with γ² = (3 + √3)/4 and
 ///
 /// ```text
 /// 32 w = 6 − √3/√(τ² − ¼) − √(3√3 + 5)/√(γ² − τ²) + √(3√3 − 5)/√(τ² − (3 − √3)/4),    1/√3 < τ < 1,
 /// 16 w = 6 − √(3√3 + 5)/√(γ² − τ²),    1 < τ < γ;        16 w = 6,    γ < τ,
 /// ```
 ///
-/// and the force is a superposition of steps by its derivative. The root at γ is removed by τ = γ − y².
+/// and the response to f is its convolution with f′. The substitution τ = γ − y² removes the square-root singularity
+/// at γ.
 pub fn pekeris(solid: &Solid, force: f64, r: f64, t: f64, ricker: Ricker) -> f64 {
     let three = 3f64.sqrt();
     let rayleigh = (0.75 + 0.25 * three).sqrt();
@@ -72,7 +73,7 @@ pub fn pekeris(solid: &Solid, force: f64, r: f64, t: f64, ricker: Ricker) -> f64
             / 32.0
     };
     let rate = |tau: f64| slowness * ricker.real(t - slowness * tau, 1);
-    // Midpoints.
+    // Midpoint rule.
     let integral = |from: f64, to: f64, value: &dyn Fn(f64) -> f64| {
         let count = 4000;
         let step = (to - from) / f64::from(count);
@@ -83,7 +84,7 @@ pub fn pekeris(solid: &Solid, force: f64, r: f64, t: f64, ricker: Ricker) -> f64
         let tau = rayleigh - y * y;
         2.0 * y * (6.0 - pole(tau)) / 16.0 * rate(tau)
     });
-    // The steps that are over: ∫ f′ is f.
+    // Contribution of τ > γ, where w is constant: ∫ f′ = f.
     sum += 6.0 / 16.0 * ricker.real(t - slowness * rayleigh, 0);
     force * sum / (PI * solid.mu * r)
 }

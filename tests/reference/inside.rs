@@ -1,14 +1,14 @@
-//! A line force or a line explosion inside: in a plane without end.
+//! Line force or line explosion in an unbounded plane.
 
 use super::run::{Frame, Receiver, Settings, compare};
 use super::{RICKER, Row, SOLID, full_plane};
 
 const AMPLITUDE: f64 = 1e5;
 
-/// Place of the source, in cells from a corner of cells: in no symmetric position.
+/// Position of the source relative to a corner of the grid cells, in cells: without symmetry.
 const OFFSET: [f64; 2] = [0.2, 0.35];
 
-/// Name, distance in wavelengths of the S wave, and direction in degrees of receivers.
+/// Names, distances (in wavelengths of the S wave) and directions (degrees) of receivers.
 const RECEIVERS: [(&str, f64, f64); 6] = [
     ("axis1", 1.0, 0.0),
     ("oblique1", 1.0, 35.0),
@@ -18,12 +18,12 @@ const RECEIVERS: [(&str, f64, f64); 6] = [
     ("across3", 3.0, 90.0),
 ];
 
-/// Errors of the field of a force along the first coordinate, or of an explosion.
+/// Relative errors of the velocities for a force along the first coordinate, or for an explosion.
 pub fn rows(settings: &Settings, is_explosion: bool) -> Vec<Row> {
     let wavelength = SOLID.shear_speed() / RICKER.frequency;
     let h = wavelength / settings.cells;
     let frame = Frame::new(2, settings);
-    // Until the S wave has passed the farthest receiver; nothing comes back from the sides until then.
+    // The S wave passes the farthest receiver; waves reflected from the boundaries arrive later.
     let duration = 5.9 / RICKER.frequency;
     let reach = SOLID.pressure_speed() * duration / wavelength;
     let half = (0.5 * (reach + 3.0) * settings.cells).ceil();

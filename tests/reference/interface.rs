@@ -1,5 +1,5 @@
-//! A plane wave on the plane interface x₂ = 0 of two solids: amplitudes of the reflected and transmitted waves after
-//! Knott and Zoeppritz.
+//! Plane wave on the plane interface x₂ = 0 of two solids: amplitudes of the reflected and transmitted waves from the
+//! Knott–Zoeppritz equations.
 
 use super::Solid;
 
@@ -10,12 +10,12 @@ pub enum Wave {
     S,
 }
 
-/// A plane wave v = amplitude · a g(t − n·x/c).
+/// Plane wave v = amplitude · a g(t − n·x/c).
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     /// Direction n.
     pub direction: [f64; 2],
-    /// Polarisation a: n for P; n turned by 90° anticlockwise for S.
+    /// Polarisation a: n for P; n rotated by 90° anticlockwise for S.
     pub polarisation: [f64; 2],
     /// Speed c, m/s.
     pub speed: f64,
@@ -25,7 +25,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A wave of amplitude 1 with the slowness p (s/m) along x₁, upwards or downwards; `None` if there is none, beyond the
+    /// Wave of amplitude 1 with slowness p (s/m) along x₁, propagating upwards or downwards; `None` beyond the
     /// critical angle.
     fn new(wave: Wave, solid: &Solid, p: f64, is_upward: bool) -> Option<Self> {
         let speed = match wave {
@@ -58,7 +58,7 @@ impl Plane {
         [a1, a2, shear, normal].map(|value| self.amplitude * value)
     }
 
-    /// Flux of energy through the interface along x₂, of a unit of g².
+    /// Energy flux through the interface along x₂, per unit of g².
     pub fn flux(&self) -> f64 {
         self.solid.density * self.speed * self.direction[1] * self.amplitude.powi(2)
     }
@@ -68,23 +68,23 @@ impl Plane {
         (self.direction[0] * x[0] + self.direction[1] * x[1]) / self.speed
     }
 
-    /// Velocity (m/s over that of the incident wave) at a point and a time, if g is given and the incident wave passes
-    /// x = 0 at the time 0.
+    /// Velocity (relative to the incident wave) at a point and a time (s), for a time function g and an incident wave
+    /// that passes x = 0 at time 0.
     pub fn velocity(&self, x: [f64; 2], t: f64, g: impl Fn(f64) -> f64) -> [f64; 2] {
         let value = self.amplitude * g(t - self.arrival(x));
         self.polarisation.map(|a| a * value)
     }
 }
 
-/// The waves on both sides: incident from above, reflected P and S; transmitted P and S.
+/// Plane waves above the interface (incident, reflected P, reflected S) and below it (transmitted P, transmitted S).
 #[derive(Clone, Copy, Debug)]
 pub struct Waves {
     pub above: [Plane; 3],
     pub below: [Plane; 2],
 }
 
-/// The waves that a wave from above makes, with an angle between its direction and the normal; `None` beyond a critical
-/// angle.
+/// Solves for the reflected and transmitted waves of a wave incident from above, at an angle (rad) between its
+/// direction and the normal; `None` beyond a critical angle.
 pub fn waves(above: &Solid, below: &Solid, incident: Wave, angle: f64) -> Option<Waves> {
     let speed = match incident {
         Wave::P => above.pressure_speed(),
@@ -98,7 +98,7 @@ pub fn waves(above: &Solid, below: &Solid, incident: Wave, angle: f64) -> Option
         Plane::new(Wave::P, below, p, false)?,
         Plane::new(Wave::S, below, p, false)?,
     ];
-    // Reflected − transmitted = −incident, tractions in units of an impedance.
+    // Reflected − transmitted = −incident; tractions are divided by an impedance.
     let units = [1.0, 1.0, above.density * speed, above.density * speed];
     let columns = others.map(|wave| wave.at_interface());
     let right = incident.at_interface();
@@ -116,7 +116,7 @@ pub fn waves(above: &Solid, below: &Solid, incident: Wave, angle: f64) -> Option
     Some(Waves { above: [incident, others[0], others[1]], below: [others[2], others[3]] })
 }
 
-/// Solves four linear equations by Gauss–Jordan elimination with pivots by column.
+/// Solves four linear equations by Gauss–Jordan elimination with partial pivoting.
 fn solve(rows: &mut [[f64; 5]; 4]) -> [f64; 4] {
     for column in 0..4 {
         let pivot =

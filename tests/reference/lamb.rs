@@ -1,11 +1,11 @@
-//! Lamb's problem in the plane: a line force on the surface of a half-plane.
+//! Lamb's problem in plane strain: a line force on the surface of a half-plane.
 
 use super::run::{Frame, Receiver, Settings, compare};
 use super::{RICKER, Row, SOLID, half_plane};
 
 const FORCE: f64 = 1e5;
 
-/// Name and place (x, upwards) of receivers, in wavelengths of the Rayleigh wave.
+/// Names and coordinates (x, upwards) of receivers, in wavelengths of the Rayleigh wave.
 const RECEIVERS: [(&str, [f64; 2]); 7] = [
     ("surface1", [1.0, 0.0]),
     ("surface2", [2.0, 0.0]),
@@ -16,8 +16,8 @@ const RECEIVERS: [(&str, [f64; 2]); 7] = [
     ("shallow2", [2.0, -0.5]),
 ];
 
-/// Cells at which the default kernel has shares of a point where two cells meet, relative to the point, and the shares:
-/// w(u) = (7/4) K(u) − ⅜ (K(u − 1) + K(u + 1)), K(u) = ¼ (B(u − 1) + 2 B(u) + B(u + 1)), with the quadratic B-spline B.
+/// Positions (in cells, relative to a point on the face between two cells) and weights of the default kernel: w(u) =
+/// (7/4) K(u) − ⅜ (K(u − 1) + K(u + 1)), K(u) = ¼ (B(u − 1) + 2 B(u) + B(u + 1)), with the quadratic B-spline B.
 pub fn kernel() -> impl Iterator<Item = (f64, f64)> {
     let spline = |u: f64| match u.abs() {
         u if u <= 0.5 => 0.75 - u * u,
@@ -29,12 +29,12 @@ pub fn kernel() -> impl Iterator<Item = (f64, f64)> {
     (-4..4).map(|cell| f64::from(cell) + 0.5).map(move |u| (u, share(u)))
 }
 
-/// Errors under a vertical or a horizontal force.
+/// Relative errors of the velocities for a vertical or a horizontal force.
 pub fn rows(settings: &Settings, is_vertical: bool) -> Vec<Row> {
     let wavelength = SOLID.rayleigh_speed() / RICKER.frequency;
     let h = wavelength / settings.cells;
     let frame = Frame::new(2, settings);
-    // Until the Rayleigh wave has passed the farthest receiver; nothing comes back from the sides until then.
+    // The Rayleigh wave passes the farthest receiver; waves reflected from the boundaries arrive later.
     let duration = 6.0 / RICKER.frequency;
     let reach = SOLID.pressure_speed() * duration / wavelength;
     let half_width = (0.5 * (reach + 3.0) * settings.cells).ceil();
@@ -64,13 +64,14 @@ pub fn rows(settings: &Settings, is_vertical: bool) -> Vec<Row> {
             (settings, &[settings.shift(), 0.0]),
         )
     });
-    // A positive stress of the upper side pulls upwards; depths are downwards.
+    // A positive stress on the upper boundary pulls upwards; the exact solution counts depths downwards.
     let force = if is_vertical { [0.0, -FORCE] } else { [FORCE, 0.0] };
     compare(settings, frame, case, &receivers, |receiver, time| {
         let field = |x: f64| {
             let at = [x.abs(), -receiver.at[1]];
             let [along, down] = half_plane::lamb(&SOLID, force, at, time, RICKER, 1);
-            // The mirror image has the force's component along x or both others turned round.
+            // Mirroring in x reverses the velocity along x for a vertical force, and the vertical velocity for a
+            // horizontal force.
             let signs = match (x < 0.0, is_vertical) {
                 (false, _) => [1.0, -1.0],
                 (true, true) => [-1.0, -1.0],

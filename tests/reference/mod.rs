@@ -1,4 +1,4 @@
-//! Exact solutions, and the problems in which runs with default settings are compared with them.
+//! Exact solutions, and the problems for which simulations with default settings are compared with them.
 
 #![allow(dead_code, reason = "each test and benchmark uses a part")]
 
@@ -16,7 +16,8 @@ pub mod run;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Ricker function of time, (1 − 2x²) exp(−x²) with x = π·frequency·(t − 1.5/frequency): the default delay of cases.
+/// Ricker function of time, (1 − 2x²) exp(−x²) with x = π·frequency·(t − 1.5/frequency), i.e. the default delay of
+/// cases.
 #[derive(Clone, Copy, Debug)]
 pub struct Ricker {
     /// Peak frequency, Hz.
@@ -24,7 +25,7 @@ pub struct Ricker {
 }
 
 impl Ricker {
-    /// Its `derivative`-th derivative (0 to 3), 1/s^derivative, at a complex time (s): it is entire.
+    /// Derivative of order `derivative` (0 to 3), 1/s^derivative, at a complex time (s); the function is entire.
     pub fn value(&self, t: Complex64, derivative: usize) -> Complex64 {
         let rate = PI * self.frequency;
         let x = (t - 1.5 / self.frequency) * rate;
@@ -42,18 +43,18 @@ impl Ricker {
         polynomial * (-a).exp()
     }
 
-    /// Value at a real time.
+    /// Derivative of order `derivative` at a real time (s).
     pub fn real(&self, t: f64, derivative: usize) -> f64 {
         self.value(t.into(), derivative).re
     }
 
-    /// Time, s, after which less than 10⁻⁶ of the peak is left.
+    /// Time, s, after which the value is below 10⁻⁶ of the peak.
     pub fn end(&self) -> f64 {
         1.5 / self.frequency + 1.35 / self.frequency
     }
 }
 
-/// An isotropic elastic solid.
+/// Isotropic elastic solid.
 #[derive(Clone, Copy, Debug)]
 pub struct Solid {
     /// First Lamé modulus, Pa.
@@ -64,10 +65,10 @@ pub struct Solid {
     pub density: f64,
 }
 
-/// The solid of the problems: Poisson's ratio ¼.
+/// Solid of all problems: Poisson's ratio ¼.
 pub const SOLID: Solid = Solid { lambda: 8e7, mu: 8e7, density: 2000.0 };
 
-/// The function of time of all sources.
+/// Time function of all sources.
 pub const RICKER: Ricker = Ricker { frequency: 20.0 };
 
 impl Solid {
@@ -81,7 +82,7 @@ impl Solid {
         (self.mu / self.density).sqrt()
     }
 
-    /// Rayleigh speed, m/s: the root of (2 − c²/c_s²)² = 4√(1 − c²/c_p²)√(1 − c²/c_s²), by bisection.
+    /// Rayleigh speed c, m/s: root of (2 − c²/c_s²)² = 4√(1 − c²/c_p²)√(1 − c²/c_s²), by bisection.
     pub fn rayleigh_speed(&self) -> f64 {
         let [p, s] = [self.pressure_speed(), self.shear_speed()];
         let value = |c: f64| {
@@ -97,14 +98,14 @@ impl Solid {
     }
 }
 
-/// A difference relative to the exact record: by L2 norms over the record, and by maximum norms.
+/// Error of a record relative to the exact record, in the L2 norm and in the maximum norm.
 #[derive(Clone, Copy, Debug)]
 pub struct Error {
     pub l2: f64,
     pub max: f64,
 }
 
-/// Difference of a record from the exact one.
+/// Relative error of a record against the exact record.
 pub fn error(record: &[f64], exact: &[f64]) -> Error {
     assert_eq!(record.len(), exact.len());
     let difference: Vec<f64> = record.iter().zip(exact).map(|(a, b)| a - b).collect();
@@ -113,7 +114,7 @@ pub fn error(record: &[f64], exact: &[f64]) -> Error {
     Error { l2: l2(&difference) / l2(exact), max: max(&difference) / max(exact) }
 }
 
-/// The error of a component of the velocity at a receiver.
+/// Error of one velocity component at a receiver.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Receiver and component, as in `surface.v2`.
@@ -123,12 +124,12 @@ pub struct Row {
     pub error: Error,
 }
 
-/// A problem with an exact solution.
+/// Problem with an exact solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem {
     pub name: &'static str,
     pub dimensions: usize,
-    /// Runs it and compares.
+    /// Runs the problem and returns the errors of all components.
     pub rows: fn(&run::Settings) -> Vec<Row>,
 }
 

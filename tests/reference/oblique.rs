@@ -1,26 +1,26 @@
-//! An oblique plane pulse on the plane interface of two solids.
+//! Oblique plane pulse incident on the plane interface of two solids.
 //!
-//! The pulse is wide, receivers are near to the middle of the part of the interface that it hits, and each is compared until
-//! the last of its pulses has passed: before diffraction from the ends of the pulse arrives. Since the pulse begins in one
-//! solid it travels several wavelengths before it meets the interface.
+//! The pulse is wide, receivers are close to the centre of the illuminated part of the interface, and records are
+//! compared until the last reflected or transmitted pulse has passed, i.e. before diffraction from the ends of the
+//! pulse arrives. The pulse starts in one solid and travels several wavelengths before it reaches the interface.
 
 use super::interface::{Plane, Wave, waves};
 use super::run::{Frame, Receiver, Settings, compare, moduli};
 use super::{RICKER, Ricker, Row, SOLID, Solid};
 
-/// The solid below: waves are faster by 1.44, so that those of the solid above are the shortest.
+/// Solid below the interface; its wave speeds are larger by the factor 1.44, so the shortest waves are those above.
 pub const BELOW: Solid = Solid { lambda: 2e8, mu: 2e8, density: 2400.0 };
 
-/// Angles between the direction and the normal, degrees: below the critical one.
+/// Angles of incidence of P and S waves, degrees; subcritical.
 const ANGLES: [f64; 2] = [12.0, 10.0];
 
-/// Width of the full amplitude, in wavelengths.
+/// Width of constant amplitude, in wavelengths.
 const WIDTH: f64 = 24.0;
 
-/// Periods before and after its peak after which less than 10⁻⁶ of the Ricker function is left.
+/// Half-length of the Ricker function in periods: at this distance from its peak it is below 10⁻⁶.
 const PERIODS: f64 = 1.36;
 
-/// Name and place (x, upwards) of receivers, in wavelengths of the S wave above.
+/// Names and coordinates (x, upwards) of receivers, in wavelengths of the S wave above the interface.
 const RECEIVERS: [(&str, [f64; 2]); 7] = [
     ("above1", [0.2, 1.0]),
     ("above2", [0.4, 2.0]),
@@ -31,7 +31,7 @@ const RECEIVERS: [(&str, [f64; 2]); 7] = [
     ("below3", [0.9, -3.0]),
 ];
 
-/// Errors of the field of an incident P or S wave; distances are those from the interface.
+/// Relative errors of the velocities for an incident P or S wave; distances are measured from the interface.
 pub fn rows(settings: &Settings, incident: Wave) -> Vec<Row> {
     let wavelength = SOLID.shear_speed() / RICKER.frequency;
     let h = wavelength / settings.cells;
@@ -41,14 +41,16 @@ pub fn rows(settings: &Settings, incident: Wave) -> Vec<Row> {
         Wave::S => (SOLID.shear_speed(), ANGLES[1].to_radians()),
     };
     let waves = waves(&SOLID, &BELOW, incident, angle).expect("all waves travel");
-    // At the beginning the pulse, with half of its width to fall off on either side, just touches the interface.
+    // In the initial state the pulse, including its tapers of half its width on both sides, just touches the
+    // interface.
     let length = PERIODS * speed / SOLID.shear_speed();
     let distance = WIDTH * angle.tan() + length;
     let travel = distance * SOLID.shear_speed() / speed;
     let duration = (travel + 3.0 + 1.5) / RICKER.frequency;
     let n = waves.above[0].direction;
     let from = n.map(|n| -distance * n);
-    // In wavelengths: what is before the interface, and what the fastest wave cannot come back through in time.
+    // In wavelengths: extent of the pulse above the interface, and a depth from which no wave returns within the
+    // duration.
     let aside = WIDTH + 1.0;
     let top = from[1] + WIDTH * angle.sin() + length + 1.0;
     let bottom = 8.0;
@@ -65,7 +67,7 @@ pub fn rows(settings: &Settings, incident: Wave) -> Vec<Row> {
         moduli(&BELOW, ", "),
     );
     let direction = frame.place(&n);
-    // Axes of the other sense of rotation turn the polarisation of S waves round.
+    // If the case axes have opposite handedness, the sign of the S polarisation is reversed.
     let sign = if frame.is_mirrored() && incident == Wave::S { -1.0 } else { 1.0 };
     case += &format!(
         "[[initial]]\nkind = \"plane-pulse\"\nwave = \"{incident:?}\"\ndirection_deg = {}\n\

@@ -1,12 +1,12 @@
-//! Lamb's problem in space: a vertical point force on the surface of a half-space, Poisson's ratio ¼ (Pekeris 1955). A
-//! quarter is run, between two planes of symmetry.
+//! Lamb's problem in three dimensions: a vertical point force on the surface of a half-space, Poisson's ratio ¼
+//! (Pekeris 1955). One quarter is simulated, with two planes of symmetry.
 
 use super::run::{Frame, Receiver, Settings, compare};
 use super::{RICKER, Row, SOLID, half_space};
 
 const FORCE: f64 = 1e6;
 
-/// Name and place (horizontal, upwards) of receivers, in wavelengths of the Rayleigh wave.
+/// Names and coordinates (two horizontal, upwards) of receivers, in wavelengths of the Rayleigh wave.
 const RECEIVERS: [(&str, [f64; 3]); 7] = [
     ("surface1", [1.0, 0.0, 0.0]),
     ("diagonal2", [1.4, 1.4, 0.0]),
@@ -17,12 +17,12 @@ const RECEIVERS: [(&str, [f64; 3]); 7] = [
     ("shallow3", [2.8, 0.6, -0.6]),
 ];
 
-/// Errors.
+/// Relative errors of the velocities at all receivers.
 pub fn rows(settings: &Settings) -> Vec<Row> {
     let wavelength = SOLID.rayleigh_speed() / RICKER.frequency;
     let h = wavelength / settings.cells;
     let frame = Frame::new(3, settings);
-    // Until the Rayleigh wave has passed the farthest receiver; nothing comes back from the sides until then.
+    // The Rayleigh wave passes the farthest receiver; waves reflected from the boundaries arrive later.
     let duration = 6.0 / RICKER.frequency;
     let reach = SOLID.pressure_speed() * duration / wavelength;
     let width = (0.5 * (reach + 3.0) * settings.cells).ceil();
@@ -42,7 +42,7 @@ pub fn rows(settings: &Settings) -> Vec<Row> {
     let receivers = RECEIVERS.map(|(name, at)| {
         let distance = at.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
         let mut own = Receiver::new(name, &at, distance, wavelength, (settings, &[0.0; 3]));
-        // Cells on the other side of a plane of symmetry are mirror images.
+        // Cells beyond a plane of symmetry are mirror images.
         own.at[..2].iter_mut().for_each(|x| *x = x.abs());
         own
     });

@@ -1,4 +1,4 @@
-//! Cases written for a program, run by it, and their seismograms.
+//! Writes case files, runs a program with them, and compares its seismograms with exact solutions.
 
 use super::{Error, Row, Solid, error};
 use std::collections::HashMap;
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Positions of the compared receivers.
+/// Position of the compared receivers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// At the point given.
@@ -19,40 +19,40 @@ pub enum Place {
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<'a> {
     pub program: &'a Path,
-    /// Cells to a wavelength.
+    /// Cells per wavelength.
     pub cells: f64,
     pub place: Place,
-    /// Axis across the surface or interface, from 0; `None`: the last one.
+    /// Axis normal to the surface or interface, counted from 0; `None`: the last axis.
     pub up: Option<usize>,
-    /// Kernel of point loads and sources; `None`: the default. With `cell` the grid has a cell's centre, or that of its
-    /// face, at the source.
+    /// Kernel of point loads and sources; `None`: the default. With `cell` the grid is shifted so that the source is
+    /// at the centre of a cell or of its face.
     pub kernel: Option<&'a str>,
-    /// Keys of the case changed by `--set`.
+    /// Settings passed to the program by `--set`.
     pub sets: &'a [String],
-    /// Whether the exact solution has the force spread over the default kernel as the run has it (Lamb's problem).
+    /// Whether the exact solution is convolved with the default kernel of the simulation (Lamb's problem).
     pub is_spread: bool,
 }
 
 impl<'a> Settings<'a> {
-    /// Settings of a case with all defaults.
+    /// Settings with all defaults.
     pub fn new(program: &'a Path, cells: f64) -> Self {
         let sets = &[];
         Self { program, cells, place: Place::Point, up: None, kernel: None, sets, is_spread: false }
     }
 
-    /// By which part of a cell the grid is shifted so that the source is in the middle of one, where it acts on one cell
-    /// or may do so (older programs, whose receivers are compared in cells).
+    /// Shift of the grid in cells: ½ puts the source at the centre of a cell, for the kernel `cell` and for receivers
+    /// in cell centres (older programs).
     pub fn shift(&self) -> f64 {
         if self.kernel == Some("cell") || self.place == Place::Cell { 0.5 } else { 0.0 }
     }
 
-    /// The key that says the kernel, if it is not the default.
+    /// Line of the case file with the kernel; empty for the default kernel.
     pub fn kernel(&self) -> String {
         self.kernel.map_or(String::new(), |kernel| format!("kernel = \"{kernel}\"\n"))
     }
 }
 
-/// Coordinates (horizontal ones, upwards) and the axes of the case.
+/// Mapping between coordinates (horizontal ones first, upwards last) and the axes of the case.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     dimensions: usize,
@@ -64,40 +64,40 @@ impl Frame {
         Self { dimensions, up: settings.up.unwrap_or(dimensions - 1) }
     }
 
-    /// The axes, from 0, of the coordinates.
+    /// Axis, counted from 0, of each coordinate.
     fn axes(self) -> Vec<usize> {
         (0..self.dimensions).filter(|axis| *axis != self.up).chain([self.up]).collect()
     }
 
-    /// Coordinates or numbers by coordinate in the order of the axes.
+    /// Reorders values given by coordinate into the order of the axes.
     pub fn place<T: Copy>(self, values: &[T]) -> Vec<T> {
         let axes = self.axes();
         let place = |axis| axes.iter().position(|own| *own == axis).expect("all axes");
         (0..self.dimensions).map(|axis| values[place(axis)]).collect()
     }
 
-    /// Whether the axes have another sense of rotation than the coordinates, in the plane.
+    /// Whether the axes have the opposite handedness of the coordinates, in two dimensions.
     pub fn is_mirrored(self) -> bool {
         self.up == 0
     }
 
-    /// The velocity along a coordinate.
+    /// Name of the velocity component along a coordinate.
     pub fn velocity(self, coordinate: usize) -> String {
         format!("v{}", self.axes()[coordinate] + 1)
     }
 
-    /// The stress along a coordinate on the side across the last one.
+    /// Name of the stress component along a coordinate on the boundary normal to the last coordinate.
     pub fn traction(self, coordinate: usize) -> String {
         format!("sigma{}{}", self.axes()[coordinate] + 1, self.up + 1)
     }
 
-    /// The side across a coordinate at its lower or upper end.
+    /// Name of the boundary normal to a coordinate, at its lower or upper end.
     pub fn side(self, coordinate: usize, is_upper: bool) -> String {
         format!("x{}{}", self.axes()[coordinate] + 1, if is_upper { '+' } else { '-' })
     }
 
-    /// A case's beginning: solid, a grid of so many cells with its corner of least coordinates (in cells), and the duration
-    /// (s).
+    /// First sections of a case file: solid, grid with `cells` cells of size `spacing` (m) and its lower corner at
+    /// `low` (in cells), and duration (s).
     pub fn begin(
         self,
         solid: &Solid,
@@ -118,7 +118,7 @@ impl Frame {
         )
     }
 
-    /// Sides of a kind.
+    /// Boundary sections of the kind `kind`, for (coordinate, whether upper).
     pub fn sides(self, kind: &str, sides: &[(usize, bool)]) -> String {
         let entry = |(coordinate, is_upper): &(usize, bool)| {
             let side = self.side(*coordinate, *is_upper);
@@ -128,27 +128,27 @@ impl Frame {
     }
 }
 
-/// Moduli and density as keys.
+/// Moduli and density as keys of a case file.
 pub fn moduli(solid: &Solid, separator: &str) -> String {
     let Solid { lambda, mu, density } = solid;
     format!("lambda = {lambda}{separator}mu = {mu}{separator}density = {density}")
 }
 
-/// A receiver.
+/// Receiver of a problem.
 #[derive(Clone, Debug)]
 pub struct Receiver {
     pub name: &'static str,
-    /// Coordinates, m, the upward one last.
+    /// Coordinates, m, upwards last.
     pub at: Vec<f64>,
     /// Distance from the source, in wavelengths.
     pub distance: f64,
-    /// Until when it is compared, s.
+    /// End of the compared time interval, s.
     pub until: f64,
 }
 
 impl Receiver {
-    /// At coordinates in wavelengths; with [`Place::Cell`] at the centre of the cell that holds the point, of two the one of
-    /// lesser coordinates. The grid has a corner of cells at −`offset`, in cells.
+    /// Receiver at coordinates in wavelengths; with [`Place::Cell`] moved to the centre of the cell that contains the
+    /// point, on a face to that of the lower cell. A corner of the grid cells is at −`offset`, in cells.
     pub fn new(
         name: &'static str,
         at: &[f64],
@@ -166,8 +166,8 @@ impl Receiver {
     }
 }
 
-/// Runs a case with receivers, and compares velocities with the exact ones: `exact` gives those along all coordinates at
-/// a receiver. Components that are zero are left out.
+/// Runs a case with receivers and compares the velocities with the exact ones: `exact` returns the velocities along
+/// all coordinates at a receiver. Components that are zero are omitted.
 pub fn compare(
     settings: &Settings,
     frame: Frame,
@@ -202,7 +202,7 @@ pub fn compare(
     rows
 }
 
-/// The table of receivers of a case, by column.
+/// Runs a case and returns the columns of its receiver table by name.
 fn records(settings: &Settings, case: &str) -> HashMap<String, Vec<f64>> {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let [file, out] = ["accuracy.toml", "out"].map(|name| folder.path().join(name));

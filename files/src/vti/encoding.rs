@@ -12,7 +12,7 @@ use super::number::Number;
 pub enum Storage {
     /// Uncompressed little-endian values.
     Plain,
-    /// Compressed without loss (zlib), in blocks.
+    /// Lossless compression (zlib) in blocks.
     Compressed,
 }
 

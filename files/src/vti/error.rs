@@ -60,7 +60,7 @@ pub enum VtiError {
         name: String,
         /// Number of values given.
         found: usize,
-        /// Number of values that fills the grid.
+        /// Expected number of values: cells × components.
         expected: usize,
     },
 }
