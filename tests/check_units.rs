@@ -1,4 +1,4 @@
-//! Units change nothing of what `wellposed check` finds.
+//! Verifies that the results of `wellposed check` do not depend on the system of units.
 
 use serde_json::Value;
 use std::fs;
@@ -13,12 +13,12 @@ fn bundled(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name)
 }
 
-/// The report on a case, as it stands in `check.json`.
+/// Report on a case, as written to `check.json`.
 fn report_of(case: &Case, extent: Extent) -> Result<Value, Error> {
     report::json(&wellposed::check(case, extent, &unwatched)?)
 }
 
-/// Mass, length and time of a unit, as powers of one each, of all that a unit is a product of.
+/// Exponents of mass, length and time of a unit that is a product of powers; `None` for other units.
 fn dimensions(unit: &str) -> Option<[i32; 3]> {
     let mut sum = [0; 3];
     let mut sign = 1;
@@ -52,7 +52,7 @@ fn dimensions(unit: &str) -> Option<[i32; 3]> {
     Some(sum)
 }
 
-/// The material in units that are 2^−powers of those of mass, length and time.
+/// Material with values in units that are 2^−powers times the units of mass, length and time.
 fn material_in_other_units(material: &Material, powers: [i32; 3]) -> Material {
     let mut scaled = material.clone();
     for parameter in Parameter::all() {
@@ -67,7 +67,7 @@ fn material_in_other_units(material: &Material, powers: [i32; 3]) -> Material {
     scaled
 }
 
-/// The case in such units.
+/// Case with values in units that are 2^−powers times the units of mass, length and time.
 fn in_other_units(case: &Case, powers: [i32; 3]) -> Case {
     let mut scaled = case.clone();
     scaled.material = material_in_other_units(&case.material, powers);
@@ -82,15 +82,16 @@ fn in_other_units(case: &Case, powers: [i32; 3]) -> Case {
     scaled
 }
 
-/// All rows of a report.
+/// All rows of a report, of all media.
 fn rows_of(report: &Value) -> Vec<&Value> {
     let media = report["media"].as_array().into_iter().flatten();
     let all = media.chain([report]).filter_map(|own| own["rows"].as_array());
     all.flatten().collect()
 }
 
-/// Holds a case in other units against its report in its own: the same rows, verdicts and words; rates with all digits
-/// that are printed. Solids keep their bits where the powers are even, and roots of products are powers of two again.
+/// Compares a case in other units with its report in SI units: equal rows, verdicts and texts, and rates to all
+/// printed digits. Solids are bit-identical if the powers are even, since square roots of their products are then
+/// powers of two.
 fn compare(name: &str, case: &Case, first: &Value, extent: Extent, powers: [i32; 3]) {
     let of = format!("{name} {powers:?}");
     let scaled = in_other_units(case, powers);
@@ -136,7 +137,7 @@ fn compare(name: &str, case: &Case, first: &Value, extent: Extent, powers: [i32;
     }
 }
 
-/// Mass, length and time in other units change no row of any bundled case, and no verdict.
+/// Verifies that other units of mass, length and time change no row and no verdict of any bundled case.
 fn units_change_nothing(extent: Extent, powers: &[[i32; 3]]) {
     let mut files = Vec::new();
     for folder in ["check", "cosserat", "dynamics", "flow", "granular-flow"] {
@@ -152,11 +153,11 @@ fn units_change_nothing(extent: Extent, powers: &[[i32; 3]]) {
         let is_flow = matches!(case.material.kind, Kind::Flow(_));
         let mut asked = case.check.clone().unwrap_or_default();
         if is_flow {
-            // Boxes of perturbations are no numbers of a case: their units stay.
+            // The boxes of perturbations are not parameters of a case and are not scaled.
             asked.cells = None;
         }
         if extent == Extent::Short {
-            // Coarser grids and fewer waves: a unit is in all of them.
+            // Coarser grids and fewer waves are sufficient, since units enter all of them alike.
             let is_plane = case.get("model.dimensions").is_none_or(|own| own == 2.0);
             let cells = if is_plane { vec![12, 16] } else { vec![8, 10] };
             asked.cells = (!is_flow).then_some(cells);
@@ -164,7 +165,7 @@ fn units_change_nothing(extent: Extent, powers: &[[i32; 3]]) {
         }
         case.check = Some(asked);
         let first = report_of(&case, extent).unwrap_or_else(|error| panic!("{name}: {error}"));
-        // In short two after the other for each case.
+        // The short test uses two consecutive sets of powers for each case.
         let count = if extent == Extent::Short { 2 } else { powers.len() };
         for powers in powers.iter().cycle().skip(2 * index).take(count) {
             compare(&name, &case, &first, extent, *powers);
@@ -172,7 +173,7 @@ fn units_change_nothing(extent: Extent, powers: &[[i32; 3]]) {
     }
 }
 
-/// Even powers and odd ones.
+/// Exponents of 2 for the units of mass, length and time: even and odd.
 const POWERS: [[i32; 3]; 10] = [
     [0, 40, 0],
     [1, 0, 0],
@@ -191,7 +192,7 @@ fn units_change_no_row() {
     units_change_nothing(Extent::Short, &POWERS);
 }
 
-/// The long form of the same: by hand.
+/// Long form of the preceding test; run by hand.
 #[test]
 #[ignore = "takes long"]
 fn units_change_no_row_of_the_long_form() {

@@ -1,4 +1,4 @@
-//! `wellposed dispersion` as a library: numbers against closed forms, and what it refuses.
+//! Tests of `wellposed dispersion` through the library: results against closed forms, and refused input.
 
 use serde_json::Value;
 use std::path::Path;
@@ -58,7 +58,7 @@ fn the_forbidden_band_of_the_reduced_solid() {
     near(&shear["forbidden_bands"][0][0], natural / (1.0 + alpha / mu).sqrt(), 1e-12);
     near(&shear["forbidden_bands"][0][1], natural, 1e-12);
     near(&shear["characteristic_speeds"][0], ((mu + alpha) / density).sqrt(), 1e-12);
-    // k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) on both branches.
+    // Dispersion relation k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) on both branches.
     for branch in shear["at_wave"].as_array().expect("two branches") {
         let frequency = branch["frequency"].as_f64().expect("a number");
         let square = frequency * frequency;
@@ -67,7 +67,7 @@ fn the_forbidden_band_of_the_reduced_solid() {
         assert!((found.sqrt() / k - 1.0).abs() < 1e-11, "{found}");
         near(&branch["phase_speed"], frequency / k, 1e-12);
     }
-    // Group speeds are slopes of ω(k): central differences, whose error is of order (1e-4)².
+    // Group speeds are derivatives of ω(k), verified by central differences with relative error of order (1e-4)².
     let [before, after] = ["wave.number=0.59994", "wave.number=0.60006"]
         .map(|set| run(folder.path(), CASE, &[set]).expect("a sound case"));
     for branch in 0..2 {
@@ -83,7 +83,7 @@ fn the_forbidden_band_of_the_reduced_solid() {
     }
 }
 
-/// One solid by its moduli and by its compliances has the same dispersion.
+/// Verifies that moduli and compliances of one solid give the same dispersion.
 #[test]
 fn compliances_and_moduli_agree() {
     let folder = tempfile::tempdir().expect("a scratch folder");

@@ -1,4 +1,4 @@
-//! `--dry-run` of every verb lists exactly the files that the verb writes.
+//! Verifies that `--dry-run` of every verb lists exactly the files that the verb writes.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -11,7 +11,7 @@ fn wellposed(arguments: &[&str]) -> Output {
     Command::new(PROGRAM).current_dir(root).args(arguments).output().expect("the program")
 }
 
-/// The names that a dry run says, in a folder; a range of snapshots stands for all of it.
+/// Names of the files announced by a dry run; a range of snapshots is expanded.
 fn announced(text: &str, folder: &Path) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for line in text.lines().filter_map(|line| line.strip_prefix("would write ")) {
@@ -40,7 +40,7 @@ fn written(folder: &Path) -> BTreeSet<String> {
     entries.map(name).collect()
 }
 
-/// Compares both for a verb and a shipped case with settings; names must be among the files.
+/// Compares announced and written files of a verb on a bundled case with settings; `names` must be among them.
 fn compare(verb: &str, case: &str, sets: &[&str], names: &[&str]) {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let out = scratch.path().join("out");
@@ -56,7 +56,7 @@ fn compare(verb: &str, case: &str, sets: &[&str], names: &[&str]) {
     assert!(dry.status.success() && !out.exists(), "{verb} {case}: {errors}");
     let real = wellposed(&arguments);
     let errors = String::from_utf8_lossy(&real.stderr).into_owned();
-    // Coarse grids of a refinement may disagree, which is a result.
+    // Coarse grids of a refinement may disagree, which is a valid result.
     let has_results = real.status.success() || (verb == "check" && errors.ends_with("disagree\n"));
     assert!(has_results, "{verb} {case}: {errors}");
     assert_eq!(announced(&text, &out), written(&out), "{verb} {case}\n{text}");
@@ -71,7 +71,7 @@ fn of_states() {
     compare("map", bound, &["map.x.points=5", "map.y.points=3"], &["map.png"]);
     compare("map", "cosserat/flutter.toml", &["map.x.points=3", "map.y.points=3"], &[]);
     compare("point", bound, &[], &["growth.png"]);
-    // Not fully deforming: no curves.
+    // Not fully deforming: no curves are plotted.
     compare("point", bound, &["background.deviatoric_stress=1"], &["point.json"]);
     compare("point", "cosserat/forbidden-band.toml", &[], &["point.json"]);
     compare("dispersion", "cosserat/forbidden-band.toml", &[], &["dispersion.csv"]);
@@ -83,7 +83,7 @@ fn of_states() {
 fn of_checks() {
     let short = ["check.numbers=[1]", "check.directions_deg=[30]", "check.cells=[12, 16]"];
     compare("check", "check/cubic-plane.toml", &short, &["check.png"]);
-    // Not measurable.
+    // A case that cannot be measured.
     compare("check", "granular-flow/dilatant-domain.toml", &[], &["check.png"]);
     let short = ["check.numbers=[1000]", "check.directions_deg=[30]"];
     compare("check", "flow/decay.toml", &short, &["check.png"]);
@@ -91,8 +91,8 @@ fn of_checks() {
     compare("check", "check/grid-dependence.toml", &short, &["refinement.png"]);
 }
 
-/// The perturbation has so few waves that its fastest one is the same on all grids: there is no order of growth, and a
-/// picture all the same.
+/// The perturbation has so few waves that its fastest mode is the same on all grids: no order of growth is defined,
+/// but a plot is written.
 #[test]
 fn of_a_check_whose_fastest_wave_is_that_of_all_grids() {
     let sets = [
@@ -117,7 +117,7 @@ fn of_runs() {
     compare("run", "flow/decay.toml", &sets, &["snapshot-00000001.vts"]);
 }
 
-/// A case refused by a run is refused by its dry run.
+/// Verifies that a dry run refuses an ill-posed flow as the run does.
 #[test]
 fn of_an_ill_posed_flow_is_refused_as_the_run_is() {
     let arguments = ["run", "cases/flow/outside-the-bound.toml", "--dry-run"];

@@ -1,5 +1,5 @@
-//! Flows in time through the program: decay and growth as the verdict says, the same bits for any number of
-//! threads and after an interruption, and what a run leaves behind.
+//! Tests of time-domain flows through the program: decay and growth as assessed, results independent of the number of
+//! threads and of interruptions, and the files of a run.
 
 use files::npz::{Array, Values, read};
 use std::fs;
@@ -14,7 +14,7 @@ use wellposed::report::format::short;
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
-/// A flow in simple shear with noise on it.
+/// Case of a flow in simple shear with an initial noise perturbation.
 fn case(model: &str, background: &str, duration: f64, rest: &str) -> String {
     format!(
         "[model]
@@ -104,7 +104,7 @@ fn values(arrays: &[Array], name: &str) -> Vec<f64> {
     values.clone()
 }
 
-/// All results: everything but the log.
+/// Contents of all result files, i.e. of all files except the log and the lock.
 fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut all: Vec<(String, Vec<u8>)> = fs::read_dir(folder)
         .unwrap()
@@ -116,8 +116,8 @@ fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
     all
 }
 
-/// Inside the bound perturbations decay, the ledger closes to the error of the steps, and all files are
-/// there with what they should hold.
+/// Verifies that perturbations decay inside the bound on non-coaxiality, that the ledger closes within the error of
+/// the time steps, and that all files have the expected content.
 #[test]
 fn perturbations_decay_inside_the_bound() {
     let folder = tempfile::tempdir().unwrap();
@@ -130,7 +130,7 @@ fn perturbations_decay_inside_the_bound() {
     assert_eq!(names, ["time", "kinetic", "background", "stress", "balance", "power"]);
     let [time, kinetic, balance] = ["time", "kinetic", "balance"].map(|name| column(&ledger, name));
     assert_eq!((time.len(), time[0], time[200]), (201, 0.0, 1e-3));
-    // ½ρA² at the beginning, A the root mean square.
+    // Initial kinetic energy ½ρA², with the root mean square A of the velocity.
     let start = 0.5 * 1600.0 * 1e-5f64.powi(2);
     assert!((kinetic[0] - start).abs() < 1e-9 * start, "{} {start}", kinetic[0]);
     assert!(kinetic[200] < 0.8 * start, "{}", kinetic[200]);
@@ -178,7 +178,7 @@ fn perturbations_decay_inside_the_bound() {
     check_other_pictures(&out);
 }
 
-/// All files are there, and snapshots hold what they should.
+/// Checks the names of all files and the content of the snapshots.
 fn check_files(out: &Path) {
     let mut names: Vec<String> = results(out).into_iter().map(|own| own.0).collect();
     names.retain(|name| !name.starts_with("snapshot-"));
@@ -212,7 +212,7 @@ fn check_files(out: &Path) {
     }
 }
 
-/// Other pictures of the same run.
+/// Checks that the other fields can be plotted for the same run.
 fn check_other_pictures(out: &Path) {
     let before = fs::read(out.join("run.svg")).unwrap();
     let resolved = fs::read_to_string(out.join("case.toml")).unwrap();
@@ -242,7 +242,8 @@ fn threads_change_no_bit() {
     }
 }
 
-/// The plastic potential grows: the run stops, says where, and keeps what was sound.
+/// Verifies that growth in the plastic potential stops the run, that the message states the position, and that the
+/// last finite results are saved.
 #[test]
 fn growth_ends_a_run_with_what_was_sound() {
     let folder = tempfile::tempdir().unwrap();
@@ -271,7 +272,7 @@ fn growth_ends_a_run_with_what_was_sound() {
     assert!(!out.join("checkpoint").exists() && out.join("run.png").exists());
 }
 
-/// A perturbation too large for the mean flow is a wrong case, not a run that stops.
+/// Verifies that an initial perturbation too large for the mean flow is refused as an error of the case.
 #[test]
 fn what_is_left_before_it_begins_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -284,7 +285,7 @@ fn what_is_left_before_it_begins_is_refused() {
     );
 }
 
-/// The fields of one run are those with which another begins, as far as the box has not moved.
+/// Verifies that a run can start from the fields saved by another run, provided the box has not deformed.
 #[test]
 fn a_run_goes_on_from_an_archive() {
     let folder = tempfile::tempdir().unwrap();
@@ -321,7 +322,7 @@ fn command(folder: &Path, arguments: &str) -> Command {
     command
 }
 
-/// Interrupted as by Ctrl-C, or killed, and resumed with other threads: the same files.
+/// Verifies that interrupted (Ctrl-C) or killed runs resumed with other numbers of threads give the same files.
 #[cfg(unix)]
 #[test]
 fn interrupted_runs_resume_to_the_same_files() {
@@ -340,7 +341,7 @@ fn interrupted_runs_resume_to_the_same_files() {
             std::thread::sleep(Duration::from_millis(2));
         }
         let id = child.id().to_string();
-        // It may have ended just now.
+        // The process may have ended already.
         let kill = Command::new("kill").args([signal, &id]).stderr(Stdio::null()).status();
         kill.unwrap();
         let code = child.wait().unwrap().code();
@@ -358,13 +359,13 @@ fn interrupted_runs_resume_to_the_same_files() {
         }
         assert_eq!(found.len(), expected.len(), "{index}");
     }
-    // Finished: neither resumed nor run again unasked.
+    // A finished run is neither resumed nor repeated without `--force`.
     for arguments in ["resume out", "run case.toml --out out"] {
         assert_eq!(command(&whole, arguments).status().unwrap().code(), Some(2), "{arguments}");
     }
 }
 
-/// A checkpoint of other fields than the case's is refused.
+/// Verifies that a checkpoint with other fields than those of the case is refused.
 #[cfg(unix)]
 #[test]
 fn damaged_checkpoints_are_refused() {
@@ -389,7 +390,7 @@ fn damaged_checkpoints_are_refused() {
     assert!(said.contains("checkpoint") && said.contains("--force"), "{said}");
 }
 
-/// The bundled cases do what their heads say: noise decays inside the bound and grows elsewhere.
+/// Verifies the bundled cases against their descriptions: noise decays inside the bound and grows outside.
 #[test]
 fn bundled_flows_do_what_they_say() {
     for (name, grows) in [
@@ -411,7 +412,7 @@ fn bundled_flows_do_what_they_say() {
             ..Options::default()
         };
         if grows {
-            // Not unasked, and nothing is written.
+            // Without `--accept-ill-posed` the run is refused and writes nothing.
             let unasked = Options { accept_ill_posed: false, ..options.clone() };
             let error = cli::run(&unasked, CONTROL, &mut Vec::new()).unwrap_err();
             assert!(matches!(error, Error::IllPosed(_)) && error.exit_code() == 2, "{error}");
@@ -422,7 +423,7 @@ fn bundled_flows_do_what_they_say() {
             Err(error) => assert!(grows && error.exit_code() == 3, "{name}: {error}"),
         }
         let kinetic = column(&columns(&out.join("ledger.csv")), "kinetic");
-        // A packet of the stress angle begins at rest.
+        // A packet of the stress angle starts with zero kinetic energy.
         let first = kinetic[1];
         let last = *kinetic.last().unwrap();
         assert_eq!(last > first, grows, "{name}: {first} {last}");
@@ -431,7 +432,7 @@ fn bundled_flows_do_what_they_say() {
     }
 }
 
-/// Warning before an ill-posed run: order, coefficient and time of the closed form, for the plastic
+/// Verifies the warning for an ill-posed run: order, coefficient and time of the closed form; for the plastic
 /// potential ς ≈ k² q tan²(φ/2)/(2ρQ_D).
 #[test]
 fn ill_posed_flows_are_told_before_they_run() {

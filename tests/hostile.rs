@@ -1,5 +1,5 @@
-//! Hostile input that must not be read, overwritten or waited for: devices, pipes, decompression bombs, input files of a
-//! case; invalid names and titles; limits of the system.
+//! Verifies that hostile input is not read, overwritten or waited for: devices, pipes, decompression bombs, input
+//! files of a case; invalid names and titles; limits of the system.
 #![cfg(unix)]
 
 mod program;
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 const TEST: &str = "hostile";
 
-/// A flow in time that begins with such a state.
+/// Folder with a time-domain flow case that has the initial section `initial`.
 fn flow_with(name: &str, initial: &str) -> PathBuf {
     let text = wellposed::cli::new::text_for(
         wellposed::case::Medium::new(
@@ -44,7 +44,7 @@ fn run_of_flow(more: &str) -> String {
 const NOISE: &str =
     "[[initial]]\nkind = 'noise'\nfield = 'v'\nfrom = 1\nto = 3\namplitude = 1e-9\nseed = 1\n";
 
-/// Ends a program that reads without end.
+/// Runs the program; panics after 20 s, so that endless reading is detected.
 fn ends_soon(folder: &Path, arguments: &str) -> std::process::Output {
     let mut child = starts(folder, arguments);
     let start = Instant::now();
@@ -69,7 +69,7 @@ fn pipe(path: &Path) {
     assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
 }
 
-/// With and without a checksum, neither is read.
+/// Verifies that devices, pipes and folders are not read as initial states, with or without a checksum.
 #[test]
 fn runs_begin_with_files_alone() {
     for (name, checksum) in [("with", "checksum = '00000000'\n"), ("without", "")] {
@@ -84,8 +84,8 @@ fn runs_begin_with_files_alone() {
     }
 }
 
-/// An archive of four gigabytes of zeros beside what is wanted: nothing of them is inflated; among what is wanted they are
-/// refused.
+/// Verifies that a 4 GiB array of zeros in an archive is not decompressed if it is not needed, and is refused if it
+/// is needed.
 #[test]
 fn archives_inflate_no_further_than_wanted() {
     let script = "
@@ -113,9 +113,9 @@ for path, large in (('beside.npz', 'large'), ('among.npz', 'w')):
         println!("no python3: nothing is tested");
         return;
     }
-    // It is larger than what 64 arrays of the grid have.
+    // The array is larger than 64 arrays of the grid.
     refused_soon(&here, &run_of_flow(""), "bytes, more than the");
-    // On a grid that would take its size it is read within a gigabyte of address space.
+    // On a grid of matching size the archive is read within 1.5 GB of address space.
     let limited = |case: &str, cells: usize| {
         let arguments = run_of_flow(&format!("--set initial[0].path={case}"))
             .replace("[12,12]", &format!("[{cells},{cells}]"));
@@ -137,7 +137,7 @@ for path, large in (('beside.npz', 'large'), ('among.npz', 'w')):
     );
 }
 
-/// A run does not overwrite its input files, nor does any other verb on its folder.
+/// Verifies that neither `run` nor another verb overwrites an input file of the case in the results folder.
 #[test]
 fn inputs_inside_the_folder_are_not_overwritten() {
     let here = flow_with("input", NOISE);
@@ -162,7 +162,7 @@ fn inputs_inside_the_folder_are_not_overwritten() {
         assert!(fs::read(second.join("out/fields.npz")).unwrap() == archive);
     }
     ends_with(0, &second, &run_of_flow("").replace("--out out", "--out other"));
-    // A table of a load as well.
+    // The same for the table of a load.
     let table = SOLID.replace(
         "{ kind = 'pulse', duration = 0.05 }",
         "{ kind = 'table', file = 'out/receivers.csv' }",
@@ -175,7 +175,7 @@ fn inputs_inside_the_folder_are_not_overwritten() {
     assert_eq!(names(&here.join("out")), ["receivers.csv"]);
 }
 
-/// Errors that would appear after hours are reported at once.
+/// Verifies that invalid names, which would fail after hours when files are written, are refused at the start.
 #[test]
 fn names_that_no_archive_takes_are_refused_at_once() {
     let name = "r".repeat(70_000);
@@ -193,7 +193,7 @@ fn names_that_no_archive_takes_are_refused_at_once() {
     assert!(stderr.contains("at most 255"), "{stderr}");
 }
 
-/// A limit to the size of files is an error of writing.
+/// Verifies that exceeding a limit on the file size is reported as a write error.
 #[test]
 fn a_file_that_becomes_too_large_is_an_error_in_words() {
     let here = folder(TEST, "limit", SOLID);
@@ -218,7 +218,7 @@ fn a_file_that_becomes_too_large_is_an_error_in_words() {
     }
 }
 
-/// Nothing but files is overwritten, with `--force` either.
+/// Verifies that `new` overwrites regular files only, even with `--force`.
 #[test]
 fn a_case_is_not_written_over_a_device() {
     let here = folder(TEST, "device", "");
@@ -236,7 +236,7 @@ fn a_case_is_not_written_over_a_device() {
     assert!(!fs::symlink_metadata(here.join("pipe")).unwrap().is_file());
 }
 
-/// A pipe in place of any file of a folder of results is not waited for.
+/// Verifies that a pipe in place of any file of a results folder does not block the program.
 #[test]
 fn pipes_among_results_are_not_waited_for() {
     let here = interrupted(TEST, "pipes");
@@ -256,8 +256,8 @@ fn pipes_among_results_are_not_waited_for() {
     ends_with(0, &here, "verify out");
 }
 
-/// A case takes memory in proportion to its size, and that has a limit: one of 40 MB is refused, and whatever fills one of
-/// the greatest size takes less than 1.5 GB, here of address space.
+/// Verifies that the size of a case is limited, since its memory is proportional to its size: a case of 40 MB is
+/// refused, and cases of the largest size need less than 1.5 GB of address space whatever they contain.
 #[test]
 fn the_size_of_a_case_has_a_limit() {
     const LARGEST: usize = 16 << 20;
@@ -292,7 +292,7 @@ fn the_size_of_a_case_has_a_limit() {
         assert_eq!(output.status.code(), Some(code), "{words}: {text}");
         assert!(text.contains(words), "{words}: {text}");
     }
-    // Many points of few entries.
+    // Many receivers from few entries.
     let line = "[[receiver]]\nfrom = [1, 1]\nto = [9, 9]\ncount = 10000\n";
     let case = SOLID.to_owned()
         + &(0..11).map(|i| format!("{line}name = 'line{i}'\n")).collect::<String>();
@@ -301,7 +301,7 @@ fn the_size_of_a_case_has_a_limit() {
     assert!(stderr.contains("at most 100000 in all"), "{stderr}");
 }
 
-/// SIGTERM ends what Ctrl-C ends, with the same exit code, and without files half-written.
+/// Verifies that SIGINT, SIGTERM and SIGHUP end every verb with exit code 130 and without partial files.
 #[test]
 fn signals_end_every_verb_with_130() {
     let here = folder(TEST, "signals", "");
@@ -323,7 +323,7 @@ fn signals_end_every_verb_with_130() {
     }
 }
 
-/// The report of a run that stopped says so.
+/// Verifies that the report of a run that stopped states this.
 #[test]
 fn a_stopped_run_says_so_in_its_report() {
     let load = "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1e300\ntime = { kind = 'sine', frequency = 20, start = 0.02 }\n";
@@ -339,7 +339,7 @@ fn a_stopped_run_says_so_in_its_report() {
     ends_with(0, &here, "verify out");
 }
 
-/// An interval that no number counts is no panic.
+/// Verifies that extreme snapshot intervals do not cause a panic.
 #[test]
 fn absurd_intervals_are_no_panic() {
     let here = folder(TEST, "interval", SOLID);
@@ -354,7 +354,7 @@ fn absurd_intervals_are_no_panic() {
     }
 }
 
-/// A process started to outlive its terminal (`nohup`) does so.
+/// Verifies that a process started with `nohup` survives SIGHUP.
 #[test]
 fn an_ignored_hangup_stays_ignored() {
     let here = folder(TEST, "nohup", SOLID);

@@ -1,5 +1,5 @@
-//! Runs that are killed at any moment while other verbs, which are killed as well, write to the same folder: in the end the
-//! same bits, and on the way nothing but success or a refusal in words.
+//! Verifies runs that are killed at random times while other verbs, also killed, write to the same folder: the
+//! results are bit-identical, and every process succeeds or is refused with a message.
 #![cfg(unix)]
 
 mod program;
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 const TEST: &str = "kills";
 
-/// Verbs beside the run.
+/// Verbs executed concurrently with the run.
 const BESIDE: [&str; 4] = [
     "speeds case.toml --out out --threads 1",
     "dispersion case.toml --out out --threads 1",
@@ -21,10 +21,10 @@ const BESIDE: [&str; 4] = [
     "verify out",
 ];
 
-/// Why one of them may be refused: nothing has been written yet, or just now everything.
+/// Admissible messages of refused verbs: no results are written yet, or the run is finished.
 const REFUSALS: [&str; 2] = ["holds no results", "the run is finished"];
 
-/// Exit codes of a process that was not killed.
+/// Checks the exit code of a process.
 fn check_end(arguments: &str, child: Child, was_killed: bool) {
     let output = child.wait_with_output().unwrap();
     let [stdout, stderr] =
@@ -32,7 +32,7 @@ fn check_end(arguments: &str, child: Child, was_killed: bool) {
     let is_clean = match output.status.code() {
         None => was_killed,
         Some(0) => true,
-        // Files of a verb that was killed have no line in the list.
+        // Files of a killed verb have no entry in the list of checksums.
         Some(1) => arguments.starts_with("verify") && stdout.contains("has no checksum"),
         Some(2) => {
             let last = stderr.lines().last().unwrap_or_default();
@@ -44,7 +44,7 @@ fn check_end(arguments: &str, child: Child, was_killed: bool) {
     assert!(!stderr.contains("panicked"), "{arguments}: {stderr}");
 }
 
-/// The run goes on, or begins.
+/// Arguments that resume the run, or start it if it cannot be resumed.
 fn arguments_of_run(here: &Path) -> String {
     let out = here.join("out");
     match out.join("program.json").exists() && out.join("case.toml").exists() {
@@ -53,7 +53,7 @@ fn arguments_of_run(here: &Path) -> String {
     }
 }
 
-/// One run with kills until it is finished, at most so many of them; their number.
+/// Executes one run with at most `kills` kills until it is finished; returns the number of kills.
 fn run_with_kills(here: &Path, kills: usize, duration: Duration, chance: &mut Chance) -> usize {
     let mut killed = 0;
     for _ in 0..200 {
@@ -67,7 +67,7 @@ fn run_with_kills(here: &Path, kills: usize, duration: Duration, chance: &mut Ch
         while run.try_wait().unwrap().is_none() && !(is_to_die && Instant::now() > end) {
             let beside = BESIDE[chance.below(BESIDE.len())];
             let mut other = starts(here, beside);
-            // Half of them are killed as well.
+            // Half of the concurrent verbs are killed as well.
             let is_killed = is_to_die && chance.below(2) == 0;
             if is_killed {
                 std::thread::sleep(Duration::from_micros(chance.next() % 60_000));
@@ -103,7 +103,7 @@ fn many_kills(all: usize, seed: u64) {
         killed += run_with_kills(&here, 1 + chance.below(4), duration, &mut chance);
         runs += 1;
         assert!(here.join("out/run.json").exists(), "run {runs} does not come to its end");
-        // What killed verbs left is there again, and nothing else.
+        // Repeating the verbs restores the files missing after kills; there are no other files.
         BESIDE.iter().for_each(|verb| drop(ends_with(0, &here, verb)));
         let found = results(&here.join("out"));
         let names = |own: &BTreeMap<String, Vec<u8>>| own.keys().cloned().collect::<Vec<_>>();

@@ -1,4 +1,4 @@
-//! Errors as JSON, and exit codes.
+//! Tests of errors as JSON and of exit codes.
 
 mod program;
 
@@ -15,7 +15,7 @@ fn here(name: &str) -> PathBuf {
     here
 }
 
-/// The last line of standard error, which is an object; the object and what was printed before.
+/// Runs the program, which must fail with `code`, and returns the JSON object of the last line of standard error.
 fn error_of(code: i32, here: &Path, arguments: &str) -> Value {
     let (stdout, stderr) = ends_with(code, here, &format!("{arguments} --format json"));
     let line = stderr.lines().last().unwrap_or_default();
@@ -37,7 +37,7 @@ fn error_of(code: i32, here: &Path, arguments: &str) -> Value {
     assert_eq!((&error["schema"], &error["exit_code"]), (&1.into(), &code.into()), "{arguments}");
     if code == 2 {
         assert_eq!(stdout, "", "{arguments}");
-        // The same words as in text, where there are any.
+        // The message equals that of the text format, if there is one.
         let (_, text) = ends_with(code, here, arguments);
         let message = error["message"].as_str().unwrap();
         assert!(text.contains(&format!("error: {message}")), "{arguments}: {text} {message}");
@@ -96,10 +96,10 @@ fn errors_of_folders_and_arguments_are_objects_as_well() {
     }
     let (_, stderr) = ends_with(2, &here, "point case.toml --threads 0 --format=json");
     assert!(serde_json::from_str::<Value>(&stderr).is_ok(), "{stderr}");
-    // Help is no error.
+    // The help text is not an error.
     let (stdout, stderr) = ends_with(0, &here, "map --format json --help");
     assert!(stdout.contains("Usage:") && stderr.is_empty());
-    // An ill-posed flow.
+    // Error of an ill-posed flow.
     let text = fs::read_to_string(here.join("case.toml")).unwrap();
     assert!(text.contains("kind"));
     ends_with(0, &here, "new harris-grekova flow.toml --run");
@@ -117,7 +117,7 @@ fn damage_has_its_exit_code() {
     assert_eq!(error["kind"], "damage");
 }
 
-/// A folder without a case in it is no success.
+/// Verifies that `check` refuses a folder without case files.
 #[test]
 fn a_folder_without_cases_is_refused() {
     let here = here("nothing");

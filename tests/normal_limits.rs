@@ -1,4 +1,4 @@
-//! A registered yield set that limits normal stresses alone, which no shear meets: it is checked like those that slip.
+//! Tests of a registered yield set that limits normal stresses only, which no shear stress reaches.
 
 use analysis::growth::Verdict;
 use models::InputError;
@@ -17,7 +17,7 @@ use wellposed::case::{Case, Medium};
 use wellposed::study::check::{Extent, Outcome};
 use wellposed::study::unwatched;
 
-/// σ₁₁ ≤ k and σ₂₂ ≤ k in plane strain: cracks normal to x₁ and x₂ open without resistance at that tension.
+/// Yield set σ₁₁ ≤ k and σ₂₂ ≤ k in plane strain: cracks normal to x₁ and x₂ open at constant tension k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TensionLimit {
     strength: f64,
@@ -59,8 +59,8 @@ impl YieldConditions for TensionLimit {
         Ok(least)
     }
 
-    /// With a multiplier x of each active condition the stress falls by (λ + 2μ)x along its axis and by λx along the
-    /// others.
+    /// A plastic multiplier x of an active condition reduces the stress by (λ + 2μ)x along its axis and by λx along
+    /// the others.
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
         let solid = law.downcast::<Isotropic>().expect("admitted");
         let (along, across) = (solid.lambda + 2.0 * solid.mu, solid.lambda);
@@ -143,7 +143,7 @@ cells = [16, 24]
         assert!(solid.media[0].rows.iter().any(|row| row.limit.is_some()), "{active}");
     }
 
-    // Messages and words of the schema name it, and its template shows its own example.
+    // Messages and the reference of keys contain the name, and the template contains the example.
     let error = Case::parse(
         "[model]\nkind = 'classical'\ndimensions = 2\nlambda = 1\nmu = 1\ndensity = 1\n[yield]\n",
         "toy.toml",

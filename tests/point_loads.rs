@@ -1,5 +1,5 @@
-//! Point sources and point loads: against the exact wave of a plane source at any position in a cell, and parts of a
-//! symmetric model against the whole.
+//! Tests of point sources and point loads: against the exact wave of a plane source at any position in a cell, and
+//! reduced models with planes of symmetry against the complete model.
 
 use files::npz::{Values, read};
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 const MEDIUM: &str = "[model]\nkind='classical'\nlambda=1e8\nmu=1e8\ndensity=3000\n";
-/// √((λ + 2μ)/ρ), m/s.
+/// Pressure wave speed √((λ + 2μ)/ρ), m/s.
 const SPEED: f64 = 316.227_766_016_837_94;
 
 fn arrays(case: &str, file: &str) -> HashMap<String, Vec<f64>> {
@@ -28,9 +28,9 @@ fn arrays(case: &str, file: &str) -> HashMap<String, Vec<f64>> {
     numbers.collect()
 }
 
-/// A force per area across a strip sends F f(t − |x − x₀|/c)/(2ρc) either way. At Courant number 1 the strip itself
-/// is exact: what is left is the error of source and receiver, of second order wherever both are in a cell, since
-/// sources act once a step; a force on one cell is off by more than twice as much.
+/// Verifies a force per area F f(t) across a strip against the exact velocity F f(t − |x − x₀|/c)/(2ρc). At Courant
+/// number 1 propagation along the strip is exact; the error of source and receiver is of second order at any position
+/// in a cell, since sources act once per step. A force on one cell has more than twice the error.
 #[test]
 fn a_plane_source_is_where_it_is_put() {
     let frequency = 20.0;
@@ -72,8 +72,8 @@ fn a_plane_source_is_where_it_is_put() {
     assert!(error(20, 0.86, "kernel='cell'") > 2.0 * error(20, 0.86, ""));
 }
 
-/// Sources on planes of symmetry: a half and a quarter of a model move as the whole, with the same case sections; so do
-/// sources next to a plane, with their image in the whole model.
+/// Verifies sources on planes of symmetry: half and quarter models move like the complete model with the same
+/// sections; sources next to a plane move like the complete model with their image.
 #[test]
 fn parts_of_a_symmetric_model_move_as_the_whole() {
     let time = "time={kind='ricker', frequency=60}";
@@ -98,7 +98,7 @@ fn parts_of_a_symmetric_model_move_as_the_whole() {
             )
         };
         let [x1, x2] = ["x1-", "x2-"].map(plane);
-        // On the axis a load and a force along x₃; beside it, mirrored in all quarters, an oblique force.
+        // A load and a force along x₃ on the axis; next to the axis an oblique force, with its mirror images.
         let near = [0.2, 0.6, -1.4];
         let images = |signs: &[[f64; 2]]| -> String {
             signs
@@ -149,8 +149,8 @@ fn parts_of_a_symmetric_model_move_as_the_whole() {
     }
 }
 
-/// At the corner of all planes: a quarter in the plane and an eighth in space, with the words of the whole model. Forces need a
-/// plane of antisymmetry across them.
+/// Verifies sources at the corner of all planes: a quarter model in two dimensions and an eighth in three, with the
+/// sections of the complete model. Forces need a plane of antisymmetry normal to them.
 #[test]
 fn corners_of_planes_of_symmetry_take_their_part() {
     let time = "time={kind='ricker', frequency=60}";
@@ -202,7 +202,7 @@ fn corners_of_planes_of_symmetry_take_their_part() {
     }
 }
 
-/// A force across a plane of symmetry has an image that takes it away.
+/// Verifies that a force normal to a plane of symmetry is refused, since its image cancels it.
 #[test]
 fn forces_across_a_plane_of_symmetry_are_refused() {
     let folder = tempfile::tempdir().expect("a scratch folder");

@@ -1,4 +1,4 @@
-//! Ranges of numbers against what the program makes of a state.
+//! Verifies the stated ranges of parameters against the states that the program accepts.
 
 use models::common::range::Range;
 use testkit::ranges::{closed_ends, outside};
@@ -7,7 +7,7 @@ use wellposed::case::{Case, Key, Medium, keys};
 use wellposed::study::map::PointStatus;
 use wellposed::study::{MapOptions, unwatched};
 
-/// Why the program refuses the state with another value of a key; `None` if it takes it.
+/// Message with which the program refuses the state with another value of a key; `None` if the state is accepted.
 fn refusal(text: &str, key: &Key, value: f64) -> Option<String> {
     let set = format!("{}={value:?}", key.name);
     let state = Case::parse(text, "x.toml", &[set]).map_err(wellposed::Error::from);
@@ -40,7 +40,7 @@ fn a_state_is_refused_outside_a_range_and_taken_at_its_ends() {
     }
 }
 
-/// A map goes through states out of range and says so of each.
+/// Verifies that a map continues through states out of range and marks each of them.
 #[test]
 fn a_map_sweeps_beyond_a_range() {
     let text = "

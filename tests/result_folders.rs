@@ -1,4 +1,4 @@
-//! Folders of results that several processes write to, that are damaged, and that are verified.
+//! Tests of results folders: concurrent writers, damage, and verification.
 
 mod program;
 
@@ -25,7 +25,8 @@ fn flow(name: &str) -> PathBuf {
     here
 }
 
-/// Other verbs on the folder of a run in progress: all of them succeed, and the run has the bits that it has alone.
+/// Verifies that other verbs on the folder of a run in progress succeed and leave the results of the run
+/// bit-identical.
 #[cfg(unix)]
 #[test]
 fn verbs_beside_a_run_harm_nothing() {
@@ -56,7 +57,7 @@ fn verbs_beside_a_run_harm_nothing() {
     }
 }
 
-/// Two of a kind at once: both succeed and no file is lost.
+/// Verifies that concurrent instances of one verb succeed and that no file is lost.
 #[test]
 fn maps_at_once_lose_nothing() {
     let alone = flow("map");
@@ -77,7 +78,8 @@ fn maps_at_once_lose_nothing() {
     }
 }
 
-/// Two cases at once into one folder with --force: that of one of them, whole.
+/// Verifies that two cases written to one folder concurrently with `--force` leave the complete results of one of
+/// them.
 #[test]
 fn forced_cases_do_not_mix() {
     let sets = ["background.pressure=500", "background.pressure=7000"];
@@ -100,7 +102,7 @@ fn forced_cases_do_not_mix() {
     }
 }
 
-/// Results of another case are not forced upon a run in progress, nor upon one that begins meanwhile.
+/// Verifies that `--force` does not overwrite the results of a run in progress, or of one that starts meanwhile.
 #[cfg(unix)]
 #[test]
 fn a_living_run_keeps_its_folder() {
@@ -123,13 +125,13 @@ fn a_living_run_keeps_its_folder() {
     let output = run.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     ends_with(0, &here, "verify out");
-    // Afterwards it may be overwritten.
+    // After its end the run may be overwritten.
     ends_with(0, &here, "point case.toml --out out --force --set yield.strength=3e4");
     assert!(!here.join("out/run.json").exists());
     ends_with(0, &here, "verify out");
 }
 
-/// A damaged interrupted run is not resumed, and the refusal changes nothing in its folder.
+/// Verifies that a damaged interrupted run is not resumed and that the refusal leaves its folder unchanged.
 #[cfg(unix)]
 #[test]
 fn damaged_runs_are_refused_and_stay_as_they_are() {
@@ -138,7 +140,7 @@ fn damaged_runs_are_refused_and_stay_as_they_are() {
     let expected = results(&whole.join("out"));
     let here = interrupted(TEST, "damaged");
     let out = here.join("out");
-    // A killed run's tables go on behind the checkpoint.
+    // Tables of a killed run have rows after the checkpoint.
     let table = fs::read_to_string(out.join("ledger.csv")).unwrap();
     let last = table.lines().last().unwrap();
     fs::write(out.join("ledger.csv"), format!("{table}{last}\n{last}\n")).unwrap();
@@ -153,7 +155,7 @@ fn damaged_runs_are_refused_and_stay_as_they_are() {
     ] {
         for trial in 0..6 {
             let how = match file.ends_with(".csv") {
-                // Behind the checkpoint anything may stand.
+                // Rows after the checkpoint are not verified; damage is placed before them.
                 true => {
                     let mut bytes = sound[file].clone();
                     let at = chance.below(bytes.len() - 2 * last.len() - 2);
@@ -184,13 +186,13 @@ fn damaged_runs_are_refused_and_stay_as_they_are() {
     }
     let (stdout, _) = ends_with(0, &here, "verify out");
     assert!(stdout.contains("the run is not finished"), "{stdout}");
-    // The list of snapshots follows from the rest.
+    // The list of snapshots is derived from other files.
     fs::write(out.join("snapshots.pvd"), "damaged").unwrap();
     ends_with(0, &here, "resume out --threads 1");
     assert!(results(&out) == expected);
 }
 
-/// Damages of every kind to the files of finished folders, of several verbs: found, each of them.
+/// Damages files in finished folders of several verbs in random ways and checks that each damage is found.
 fn damages_are_found(name: &str, count: usize) {
     let solid = here(name);
     ends_with(0, &solid, "run case.toml --out out --threads 1");
@@ -238,7 +240,7 @@ fn three_hundred_damages_are_found() {
     damages_are_found("three-hundred", 300);
 }
 
-/// A folder without results has nothing to verify; results without a list of checksums are not valid.
+/// Verifies that a folder without results cannot be verified, and that results without checksums are invalid.
 #[test]
 fn folders_without_results_are_not_verified() {
     let here = flow("without");
@@ -247,13 +249,13 @@ fn folders_without_results_are_not_verified() {
         assert!(stdout.is_empty() && stderr.starts_with("error: "), "{stdout}{stderr}");
     }
     ends_with(0, &here, "point case.toml --out out");
-    // A result of this program that is in no list was left by a verb that was killed.
+    // A result file that is in no list was left by a killed verb.
     fs::write(here.join("out/map.csv"), "").unwrap();
     let (stdout, _) = ends_with(1, &here, "verify out");
     assert_eq!(stdout, "map.csv: has no checksum\n");
 }
 
-/// Neither pictures from damaged files, nor a list that makes damage sound.
+/// Verifies that damaged files are not plotted and that verbs do not add them to a new list of checksums.
 #[test]
 fn damage_is_not_covered_up() {
     let here = here("covered");
@@ -280,7 +282,7 @@ fn damage_is_not_covered_up() {
         fs::write(out.join(file), sound).unwrap();
         ends_with(0, &here, "verify out");
     }
-    // A damaged list is not made good by the next verb.
+    // The next verb does not repair a damaged list.
     let list = out.join("checksums.txt");
     let sound = fs::read(&list).unwrap();
     fs::write(&list, &sound[..sound.len() - 9]).unwrap();
@@ -289,7 +291,7 @@ fn damage_is_not_covered_up() {
     ends_with(0, &here, "speeds case.toml --out out --threads 1 --force");
     let (stdout, _) = ends_with(1, &here, "verify out");
     assert!(stdout.contains("run.json: has no checksum"), "{stdout}");
-    // Drawing again is no damage.
+    // Plotting again is not damage.
     fs::write(&list, &sound).unwrap();
     let case = fs::read_to_string(out.join("case.toml")).unwrap();
     fs::write(out.join("case.toml"), case.replace("picture = \"speed\"", "picture = \"u2\""))
@@ -299,7 +301,7 @@ fn damage_is_not_covered_up() {
     ends_with(0, &here, "verify out");
 }
 
-/// A symbolic link in place of a lock is not followed, and what it leads to is not emptied.
+/// Verifies that a symbolic link in place of a lock file is not followed and its target is unchanged.
 #[cfg(unix)]
 #[test]
 fn links_in_place_of_locks_are_refused() {
@@ -318,7 +320,7 @@ fn links_in_place_of_locks_are_refused() {
     }
 }
 
-/// A link in place of the log is not written through.
+/// Verifies that a symbolic link in place of the log is not followed.
 #[cfg(unix)]
 #[test]
 fn a_link_in_place_of_the_log_is_not_followed() {
@@ -331,7 +333,7 @@ fn a_link_in_place_of_the_log_is_not_followed() {
     ends_with(0, &here, "verify out");
 }
 
-/// Two that go on with one run: one does, the other is refused or finds it finished.
+/// Verifies that of several processes that resume one run, one succeeds; the others are refused or find it finished.
 #[cfg(unix)]
 #[test]
 fn one_resumes_at_a_time() {
@@ -351,7 +353,7 @@ fn one_resumes_at_a_time() {
     assert!(results(&here.join("out")) == results(&whole.join("out")));
 }
 
-/// While a folder is locked for a moment others wait; a lock that stays is an error after ten seconds.
+/// Verifies that a verb waits for a folder that is locked briefly, and fails if the lock is held for ten seconds.
 #[cfg(unix)]
 #[test]
 fn who_waits_too_long_is_told() {

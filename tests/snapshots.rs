@@ -1,4 +1,4 @@
-//! Snapshots come at the times asked for, and nothing else depends on them.
+//! Verifies that snapshots have the requested times and that other results do not depend on them.
 
 use files::npz::read;
 use files::vti::{plain_time, plain_values};
@@ -80,7 +80,7 @@ fn snapshot(folder: &Path, index: usize, extension: &str) -> Option<Vec<u8>> {
     fs::read(folder.join(format!("out/snapshot-{index:08}.{extension}"))).ok()
 }
 
-/// The last state of solids and flows, and what receivers saw, to the last bit, however often it is looked at on the way.
+/// Verifies that final fields and receiver records of solids and flows are bit-identical for all snapshot intervals.
 #[test]
 fn results_do_not_depend_on_the_output() {
     for (case, extension, intervals) in [
@@ -97,7 +97,7 @@ fn results_do_not_depend_on_the_output() {
                 .map(|name| fs::read(here.path().join("out").join(name)).expect(name));
             assert!(files.iter().all(|file| !read(file).expect("an archive").is_empty()));
             assert!(first.get_or_insert_with(|| files.clone()) == &files, "{interval}");
-            // Numbered from 0, at the times asked for, the last one at the end.
+            // Snapshots are numbered from 0 and have the requested times; the last one is at the end.
             let mut times = Vec::new();
             while let Some(bytes) = snapshot(here.path(), times.len(), extension) {
                 times.push(plain_time(&bytes).expect("a time"));
@@ -116,7 +116,7 @@ fn results_do_not_depend_on_the_output() {
     }
 }
 
-/// Between two steps a snapshot is in straight lines between them; on a step it is the state itself.
+/// Verifies that a snapshot between two steps is the linear interpolation of both, and on a step the state itself.
 #[test]
 fn snapshots_between_steps() {
     let here = folder();
@@ -132,7 +132,7 @@ fn snapshots_between_steps() {
             .map(|name| plain_values(&bytes, name).expect(name))
     };
     let [before, after] = [arrays(step, 5), arrays(step, 6)];
-    // 3 · 1.75 steps are 5.25.
+    // 3 · 1.75 steps are 5.25 steps: snapshot 3 is a quarter of a step after step 5.
     let between = arrays(1.75 * step, 3);
     let again = arrays(2.5 * step, 2);
     for (((before, after), between), again) in before.iter().zip(&after).zip(&between).zip(&again) {
@@ -146,7 +146,7 @@ fn snapshots_between_steps() {
     }
 }
 
-/// A flow's snapshot in the middle of a step is the flow there: the same as where steps end then.
+/// Verifies a flow's snapshot within a step against a run whose steps end at that time.
 #[test]
 fn flows_are_as_accurate_between_steps() {
     let values = |interval: f64, index: usize| {
@@ -155,14 +155,14 @@ fn flows_are_as_accurate_between_steps() {
         let bytes = snapshot(here.path(), index, "vts").expect("a snapshot");
         plain_values(&bytes, "velocity [m/s]").expect("velocities")
     };
-    // Steps end at every two-hundredth of the duration.
+    // The steps end at multiples of 1/200 of the duration.
     let [before, after] = [values(5e-5, 10), values(5e-6, 101)];
     let between = values(5.025e-5, 10);
     let largest = after.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let change = before.iter().zip(&after).fold(0.0, |a: f64, (b, c)| a.max((b - c).abs()));
     assert!(change > 1e-6 * largest);
     for ((before, after), between) in before.iter().zip(&after).zip(&between) {
-        // Straight lines are good to the square of the part that it changes by.
+        // The error of linear interpolation is of second order in the change during a step.
         let error = between - 0.5 * (before + after);
         assert!(error.abs() < 0.05 * change, "{error} of {change}");
     }

@@ -1,4 +1,4 @@
-//! `map` and `point` from a case file to their results.
+//! Tests of `map` and `point`, from the case file to the results.
 
 use serde_json::Value;
 use std::fs;
@@ -62,10 +62,10 @@ fn a_point_inside_the_bound_is_well_posed_with_everything_said() {
     }
     assert_eq!(found["noncoaxiality_bound_deg"], 45.0);
     assert_eq!(found["region"], "fully-deforming");
-    // 2 Q_D cos 2Δ q with q = p sin φ
+    // Power 2 Q_D cos 2Δ q with q = p sin φ
     let power = 2.0 * 2.0 * 40f64.to_radians().cos() * 500.0;
     assert!((found["power"].as_f64().unwrap() - power).abs() < 1e-9 * power);
-    // Two finite roots; one is the convected spin, exactly −ik·V.
+    // Two finite roots; one is the convected spin with ς = −ik·V exactly.
     let roots = found["roots"].as_array().unwrap();
     assert_eq!(roots.len(), 2);
     assert_eq!(found["infinite_roots"], 3);
@@ -75,7 +75,7 @@ fn a_point_inside_the_bound_is_well_posed_with_everything_said() {
     for root in roots {
         assert!((root[1].as_f64().unwrap() - convection).abs() < 1e-9);
     }
-    // ψ_σ ± (45° + φ/2) double, and the streamline once (ν = 0: no density).
+    // Characteristics: ψ_σ ± (45° + φ/2), double, and the streamline, single (ν = 0: no density).
     let mut wanted = vec![
         (17.0 + 60.0, 2, "stress and velocity"),
         (17.0 - 60.0 + 180.0, 2, "stress and velocity"),
@@ -97,7 +97,7 @@ fn a_point_outside_the_bound_grows_as_the_closed_form_says() {
     let found = point_of(CASE, &["background.noncoaxiality_deg=60"]);
     assert_eq!(found["verdict"], "ill-posed");
     assert_eq!(found["order"], 2.0);
-    // Worst direction β = π: Q (1 + sin φ)² / [2 ρ Q_D |cos 2Δ| (1 + sin φ)].
+    // Least stable direction β = π: Q (1 + sin φ)² / [2 ρ Q_D |cos 2Δ| (1 + sin φ)].
     let worst = 500.0 * 1.5 / (2.0 * 1600.0 * 2.0 * 0.5);
     assert!((found["coefficient"].as_f64().unwrap() - worst).abs() < 1e-12 * worst);
     assert!((found["direction_deg"].as_f64().unwrap() - 107.0).abs() < 1e-5);
@@ -188,7 +188,7 @@ fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
     assert!(results[0].len() >= 7, "{:?}", results[0].iter().map(|f| &f.0).collect::<Vec<_>>());
     assert!(results[1..].iter().all(|r| *r == results[0]), "files differ between thread counts");
 
-    // The arrays, by name, against the verdict of single points.
+    // Named arrays of the map against the verdicts of single points.
     let arrays = results[0].iter().find(|(name, _)| name == "map.npz").unwrap();
     let arrays = files::npz::read(&arrays.1).unwrap();
     let numbers = |name: &str| {
@@ -313,7 +313,7 @@ fn fitted_orders_agree_with_exact_ones() {
     assert!(bounded["fitted_order"].as_f64().is_none_or(|order| order < 1e-3));
     for set in [
         "background.deviatoric_stress=499",
-        // Unbounded at finite wave numbers.
+        // Unbounded growth at a finite wave number.
         "model.dilatancy_angle_deg=20",
     ] {
         let found = point_of(CASE, &[set, "background.noncoaxiality_deg=44.9"]);

@@ -1,4 +1,4 @@
-//! Time-domain sections of case files: reading, refusals and messages.
+//! Tests of time-domain sections of case files: parsing, refusals and messages.
 
 mod meaning;
 mod reading;
@@ -7,7 +7,7 @@ mod refusals;
 use wellposed::case::Case;
 use wellposed::case::dynamics::Dynamics;
 
-/// Plane strain with everything that it can have; tests refer to its lines.
+/// Plane-strain case with every section; tests refer to its line numbers.
 const PLANE: &str = "\
 title = 'Plane'
 [model]
@@ -154,7 +154,7 @@ picture = 'w3'
 contours = [-1, 0.5]
 ";
 
-/// Space.
+/// Three-dimensional case.
 const SPACE: &str = "\
 [model]
 kind = 'classical'
@@ -234,7 +234,7 @@ fn dynamics(text: &str) -> Dynamics {
     parse(text).unwrap().dynamics.unwrap()
 }
 
-/// The text with a part replaced that must be there.
+/// Text with its part `old`, which must occur, replaced by `new`.
 fn with(text: &str, old: &str, new: &str) -> String {
     assert!(text.contains(old), "{old}");
     text.replacen(old, new, 1)

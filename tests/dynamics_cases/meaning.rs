@@ -1,4 +1,4 @@
-//! Meaning of templates, shapes, time functions and names.
+//! Tests of the interpretation of templates, shapes, time functions and names.
 
 use super::{PLANE, SPACE, dynamics, parse, with};
 use models::registry;
@@ -7,7 +7,7 @@ use wellposed::case::dynamics::{Component, Shape, TimeFunction};
 use wellposed::case::{Kind, Medium};
 use wellposed::cli::new::{self, Purpose};
 
-/// A line of a template: the key with its value, and whether it is taken in as it stands.
+/// Key, line without comment mark, and whether the line is active, for a line of a template.
 fn template_line(line: &str) -> Option<(&str, &str, bool)> {
     let inner = line.strip_prefix("# ");
     let (line, is_active) = (inner.unwrap_or(line), inner.is_none());
@@ -16,7 +16,7 @@ fn template_line(line: &str) -> Option<(&str, &str, bool)> {
     Some((key, line, is_active))
 }
 
-/// The template of a run has every key that a run takes, and every entry of it is a sound one.
+/// Verifies that the template of a run contains every key of a run, and that every entry of it is valid.
 #[test]
 fn new_runs_show_every_key() {
     for medium in Medium::all().filter(|medium| matches!(medium.kind, Kind::Solid(_))) {
@@ -26,7 +26,7 @@ fn new_runs_show_every_key() {
     let cosserat = Medium::from(Kind::Solid(registry::COSSERAT));
     let text = new::text_for(cosserat, Purpose::Run);
     let (model, template) = text.split_at(text.find("\n[grid]\n").unwrap());
-    // By header, all entries: the lines to take in, and all keys.
+    // Blocks of the template: header, active lines, and all lines.
     let blocks = template.split("\n\n").map(str::trim).filter_map(|block| {
         let (header, lines) = block.split_once('\n')?;
         let (header, is_active) = match header.strip_prefix("# ") {
@@ -52,7 +52,7 @@ fn new_runs_show_every_key() {
     let is_shown = |header: &str, key: &str| {
         blocks.iter().any(|own| own.0 == header && own.2.iter().any(|line| line.0 == key))
     };
-    // What is allowed in place of what is not.
+    // Values or keys allowed in place of an invalid one, from the error message.
     let allowed = |header: &str, text: &str, before: &str| -> Vec<String> {
         let error = parse(&document(header, text)).expect_err(text);
         let (_, list) = error.split_once(before).unwrap_or_else(|| panic!("{error}"));
@@ -65,7 +65,7 @@ fn new_runs_show_every_key() {
                 assert!(is_shown(header, &key), "{key} is missing in {header}");
             }
         }
-        // Words that stand for a choice.
+        // Keys whose values are names.
         for (key, line, _) in lines {
             let choices = ["kind", "shape", "order", "correction", "precision", "ledger"];
             if choices.contains(key) {
@@ -102,10 +102,10 @@ fn every_cell_has_one_medium() {
     let media = |text: &str| dynamics(text).media_of_cells().map_err(|error| error.to_string());
     let plane = media(PLANE).unwrap();
     let count = |medium: u16| plane.iter().filter(|own| **own == medium).count();
-    // Half of the grid, the centres within 1.5 m of (2.5, 5), and the rest.
+    // Half of the grid, the cells with centres within 1.5 m of (2.5, 5), and the remaining cells.
     assert_eq!((plane.len(), count(0), count(1), count(2)), (200, 100, 12, 88));
     assert_eq!(plane[..11], [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2]);
-    // Layers and half-spaces adjoin without gaps, though centres may lie on the plane.
+    // Layers and half-spaces adjoin without gaps, although cell centres may be on the common plane.
     assert_eq!(media(SPACE).unwrap().iter().filter(|own| **own == 0).count(), 4 * 6 * 4);
     let (model, _) = SPACE.split_once("[[region]]").unwrap();
     let halves = format!(
@@ -165,7 +165,7 @@ fn functions_of_time_have_their_values() {
     assert!((pulse.value(2.0) - 0.5).abs() < 1e-15);
     let ricker = TimeFunction::Ricker { frequency: 10.0, delay: 0.15 };
     assert_eq!((ricker.value(0.15), ricker.value(1e300)), (1.0, 0.0));
-    // It is 0 where a = ½.
+    // The Ricker function vanishes at x² = ½.
     let zero = 0.15 + 0.5f64.sqrt() / (10.0 * std::f64::consts::PI);
     assert!(ricker.value(zero).abs() < 1e-14);
     let sine = TimeFunction::Sine { frequency: 2.0, start: 1.0 };

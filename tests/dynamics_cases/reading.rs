@@ -1,4 +1,4 @@
-//! Reading of time-domain sections in all notations.
+//! Tests of parsing time-domain sections in all notations.
 
 use super::{PLANE, SPACE, dynamics, parse, parse_with, with};
 use models::registry;
@@ -56,7 +56,7 @@ fn a_case_is_read_as_written() {
     assert!(matches!(dynamics.output.picture, Picture::Component(_)));
     assert_eq!(dynamics.output.contours, Some(vec![-1.0, 0.5]));
 
-    // Integrals that are kept are recorded where they are asked for, or nothing in particular is.
+    // Time integrals are recorded at receivers that request them, or at receivers without a list of fields.
     let sets = ["output.integrals=['u2']", "receiver[1].fields=['u2', 'v1']"];
     let dynamics = parse_with(PLANE, &sets).unwrap().dynamics.unwrap();
     assert_eq!(recorded(&dynamics.receivers[0].fields).last().unwrap(), "u2");
@@ -64,10 +64,10 @@ fn a_case_is_read_as_written() {
     let error = parse_with(PLANE, &sets[1..]).unwrap_err();
     assert!(error.contains("receiver[1].fields: found 'u2'; did you mean 'v2'?"), "{error}");
 
-    // The grid says in how many dimensions the solid is.
+    // The number of dimensions follows from the grid.
     let case = parse(PLANE).unwrap();
     assert_eq!(case.material.numbers.dimensions, 2);
-    // Without sections for it a case is not run in time.
+    // A case without time-domain sections has no simulation.
     assert_eq!(parse(&wellposed::cli::new::text(case.medium())).unwrap().dynamics, None);
 }
 
@@ -88,7 +88,7 @@ fn regions_inherit_what_they_do_not_have() {
     let other = &regions[2].material.numbers.yields;
     assert_eq!((other.get("strength"), other.get("friction")), (Some(5.0), None));
 
-    // Another kind has nothing of the case's own, and its own yield set where that is possible.
+    // A region of another kind inherits no parameters; it has its own yield set if that kind can yield.
     let text = with(
         PLANE,
         "yield = { kind = 'none' }",
@@ -132,7 +132,7 @@ time = { kind = 'step' }
         for default in ["correction = \"first-order\"", "start = 0.0", "fields = [\"v1\", \"v2\""] {
             assert!(resolved.contains(default), "{default} is missing in\n{resolved}");
         }
-        // A difference in a run is a difference between cases.
+        // Cases with different time-domain sections are different.
         let other = parse_with(text, &["time.duration=7"]).unwrap();
         assert_ne!(other, case);
     }
@@ -169,7 +169,7 @@ fn options_reach_all_sections() {
     assert_eq!(dynamics.scheme.ledger.name(), "full");
     assert_eq!(dynamics.sides[0].condition, Condition::Free);
     assert_eq!(dynamics.receivers[0].name, "here");
-    // A case without sections gets them.
+    // Options add missing sections to a case.
     let (model, _) = PLANE.split_once("[grid]").unwrap();
     let sets = ["grid.cells=[2,2]", "grid.spacing=1", "time.duration=1"];
     assert_eq!(parse_with(model, &sets).unwrap().dynamics.unwrap().grid.origin, [0.0, 0.0]);
@@ -249,7 +249,7 @@ fn tables_are_read_next_to_the_case() {
     };
     assert_eq!(samples.samples(), [[0.0, 1.0], [0.5, -2e3], [1.0, 0.0]]);
     let resolved = case.to_toml();
-    // Whole in itself: it reads the same wherever it is taken.
+    // The resolved case contains the samples and does not depend on other files.
     let samples = "samples = [[0.0, 1.0], [0.5, -2000.0], [1.0, 0.0]]";
     assert!(resolved.contains(&format!("time = {{ kind = \"table\", {samples} }}")));
     let named = std::fs::read_to_string(&file).unwrap();
@@ -296,7 +296,7 @@ fn tables_are_read_next_to_the_case() {
     std::fs::write(&table, b"0,\xff\n").unwrap();
     assert!(load().unwrap_err().contains(": load[0].time.file: 'data/load.csv': not UTF-8 text; "));
 
-    // What is no file is not opened: a pipe without a writer would never answer.
+    // Only regular files are opened: opening a pipe without a writer would block.
     let is_refused = |as_what: &str| {
         load().unwrap_err().contains(&format!("'data/load.csv': {as_what}; name a"))
     };

@@ -1,4 +1,4 @@
-//! Refused time-domain sections, and the messages.
+//! Tests of refused time-domain sections and their messages.
 
 use super::{PLANE, SPACE, parse, parse_with, with};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,7 +16,7 @@ fn an_error_of_a_model_names_the_line_of_the_region() {
     let start = "folder/x.toml:34: region[0].model.mu: found -3000000000";
     let error = located(&text, &[]);
     assert!(error.starts_with(start), "{error}");
-    // What is inherited stands where it stands.
+    // An error of an inherited key names its own line.
     let error = located(&with(PLANE, "alpha = 5e8", "alpha = -5"), &[]);
     assert!(error.starts_with("folder/x.toml:6: model.alpha: found -5"), "{error}");
     let error = located(PLANE, &["region[0].model.mu=-1"]);
@@ -27,8 +27,8 @@ fn an_error_of_a_model_names_the_line_of_the_region() {
     assert_eq!(error, "folder/x.toml:62: load[1].at: too near; move it");
 }
 
-/// Replaces a part of [`PLANE`] and expects the whole message.
-// Long for its table alone, a line for each wrong input.
+/// Replaces a part of [`PLANE`] and checks the complete message.
+// Long because of the table, with one line for each invalid input.
 #[test]
 fn bad_input_is_answered_with_line_key_and_remedy() {
     const FIELDS: &str =
@@ -94,7 +94,7 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("normal = [0, 1]", "normal = [0, 0]", "118: initial[3].normal: found [0, 0]; expected a list of 2 numbers, not all 0 (points into the shape)"),
         ("m31 = 4", "m33 = 4", "129: initial_stress.m33: unknown key; did you mean 'm31'? allowed here: sigma11, sigma12, sigma21, sigma22, sigma33, m31, m32, m13, m23"),
         ("acceleration = [0, -9.81]", "acceleration = [1, -9.81]", "130: gravity.balanced: found true, the default, with the acceleration [1.0, -9.81]; give an acceleration along one axis, or set balanced = false"),
-        // what is recorded
+        // receivers and output
         ("at = [5, 10]", "at = [5.5, 10]", "138: receiver[1].at: found [5.5, 10.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
         ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver its own name"),
         ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes, at most 255 characters (letters, digits, '-', '_' and '.')"),
@@ -166,8 +166,8 @@ fn a_run_in_time_needs_a_solid_and_a_grid() {
     }
 }
 
-/// Lines taken out, doubled, swapped, and given other values: nothing panics, and what is taken
-/// reads back.
+/// Verifies that cases with deleted, repeated, swapped or changed lines cause no panic, and that accepted ones are
+/// unchanged by writing and reading.
 #[test]
 fn spoiled_cases_are_taken_or_refused() {
     const VALUES: [&str; 14] = [

@@ -1,9 +1,9 @@
-//! Spoiled case files, the same ones at every run.
+//! Reproducible random mutations of case files.
 
 use wellposed::CASES;
 use wellposed::case::Case;
 
-/// Values that a number may be replaced by: limits, extremes, other types.
+/// Replacement values of a number: limits, extremes, other types.
 const VALUES: &[&str] = &[
     "0",
     "-0.0",
@@ -39,7 +39,7 @@ const VALUES: &[&str] = &[
     "2026-11-21",
 ];
 
-/// Pieces that are put in anywhere.
+/// Strings inserted at random positions.
 const PIECES: &[&str] = &[
     "\"",
     "'",
@@ -70,7 +70,7 @@ const PIECES: &[&str] = &[
     "a.b.c = 1\n",
 ];
 
-/// A small generator of random numbers (SplitMix64), so that every run sees the same mutants.
+/// Pseudo-random generator SplitMix64, so that all runs use the same mutants.
 pub struct Random(u64);
 
 impl Random {
@@ -82,7 +82,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A number below `end`; 0 for `end` = 0.
+    /// Uniform number below `end`; 0 for `end` = 0.
     fn below(&mut self, end: usize) -> usize {
         (self.next() % end.max(1) as u64) as usize
     }
@@ -92,8 +92,8 @@ impl Random {
     }
 }
 
-/// An endless stream of mutants of the bundled cases and of what `wellposed new` writes, their
-/// grids shrunk to a few points.
+/// Endless sequence of mutants of the bundled cases and of the templates of `wellposed new`, with grids reduced to a
+/// few points.
 pub fn mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
     let originals = originals();
     let mut random = Random(seed);
@@ -111,17 +111,17 @@ pub fn mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
     })
 }
 
-/// A mutable case: each key on its own line, two to four points along each axis.
+/// Cases to be mutated: each key on its own line, two to four points along each axis.
 fn originals() -> Vec<String> {
     let new: Vec<String> = wellposed::case::Medium::all().map(wellposed::cli::new::text).collect();
     let bundled = CASES.iter().map(|(_, text)| (*text).to_owned());
     let everything = bundled.chain(new.clone()).map(|text| shrunk(&text)).collect::<Vec<_>>();
-    // With the optional keys taken in, so that they are mutated as well.
+    // With the optional keys uncommented, so that they are mutated as well.
     let full = new.iter().map(|text| shrunk(&without_marks(text)));
     everything.into_iter().chain(full).collect()
 }
 
-/// Takes the '#' away from in front of every optional key.
+/// Uncomments every optional key.
 pub fn without_marks(text: &str) -> String {
     let line = |line: &str| match line.strip_prefix("# ") {
         Some(rest) if rest.split_once(" = ").is_some_and(|(key, _)| !key.contains(' ')) => {
@@ -132,7 +132,7 @@ pub fn without_marks(text: &str) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// A mutable case with a tiny grid, its axes written as sections of a line per key.
+/// Case with a small grid, its axes written as sections with one key per line.
 pub fn shrunk(text: &str) -> String {
     let mut lines = Vec::new();
     for line in text.lines() {
@@ -151,7 +151,7 @@ pub fn shrunk(text: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// A mutant may ask for too large a grid, which is refused, but not for a merely slow one.
+/// Whether the grid of a mutant is small; mutants with too large a grid are refused, but slow ones are not wanted.
 fn has_small_grid(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     match Case::parse(&text, "mutant.toml", &[]).map(|case| case.map) {
@@ -186,7 +186,7 @@ fn mutate_bytes(mut bytes: Vec<u8>, random: &mut Random) -> Vec<u8> {
 
 fn mutate_text(text: &str, random: &mut Random) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
-    // Comments say nothing to the program: aim at the other lines.
+    // Mutate lines other than comments, which have no effect.
     let aims: Vec<usize> = (0..lines.len())
         .filter(|&i| !lines[i].trim_start().starts_with('#') && !lines[i].trim().is_empty())
         .collect();
@@ -206,7 +206,7 @@ fn mutate_text(text: &str, random: &mut Random) -> String {
             lines[at] = &replaced;
         }
         6 => {
-            // Another key's name.
+            // Name of another key.
             let (Some((key, _)), Some((_, value))) =
                 (lines[other].split_once(" = "), lines[at].split_once(" = "))
             else {
@@ -216,7 +216,7 @@ fn mutate_text(text: &str, random: &mut Random) -> String {
             lines[at] = &replaced;
         }
         _ => {
-            // A letter twice, or missing: a slip of the hand.
+            // Typing error: a repeated or a missing letter.
             let line = lines[at];
             let slips: Vec<usize> = line.char_indices().map(|(i, _)| i).collect();
             let start = slips[random.below(slips.len())];
@@ -232,7 +232,7 @@ fn mutate_text(text: &str, random: &mut Random) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Deletes, repeats or moves a section.
+/// Deletes, repeats or moves a random section.
 fn move_section(text: &str, random: &mut Random) -> String {
     let mut sections: Vec<String> =
         text.split("\n[").map(|section| format!("{section}\n[")).collect();

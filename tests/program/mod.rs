@@ -1,4 +1,4 @@
-//! The program from outside: folders, arguments, exit codes.
+//! Helpers that run the program: folders, arguments, exit codes.
 #![allow(dead_code)]
 
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
 
-/// A solid that yields, in time; with receivers and snapshots. It runs for about a second.
+/// Time-domain case of a yielding solid with receivers and snapshots; it runs for about a second.
 pub const SOLID: &str = "
 [model]
 kind = 'reduced-cosserat'
@@ -47,10 +47,10 @@ integrals = ['u2', 'phi3']
 number = 1
 ";
 
-/// A run of the case in `case.toml`, with a checkpoint after every batch of steps.
+/// Arguments that run the case in `case.toml` with a checkpoint after every batch of steps.
 pub const RUN: &str = "run case.toml --out out --checkpoint-every 0 --threads 1";
 
-/// An empty folder for one test, with a case.
+/// Creates an empty folder for one test, with a case file.
 pub fn folder(test: &str, name: &str, case: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test).join(name);
     let _ = fs::remove_dir_all(&path);
@@ -66,17 +66,17 @@ pub fn command(folder: &Path, arguments: &str) -> Command {
     command
 }
 
-/// Starts the program.
+/// Starts the program with the arguments of one line.
 pub fn starts(folder: &Path, arguments: &str) -> Child {
     command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Runs the program.
+/// Runs the program and returns its output.
 pub fn ends(folder: &Path, arguments: &str) -> Output {
     starts(folder, arguments).wait_with_output().unwrap()
 }
 
-/// Runs the program, which must end with `code`; gives what it printed.
+/// Runs the program, which must end with `code`; returns standard output and standard error.
 pub fn ends_with(code: i32, folder: &Path, arguments: &str) -> (String, String) {
     let output = ends(folder, arguments);
     let [stdout, stderr] =
@@ -85,7 +85,7 @@ pub fn ends_with(code: i32, folder: &Path, arguments: &str) -> (String, String) 
     (stdout, stderr)
 }
 
-/// Names in a folder, sorted.
+/// Names of the entries of a folder, sorted.
 pub fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
     let mut names: Vec<String> =
@@ -94,7 +94,7 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// All files of a folder.
+/// Contents of all files of a folder, by name.
 pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
     let file = |entry: fs::DirEntry| {
@@ -104,14 +104,14 @@ pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     entries.filter_map(file).collect()
 }
 
-/// All results: everything but the log and the lock of a killed run.
+/// Contents of all result files, i.e. of all files except the log and the lock.
 pub fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut all = contents(folder);
     all.retain(|name, _| name != "log.txt" && name != "lock");
     all
 }
 
-/// Waits for a file of a run under way.
+/// Waits until a run in progress has written a file.
 pub fn wait_for(path: &Path) {
     let start = Instant::now();
     while !path.exists() {
@@ -120,14 +120,14 @@ pub fn wait_for(path: &Path) {
     }
 }
 
-/// Sends a signal by its name.
+/// Sends a signal, given by name, to a process.
 pub fn signal(child: &Child, name: &str) {
     let id = child.id().to_string();
-    // It may have ended meanwhile.
+    // The process may have ended already.
     let _ = Command::new("kill").args([&format!("-{name}"), &id]).stderr(Stdio::null()).status();
 }
 
-/// A run that was interrupted after its second snapshot.
+/// Folder of a run that was interrupted after its second snapshot.
 pub fn interrupted(test: &str, name: &str) -> PathBuf {
     let here = folder(test, name, SOLID);
     let mut child = command(&here, RUN).spawn().unwrap();
@@ -138,7 +138,7 @@ pub fn interrupted(test: &str, name: &str) -> PathBuf {
     here
 }
 
-/// Numbers that look like chance and are the same every time.
+/// Reproducible pseudo-random numbers.
 pub struct Chance(u64);
 
 impl Chance {
@@ -146,7 +146,7 @@ impl Chance {
         Self(seed)
     }
 
-    /// Of Steele, Lea and Flood (2014): SplitMix64.
+    /// SplitMix64 (Steele, Lea and Flood 2014).
     pub fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -155,18 +155,18 @@ impl Chance {
         z ^ (z >> 31)
     }
 
-    /// Below a number.
+    /// Uniform integer below `end`.
     pub fn below(&mut self, end: usize) -> usize {
         (self.next() % end.max(1) as u64) as usize
     }
 
-    /// From 0 to 1.
+    /// Uniform number from 0 to 1.
     pub fn part(&mut self) -> f64 {
         self.next() as f64 / u64::MAX as f64
     }
 }
 
-/// Damages a file in one of several ways; says how.
+/// Damages a file in one of several random ways; returns a description.
 pub fn damage(path: &Path, chance: &mut Chance) -> String {
     let bytes = fs::read(path).unwrap();
     loop {

@@ -13,7 +13,7 @@ pub enum Wave {
 /// Plane wave v = amplitude · a g(t − n·x/c).
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
-    /// Direction n.
+    /// Unit propagation direction n.
     pub direction: [f64; 2],
     /// Polarisation a: n for P; n rotated by 90° anticlockwise for S.
     pub polarisation: [f64; 2],

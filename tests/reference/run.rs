@@ -9,9 +9,9 @@ use std::process::Command;
 /// Position of the compared receivers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
-    /// At the point given.
+    /// The given point.
     Point,
-    /// At the centre of the cell that holds it.
+    /// Centre of the cell that contains the point.
     Cell,
 }
 
