@@ -1,4 +1,4 @@
-//! Runs with default settings against exact solutions, at twenty cells to the wavelength.
+//! Verifies simulations with default settings against exact solutions, with twenty cells per wavelength.
 
 mod reference;
 
@@ -6,8 +6,8 @@ use reference::run::Settings;
 use reference::{PROBLEMS, Row};
 use std::path::Path;
 
-/// Greatest L2 error of a component up to three wavelengths away, by problem: a tenth above today's errors. `benches/accuracy.rs`
-/// prints all errors on three grids, and those in space.
+/// Bounds on the relative L2 error of components up to three wavelengths from the source, by problem: 1.1 times the
+/// present errors. `benches/accuracy.rs` prints all errors on three grids, also in three dimensions.
 const BOUNDS: [(&str, f64); 7] = [
     ("lamb-vertical", 0.069),
     ("lamb-horizontal", 0.073),
@@ -27,7 +27,7 @@ fn rows(name: &str, settings: &Settings) -> Vec<Row> {
     (problem.rows)(settings)
 }
 
-/// Runs a problem and compares all its components.
+/// Runs a problem and checks the errors of all components against its bound.
 fn check(name: &str) {
     let (_, bound) = BOUNDS.iter().find(|own| own.0 == name).expect("a bound");
     check_within(name, *bound, &Settings::new(program(), 20.0));
@@ -49,7 +49,7 @@ fn lamb_vertical() {
     check("lamb-vertical");
 }
 
-/// Sweeps along the first axis end on the surface; what is shown is completed by half of one.
+/// Verifies Lamb's problem with the first axis normal to the surface, where output is completed by half a sweep.
 #[test]
 fn lamb_vertical_across_the_first_axis() {
     check_within(
@@ -59,7 +59,8 @@ fn lamb_vertical_across_the_first_axis() {
     );
 }
 
-/// The sweeps across the surface alternate with those along both other axes, which then are alike.
+/// Verifies that both horizontal directions have nearly equal errors, since sweeps normal to the surface alternate
+/// with sweeps along both other axes.
 #[test]
 fn directions_on_a_surface_in_space_are_alike() {
     let rows = rows("pekeris", &Settings::new(program(), 10.0));

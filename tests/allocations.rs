@@ -1,4 +1,4 @@
-//! A point of a map costs no memory from the heap.
+//! Verifies that assessing a point of a map allocates no heap memory.
 
 mod states;
 
@@ -13,19 +13,19 @@ thread_local! {
     static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
 }
 
-/// The system's allocator, counting by thread.
+/// System allocator that counts allocations per thread.
 struct Counting;
 
-// SAFETY: every call is handed on to the system's allocator unchanged.
+// SAFETY: every call is forwarded to the system allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.with(|count| count.set(count.get() + 1));
-        // SAFETY: as the caller promises.
+        // SAFETY: guaranteed by the caller.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as the caller promises.
+        // SAFETY: guaranteed by the caller.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -68,9 +68,9 @@ fn a_formula_needs_no_memory() {
     assert_eq!(ALLOCATIONS.with(Cell::get), before);
 }
 
-/// From the linearised equations, every model, ν = 0 and ν > 0, with and without gradients and
-/// accelerations: once what a thread keeps has grown to the model's size, a state takes no more.
-/// States that are called marginal say why in words, and words take memory.
+/// Verifies the linearised equations of every model, with ν = 0 and ν > 0, with and without gradients and
+/// accelerations: after the workspace of a thread has grown to the size of the model, a state allocates no memory,
+/// except for the text that explains a marginal state.
 #[test]
 fn the_linearised_equations_need_no_memory() {
     const STATES: u64 = 1000;
@@ -78,7 +78,7 @@ fn the_linearised_equations_need_no_memory() {
         for (dilatant, gradients) in [(false, false), (false, true), (true, false), (true, true)] {
             let mut workspace = Workspace::default();
             let mut marginal = 0;
-            // Blocks of every size, and layers of every kind, have been met after the first round.
+            // After the first round the workspace has been used with blocks of every size and layers of every kind.
             for (round, seed) in (0..2).flat_map(|round| (0..STATES).map(move |seed| (round, seed)))
             {
                 let random = &mut seeded(seed);

@@ -1,4 +1,4 @@
-//! The public library as a program sees it that depends on it alone.
+//! Tests of the public library from the view of a program that depends on no other crate.
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -11,7 +11,7 @@ use wellposed::{CASES, Error, NO_SETTINGS};
 const FLOW: &str = "cases/granular-flow/double-shearing-against-harris-grekova.toml";
 const SOLID: &str = "cases/cosserat/forbidden-band.toml";
 
-/// All crates by way of this one.
+/// Verifies that all crates are accessible through this one.
 #[test]
 fn no_other_dependency_is_needed() {
     let solid = wellposed::models::registry::COSSERAT;
@@ -47,7 +47,7 @@ fn settings_are_any_list_of_texts() {
     assert!(error.contains("did you mean 'number'"), "{error}");
 }
 
-/// A study tells its steps, which grow to all of them, and ends where it is told to, however often it asks.
+/// Checks that a study reports monotonic progress up to the total, and ends whenever the callback cancels it.
 fn is_watched<T: std::fmt::Debug>(name: &str, study: impl Fn(OnProgress) -> Result<T, Error>) {
     let told = Mutex::new(Vec::new());
     let answer = study(&|done, all| {
@@ -78,7 +78,7 @@ fn short_studies_are_watched_and_cancelled() {
     let models = 1 + flow.compare.as_ref().expect("models to compare").len();
     assert!(models > 1);
     is_watched("point of a flow", |own| wellposed::point(&flow, own));
-    // A state within yield has no curves, and as many steps.
+    // A state within yield has no curves but the same number of steps.
     let still = wellposed::load(FLOW, ["background.deviatoric_stress=1"]).expect("a case");
     is_watched("point of a rigid state", |own| wellposed::point(&still, own));
     let solid = wellposed::load(SOLID, NO_SETTINGS).expect("a case");
@@ -86,7 +86,7 @@ fn short_studies_are_watched_and_cancelled() {
     is_watched("dispersion", |own| wellposed::dispersion(&solid, own));
 }
 
-/// A map that makes no sense is looked at state by state.
+/// Verifies progress and cancellation of the check of a map with invalid states, which are checked one by one.
 #[test]
 fn the_check_of_a_map_is_watched_and_cancelled() {
     let file = "cases/granular-flow/noncoaxiality-bound.toml";
@@ -108,7 +108,7 @@ fn the_check_of_a_map_is_watched_and_cancelled() {
     check_map(&wellposed::load(file, NO_SETTINGS).expect("a case"), &unwatched).expect("a map");
 }
 
-/// Every answer as a value of `serde`, and what reports leave out of it.
+/// Verifies that every result serialises with `serde`, including values that reports omit.
 #[test]
 fn answers_serialise() {
     let to_json = |value: Result<serde_json::Value, serde_json::Error>| value.expect("a value");
@@ -136,7 +136,7 @@ fn answers_serialise() {
     assert_eq!(points[0]["status"], map.points[0].status.name());
     assert_eq!(points[0]["route"], "model-blind");
     assert!(points[0]["speeds"]["hyperbolicity"].is_string());
-    // What is not a number is null.
+    // Not-a-number is serialised as null.
     let well_posed = map.points.iter().position(|own| own.status == PointStatus::WellPosed);
     assert!(points[well_posed.expect("a well-posed state")]["order"].is_null());
     assert_eq!(to_json(serde_json::to_value(map.options))["bound"], false);

@@ -1,4 +1,4 @@
-//! What nobody means to spend: time, files, bytes and memory of runs; and Ctrl-C in long steps.
+//! Tests of limits on the time, files, bytes and memory of runs, and of Ctrl-C during long steps.
 #![cfg(unix)]
 
 mod program;
@@ -9,14 +9,14 @@ use std::time::{Duration, Instant};
 
 const TEST: &str = "limits";
 
-/// A flow in time without a perturbation to speak of.
+/// Time-domain flow case with a negligible perturbation.
 fn flow(name: &str) -> PathBuf {
     let here = folder(TEST, name, "");
     ends_with(0, &here, "new harris-grekova --run --force case.toml");
     here
 }
 
-/// That a run is refused within seconds, for such a key, unless it is asked for.
+/// Checks that a run is refused within seconds, naming `key`, unless forced.
 fn is_refused(name: &str, here: &std::path::Path, settings: &str, key: &str, words: &str) {
     let arguments = format!("run case.toml --out out --threads 1 --accept-ill-posed {settings}");
     for more in ["", " --dry-run"] {
@@ -72,7 +72,7 @@ fn absurd_flows_are_refused() {
     }
 }
 
-/// All that a run takes is said before it begins.
+/// Verifies that a run announces its duration, files and bytes before it starts.
 #[test]
 fn time_files_and_bytes_are_said_beforehand() {
     let here = folder(TEST, "said", SOLID);
@@ -90,7 +90,7 @@ fn time_files_and_bytes_are_said_beforehand() {
     assert!(first.contains(" s of one thread"), "{first}");
 }
 
-/// A step may take longer than anybody waits.
+/// Verifies that Ctrl-C ends a run during a very long step.
 #[test]
 fn interrupted_steps_end_soon() {
     let here = folder(TEST, "long-step", SOLID);
@@ -107,7 +107,7 @@ fn interrupted_steps_end_soon() {
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
 
-/// What a run says that it takes, and its peak, bytes.
+/// Announced and peak resident memory of a run, bytes.
 fn memory(name: &str, case: &str, settings: &str) -> (f64, f64) {
     let here = folder(TEST, name, case);
     let arguments = format!("run case.toml --out out --threads 1 --checkpoint-every 0 {settings}");
@@ -120,23 +120,24 @@ fn memory(name: &str, case: &str, settings: &str) -> (f64, f64) {
     (said, peak(&here, &arguments))
 }
 
-/// The greatest resident memory of a process, bytes.
+/// Peak resident memory of a process, bytes.
 fn peak(here: &std::path::Path, arguments: &str) -> f64 {
     let mut child = command(here, arguments).spawn().unwrap();
     let mut status = 0;
-    // SAFETY: zeros are such a structure, and the call fills both.
+    // SAFETY: `rusage` may be all zeros, and `wait4` writes to both arguments.
     let usage = unsafe {
         let mut usage = std::mem::zeroed::<libc::rusage>();
         libc::wait4(child.id() as i32, &mut status, 0, &mut usage);
         usage
     };
-    // It has been waited for.
+    // `wait4` has already reaped the process.
     let _ = child.wait();
     assert_eq!(status, 0, "{arguments}");
     1024.0 * usage.ru_maxrss as f64
 }
 
-/// Grids of seven shapes. Thin plates in space across the first axis take a quarter more than is said.
+/// Verifies announced against peak memory for grids of seven shapes. Thin plates normal to the first axis in three
+/// dimensions need a quarter more than announced.
 #[test]
 #[ignore = "peaks depend on the pages of the system: cargo test --release --test limits -- --ignored"]
 fn memory_is_foretold() {

@@ -1,4 +1,4 @@
-//! Plane pulses against the exact wave, and loads with a profile along their side.
+//! Tests of plane pulses against the exact wave, and of loads with a profile along their boundary.
 
 use std::fs;
 use wellposed::case::Case;
@@ -15,7 +15,7 @@ density = 2000
 
 type Columns = Vec<(String, Vec<f64>)>;
 
-/// The columns of a table of results.
+/// Columns of a CSV table by name.
 fn columns(text: &str) -> Columns {
     let mut lines = text.lines();
     let names = lines.next().expect("a header").split(',');
@@ -28,7 +28,7 @@ fn columns(text: &str) -> Columns {
     columns
 }
 
-/// Records of the receivers, and the ledger.
+/// Runs a case and returns the receiver table and the ledger.
 fn carried_out(case: &str) -> Result<[Columns; 2], Error> {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let file = folder.path().join("case.run.toml");
@@ -40,14 +40,14 @@ fn carried_out(case: &str) -> Result<[Columns; 2], Error> {
     Ok([read("receivers.csv"), read("ledger.csv")])
 }
 
-/// Oblique P and S pulses arrive with the shape, speed and polarisation of the exact wave, with an error of second
-/// order, before anything comes from the sides.
+/// Verifies that oblique P and S pulses have the shape, speed and polarisation of the exact wave with an error of
+/// second order, before waves from the boundaries arrive.
 #[test]
 fn oblique_pulses_are_exact_waves() {
     let speeds = [(2.6e8f64 / 2000.0).sqrt(), (8e7f64 / 2000.0).sqrt()];
     for (wave, direction, speed) in [("P", 200.0f64, speeds[0]), ("S", 35.0, speeds[1])] {
         let (sin, cos) = direction.to_radians().sin_cos();
-        // 3 m on.
+        // Receiver 3 m from the pulse.
         let at = [20.0 + 3.0 * cos, 20.0 + 3.0 * sin];
         let period = 8.0 / speed;
         let errors = [80, 160].map(|cells| {
@@ -60,7 +60,7 @@ fn oblique_pulses_are_exact_waves() {
                 40.0 / f64::from(cells),
             );
             let [seen, ledger] = carried_out(&case).expect("a sound case");
-            // A plane wave has as much kinetic energy as stored energy.
+            // In a plane wave kinetic energy equals stored energy.
             let [kinetic, stored] = [ledger[1].1[0], ledger[2].1[0]];
             assert!(kinetic > 0.0 && (kinetic - stored).abs() < 1e-12 * kinetic);
             let along = if wave == "P" { [cos, sin] } else { [-sin, cos] };
@@ -84,8 +84,8 @@ fn oblique_pulses_are_exact_waves() {
     }
 }
 
-/// In space as well a pulse is one wave: half its energy is kinetic, and S waves have no velocity along their way, P
-/// waves no other.
+/// Verifies pulses in three dimensions: half of the energy is kinetic; the velocity is transverse in S waves and
+/// longitudinal in P waves.
 #[test]
 fn pulses_in_space() {
     let n = {
@@ -115,7 +115,8 @@ fn pulses_in_space() {
     }
 }
 
-/// A pulse must begin in one medium without spins; a narrow one can.
+/// Verifies that the initial pulse must be within one medium without spins, which a narrow pulse in a layered model
+/// is.
 #[test]
 fn pulses_in_layers() {
     let case = |kind: &str, width: &str| {
@@ -140,7 +141,7 @@ fn pulses_in_layers() {
     );
 }
 
-/// A case with loads on the upper side of a strip that comes round, whose scheme is linear.
+/// Receiver table for loads on the upper boundary of a periodic strip, computed with a linear scheme.
 fn loaded(loads: &[&str]) -> Columns {
     let loads: String = loads
         .iter()
@@ -163,7 +164,7 @@ fn loaded(loads: &[&str]) -> Columns {
     seen
 }
 
-/// Checks that one record is a linear combination of others, to rounding.
+/// Checks that a record is the given linear combination of others, within rounding.
 fn assert_combination(found: &[f64], terms: &[(f64, &[f64])]) {
     let largest = found.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let scale = terms.iter().flat_map(|own| own.1).fold(largest, |a: f64, b| a.max(b.abs()));
@@ -174,19 +175,21 @@ fn assert_combination(found: &[f64], terms: &[(f64, &[f64])]) {
     }
 }
 
-/// Response of a linear solid to profiles: to cos(kx) with cos(kx) in v₂; to a bell as to a force of the same integral;
-/// to two ramps that add up to 1 as to a uniform load.
+/// Verifies the response of a linear solid to load profiles: v₂ ∝ cos(kx) for cos(kx); a bell like a force with the
+/// same integral; two ramps with sum 1 like a uniform load.
 #[test]
 fn loads_with_profiles() {
-    // Receivers at x = 0.25, 2.25, 4.25, 6.25, 8.25 in centres of cells, and as many waves in 12 m.
+    // Receivers at x = 0.25, 2.25, 4.25, 6.25 and 8.25 m are cell centres; the strip of 12 m contains an integer
+    // number of wavelengths.
     let wave =
         loaded(&["amplitude = 1e4\nprofile = { kind = 'cos', wavelength = 6, phase_deg = -15 }"]);
     for (index, x) in [0.25, 2.25, 4.25, 6.25, 8.25].into_iter().enumerate() {
-        // The phase is 0 at 0.25 m.
+        // The phase of the profile is 0 at x = 0.25 m.
         let factor = (std::f64::consts::TAU * (x - 0.25) / 6.0).cos();
         assert_combination(&wave[2 + 2 * index].1, &[(factor, &wave[2].1)]);
     }
-    // Σ h ½(1 + cos(πr/radius)) = radius where the cells divide it, about the middle of one.
+    // Σ h ½(1 + cos(πr/radius)) = radius if the radius is a multiple of the cell size and the bell is centred in a
+    // cell.
     let bell = loaded(&["amplitude = 2e3\nprofile = { kind = 'bell', at = 1.25, radius = 2 }"]);
     let force = loaded(&["amplitude = 4e3\nat = 1.25\nradius = 2"]);
     for (bell, force) in bell.iter().zip(&force).skip(1) {

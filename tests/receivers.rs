@@ -1,5 +1,5 @@
-//! Receivers between cells, lines and grids of them, and snapshots between steps: against exact initial states,
-//! and against what cells and steps around them hold.
+//! Tests of interpolation at receivers between cells, of lines and grids of receivers, and of snapshots between
+//! steps: against exact initial states and against the values of adjacent cells and steps.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -22,7 +22,7 @@ fn carried_out(folder: &Path, case: &str, threads: usize) {
     cli::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
 }
 
-/// Rows of the receivers' table, with its header.
+/// Header and rows of the receiver table.
 fn table(folder: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
     let text = fs::read_to_string(folder.join("out/receivers.csv")).expect("a table");
     let mut lines = text.lines();
@@ -36,8 +36,8 @@ fn column(table: &(Vec<String>, Vec<Vec<f64>>), name: &str) -> Vec<f64> {
     table.1.iter().map(|row| row[place]).collect()
 }
 
-/// A smooth initial state is read off with an error of the fourth order anywhere: inside, on sides, in corners,
-/// and next to where the grid comes round.
+/// Verifies fourth-order interpolation of a smooth initial state at any position: inside, on boundaries, in corners,
+/// and next to periodic boundaries.
 #[test]
 fn receivers_interpolate_with_fourth_order() {
     let points =
@@ -69,11 +69,13 @@ fn receivers_interpolate_with_fourth_order() {
             errors.map(|(at, found)| (found - exact(at)).abs()).fold(0.0, f64::max)
         });
         println!("{errors:?}");
-        // Round the grid the bell has a corner, where it is e^−4: a kink of h · 2·3/2.25 · e^−4, halved with h.
+        // At a periodic boundary the periodic continuation of the bell has a kink, where its value is e^−4: error h ·
+        // 2·3/2.25 · e^−4, of first order in h.
         if sides.is_empty() {
             for (error, h) in errors.iter().zip([0.1f64, 0.05]) {
-                // Half a cell beyond the centres: (½·3/2·5/2·7/2)/4! h⁴ |f⁗| along an axis, with |f⁗| ≤ 12/1.5⁴,
-                // and along the other one as much again by the sum of the weights' magnitudes, 6.
+                // Extrapolation by half a cell beyond the centres: (½·3/2·5/2·7/2)/4! h⁴ |f⁗| along one axis, with
+                // |f⁗| ≤ 12/1.5⁴, and the same along the other axis times the sum of the magnitudes of the weights,
+                // 6.
                 let bound = 6.5625 / 24.0 * 12.0 / 1.5f64.powi(4) * 7.0 * h.powi(4);
                 assert!(*error < bound, "{errors:?}: {bound}");
             }
@@ -83,7 +85,7 @@ fn receivers_interpolate_with_fourth_order() {
     }
 }
 
-/// Plane waves of a periodic box: at points next to its sides what is recorded is of the fourth order.
+/// Verifies fourth-order interpolation of plane waves in a periodic box at points next to its boundaries.
 #[test]
 fn receivers_reach_round_a_periodic_grid() {
     let periodic = ["x1-", "x1+", "x2-", "x2+"]
@@ -107,7 +109,7 @@ fn receivers_reach_round_a_periodic_grid() {
     assert!(errors[0] < 1e-3 && errors[0] / errors[1] > 12.0, "{errors:?}");
 }
 
-/// Next to an interface a receiver takes cells of its own side alone: of a jump there it sees nothing.
+/// Verifies that interpolation next to an interface uses cells on one side only, so that a jump has no effect.
 #[test]
 fn receivers_do_not_look_across_an_interface() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -133,8 +135,8 @@ const STRUCK: &str = "[model]\nkind='classical'\nlambda=1.2e8\nmu=8e7\ndensity=1
     [[receiver]]\nname='cell'\nat=[5.1, 8.3]\ninterpolation='none'\n\
     [[receiver]]\nname='plane'\nfrom=[1.1, 5.2]\nto=[[11, 5.2], [1.1, 10]]\ncount=[3, 2]\n";
 
-/// Snapshots carry the times that were asked for; in a cell they are on the straight line between the steps
-/// around; nothing else of a run depends on them; and stresses at receivers are in the yield set.
+/// Verifies that snapshots have the requested times and are linear interpolations between the adjacent steps, that no
+/// other result depends on them, and that stresses at receivers are in the yield set.
 #[test]
 fn snapshots_come_at_the_asked_times() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -145,7 +147,7 @@ fn snapshots_come_at_the_asked_times() {
             .map(|name| fs::read(folder.path().join("out").join(name)).unwrap())
     };
     let without = fields("", 1);
-    // Also several within a step.
+    // Also several snapshots within a step.
     for interval in [0.02, 7e-4, 0.0123] {
         for threads in [1, 3] {
             assert!(fields(&format!("snapshot_interval={interval}"), threads) == without);
@@ -185,7 +187,7 @@ fn snapshots_come_at_the_asked_times() {
     assert!(yields);
 }
 
-/// A line has its ends, a grid its corners; names are unique, and what is wrong is said.
+/// Verifies the points of lines and grids of receivers, their unique names, and messages for invalid ones.
 #[test]
 fn lines_and_grids() {
     let grid = "[model]\nkind='classical'\nlambda=1.2e8\nmu=8e7\ndensity=1900\n[grid]\ncells=[8, 8]\n\
@@ -208,7 +210,7 @@ fn lines_and_grids() {
     assert_eq!(receivers[3].at, [2.4, 2.4]);
     assert_eq!(receivers[9].at, [2.4, 2.4]);
     assert_eq!(receivers[5].at, [1.2, 0.0]);
-    // 100 × 0.29 is less than 29, and the last point of this side all the same.
+    // 100 × 0.29 is less than 29 in floating-point arithmetic; 29 is accepted as the end of this boundary.
     let wide =
         grid.replace("cells=[8, 8]", "cells=[100, 4]").replace("spacing=0.3", "spacing=0.29");
     let case = wellposed::case::Case::parse(

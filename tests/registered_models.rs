@@ -1,5 +1,5 @@
-//! A flow model, a solid and a yield set that the project does not have, each added by one call of the registry
-//! through public interfaces: verdict, map, run and check treat them like the others.
+//! Tests of a flow model, a solid and a yield set that are not part of the project and are registered through public
+//! interfaces by one call each: verdict, map, run and check treat them like built-in models.
 
 use analysis::growth::Verdict;
 use models::InputError;
@@ -27,7 +27,7 @@ use wellposed::study::check::Extent;
 use wellposed::study::simulate::Settings;
 use wellposed::study::{MapOptions, unwatched};
 
-/// Double shearing in which the material rotates by a factor more slowly than the slip lines make it.
+/// Double shearing with a factor in the rotation term of the stress axes, larger for slower rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SlowRotation {
     coulomb: Coulomb,
@@ -71,7 +71,7 @@ impl FlowLaw for SlowRotation {
         momentum(system, &columns, &self.coulomb, flow);
         flow_rule(system, 2, &columns, &rule, flow);
         mass(system, 4, &columns, flow);
-        // 2 e_r Dψ/Dt
+        // Rotation term 2 e_r Dψ/Dt
         let rotation = 2.0 * rule.rotation;
         system.a[(3, columns.angle)] = rotation;
         for j in 0..2 {
@@ -93,7 +93,7 @@ static SLOW_ROTATION: FlowModel = FlowModel {
     build: |given| Ok(Arc::new(SlowRotation::new(given)?)),
 };
 
-/// An orthotropic solid in plane strain whose axes are x₁ and x₂.
+/// Orthotropic solid in plane strain with the axes x₁ and x₂.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Orthotropic {
     c11: f64,
@@ -185,7 +185,7 @@ const ORTHOTROPIC_ENTRY: SolidModel = SolidModel {
 
 static ORTHOTROPIC: SolidModel = ORTHOTROPIC_ENTRY;
 
-/// |σ₁₂| ≤ k in plane strain: layers normal to x₁ and x₂ that slip without friction.
+/// Yield set |σ₁₂| ≤ k in plane strain: layers normal to x₁ and x₂ that slip without friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ShearLimit {
     strength: f64,
@@ -231,7 +231,7 @@ impl YieldConditions for ShearLimit {
         let mut stress = *trial;
         let shear = trial.force[0][1].clamp(-self.strength, self.strength);
         (stress.force[0][1], stress.force[1][0]) = (shear, shear);
-        // Shear is apart from the normal stresses in isotropic and orthotropic solids.
+        // Shear is decoupled from the normal stresses in isotropic and orthotropic solids.
         let energy_lost = law.stored_energy(trial) - law.stored_energy(&stress);
         Projection { stress, energy_lost }
     }
@@ -306,13 +306,14 @@ seed = 1
 
 #[test]
 fn a_flow_gets_verdict_map_run_and_check() {
-    // Ill-posed as double shearing is: growth in proportion to k.
+    // Ill-posed like double shearing: growth rate proportional to k.
     let point = wellposed::point(&case(FLOW), &unwatched).expect("a state");
     let Some(Verdict::IllPosed { growth: Some(growth), .. }) = point.verdict() else {
         panic!("{:?}", point.verdict());
     };
     assert_eq!(growth.order.value(), 1.0);
-    // Factor 1 is double shearing itself, which says the same by its own equations and by its closed form.
+    // With factor 1 the model is double shearing, which gives the same verdict by its equations and by its closed
+    // form.
     let same = FLOW.replace("rotation_factor = 1.5", "rotation_factor = 1");
     let double =
         same.replace("slow-rotation", "double-shearing").replace("rotation_factor = 1", "");
@@ -358,7 +359,7 @@ direction_deg = 45
 fn a_solid_gets_verdict_waves_map_run_and_check() {
     let point = wellposed::point(&case(SOLID), &unwatched).expect("a state");
     assert_eq!(point.verdict(), Some(&Verdict::WellPosed));
-    // Christoffel's equation along 45°: ρc² are the eigenvalues of ½[c11 + c66, c12 + c66; c12 + c66, c22 + c66].
+    // Christoffel equation along 45°: ρc² are the eigenvalues of ½[c11 + c66, c12 + c66; c12 + c66, c22 + c66].
     let found = wellposed::dispersion(&case(SOLID), &unwatched).expect("waves");
     let mut speeds: Vec<f64> =
         found.families.iter().flat_map(|own| own.characteristic_speeds.clone()).collect();
@@ -378,7 +379,7 @@ y = { parameter = 'model.density', from = 1000, to = 2000, points = 2 }";
     assert_eq!(checked.agrees, Some(true), "{checked:?}");
 }
 
-/// A shear load on the upper side of a block that yields in shear.
+/// Verifies verdict, run and check for a shear load on the upper boundary of a block that yields in shear.
 #[test]
 fn a_yield_set_gets_verdict_run_and_check() {
     let text = "
@@ -430,7 +431,7 @@ fn names_are_listed_everywhere_and_taken_once() {
     register();
     let kinds: Vec<&str> = Kind::all().into_iter().map(Kind::name).collect();
     assert!(kinds.contains(&"slow-rotation") && kinds.contains(&"orthotropic"));
-    // A template is a case, and every registered medium has one.
+    // Every registered medium has a template, which is a valid case.
     for medium in Medium::all() {
         let text = wellposed::cli::new::text(medium);
         Case::parse(&text, "new.toml", &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -444,8 +445,7 @@ fn names_are_listed_everywhere_and_taken_once() {
     }
 }
 
-/// Sets of this project project stresses in the norm of their own elastic laws: another law stays elastic by them, and
-/// must be refused.
+/// Verifies that a solid is refused for yield sets that project in the norm of another elastic law.
 #[test]
 fn a_solid_that_a_set_cannot_project_is_refused_with_both_names() {
     register();
@@ -465,7 +465,7 @@ shear_dilatancy = 0.5
     let error = error.to_string();
     assert!(error.contains("orthotropic") && error.contains("interlayer"), "{error}");
     assert!(error.contains("shear-limit"), "the set that it can have is named: {error}");
-    // Whatever solid admits a set, the projection brings a stress far outside onto it.
+    // For every solid that a set accepts, the projection returns a stress far outside to the set.
     for medium in Medium::all() {
         let (Kind::Solid(solid), Some(kind)) = (medium.kind, medium.yields) else { continue };
         let examples: Vec<f64> =
@@ -480,8 +480,8 @@ shear_dilatancy = 0.5
     }
 }
 
-/// A user's solid that calls itself by another theory, or has examples out of range, and a user's set that names
-/// conditions and has none.
+/// Verifies that inconsistent entries are refused: a solid of another theory than stated or with examples out of
+/// range, and a yield set that names active conditions and has none.
 #[test]
 fn entries_that_contradict_themselves_are_refused() {
     static CURVED: YieldSetModel = YieldSetModel {

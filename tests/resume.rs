@@ -1,4 +1,4 @@
-//! Runs that are killed, interrupted or damaged, from outside.
+//! Tests of killed, interrupted and damaged runs through the program.
 
 mod program;
 
@@ -9,17 +9,17 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// An empty folder with the case.
+/// Creates an empty folder with the case.
 fn folder(name: &str) -> PathBuf {
     program::folder("resume", name, SOLID)
 }
 
-/// All results of a run: everything but the log.
+/// Contents of all result files of a run.
 fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     program::results(&folder.join("out"))
 }
 
-/// Killed at twenty instants, each resumed until it is finished: the same files.
+/// Verifies that runs killed at twenty times and resumed until finished give the same files.
 #[test]
 fn killed_runs_resume_to_the_same_files() {
     let whole = folder("whole");
@@ -32,16 +32,16 @@ fn killed_runs_resume_to_the_same_files() {
         let here = folder(&format!("killed{index}"));
         let mut child = command(&here, RUN).spawn().unwrap();
         std::thread::sleep(duration.mul_f64((f64::from(index) + 0.5) / 21.0));
-        // As kill −9 does; a run that was faster is finished, which is right as well.
+        // SIGKILL; a run that finished earlier is valid, too.
         let _ = child.kill();
         child.wait().unwrap();
         if here.join("out/run.json").exists() {
-            // It may have ended just when the checkpoint was to go.
+            // A run killed during its last action may still have a checkpoint.
             let _ = fs::remove_file(here.join("out/checkpoint"));
         } else if !here.join("out/program.json").exists() {
             assert!(ends(&here, &format!("{RUN} --force")).status.success());
         } else {
-            // With other threads, and broken off once more.
+            // Resumed with another number of threads, and killed once more.
             let mut child =
                 command(&here, "resume out --threads 2 --checkpoint-every 0").spawn().unwrap();
             std::thread::sleep(duration.mul_f64(0.1));
@@ -63,7 +63,7 @@ fn killed_runs_resume_to_the_same_files() {
     }
 }
 
-/// Half a run: interrupted as by Ctrl-C, with a checkpoint and its own exit code.
+/// Folder of a run interrupted as by Ctrl-C, with a checkpoint and its own exit code.
 #[cfg(unix)]
 fn interrupted(name: &str) -> PathBuf {
     let here = folder(name);
@@ -92,7 +92,7 @@ fn interrupted_runs_leave_a_checkpoint() {
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("the run is finished"));
     assert_eq!(ends(&here, "run case.toml --out out").status.code(), Some(2));
-    // Without one of the snapshots there is no animation of them.
+    // Without one of the snapshots there is no animation.
     let snapshot = here.join("out/snapshot-00000000.vti");
     let image = fs::read(&snapshot).unwrap();
     fs::remove_file(&snapshot).unwrap();
@@ -101,7 +101,7 @@ fn interrupted_runs_leave_a_checkpoint() {
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(text.contains("snapshot-00000000.vti: is missing; run the case again"), "{text}");
     fs::write(&snapshot, image).unwrap();
-    // What is drawn may change, what was computed not.
+    // Plot options may change, computed results may not.
     let case = here.join("out/case.toml");
     let resolved = fs::read_to_string(&case).unwrap();
     let before = fs::read(here.join("out/run.svg")).unwrap();
@@ -116,7 +116,7 @@ fn interrupted_runs_leave_a_checkpoint() {
     assert!(text.contains("case.toml: not what the run began with"), "{text}");
 }
 
-/// A case that changed since the run began is noticed without a checkpoint, too.
+/// Verifies that a case changed after the start of the run is detected, also without a checkpoint.
 #[cfg(unix)]
 #[test]
 fn a_changed_case_is_not_resumed() {
@@ -131,12 +131,12 @@ fn a_changed_case_is_not_resumed() {
         let output = ends(&here, arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments}");
     }
-    // The same in other words.
+    // The same case in another notation.
     fs::write(&case, format!("# as it was\n{}", resolved.replace("1900.0", "1.9e3"))).unwrap();
     assert!(ends(&here, "resume out").status.success());
 }
 
-/// The first Ctrl-C is answered; the second ends the run at once, and it can go on.
+/// Verifies that the first Ctrl-C ends the run after the step, and the second at once; the run can be resumed.
 #[cfg(unix)]
 #[test]
 fn a_second_interruption_ends_at_once() {
@@ -152,7 +152,7 @@ fn a_second_interruption_ends_at_once() {
         }
         let id = child.id().to_string();
         for _ in 0..2 {
-            // It may have ended after the first one.
+            // The process may have ended after the first signal.
             let kill = Command::new("kill").args(["-INT", &id]).stderr(Stdio::null()).status();
             kill.unwrap();
             std::thread::sleep(Duration::from_millis(pause));
@@ -167,7 +167,7 @@ fn a_second_interruption_ends_at_once() {
     }
 }
 
-/// While a run writes to a folder no other one does; SIGTERM ends it as Ctrl-C does.
+/// Verifies that only one run at a time writes to a folder, and that SIGTERM ends it like Ctrl-C.
 #[cfg(unix)]
 #[test]
 fn a_folder_takes_one_run_at_a_time() {
@@ -190,7 +190,7 @@ fn a_folder_takes_one_run_at_a_time() {
     assert!(ends(&here, "resume out").status.success());
 }
 
-/// Damaged checkpoints, and folders that hold none, are refused.
+/// Verifies that damaged checkpoints and folders without a checkpoint are refused.
 #[cfg(unix)]
 #[test]
 fn damaged_checkpoints_are_refused() {
@@ -206,7 +206,7 @@ fn damaged_checkpoints_are_refused() {
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert!(text.contains("--force") && text.matches("checkpoint").count() == 1, "{text}");
     }
-    // What cannot be read is not damaged.
+    // An unreadable checkpoint is not reported as damaged.
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();
     let output = ends(&here, "resume out");
@@ -214,12 +214,12 @@ fn damaged_checkpoints_are_refused() {
     assert!(text.contains("let it be read") && !text.contains("--force"), "{text}");
     fs::remove_dir(&path).unwrap();
     fs::write(&path, &sound).unwrap();
-    // Tables that lost what the checkpoint knows.
+    // A table shorter than recorded in the checkpoint.
     let table = here.join("out/receivers.csv");
     let rows = fs::read(&table).unwrap();
     fs::write(&table, &rows[..20]).unwrap();
     assert_eq!(ends(&here, "resume out").status.code(), Some(2));
-    // Or have other numbers there.
+    // A table with other content than recorded in the checkpoint.
     let mut changed = rows.clone();
     let first_row = rows.iter().position(|byte| *byte == b'\n').unwrap() + 1;
     changed[first_row] = b'7';
@@ -229,7 +229,7 @@ fn damaged_checkpoints_are_refused() {
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("receivers.csv: has other content in its first"), "{text}");
     fs::write(&table, rows).unwrap();
-    // A snapshot that is gone.
+    // A missing snapshot.
     let snapshot = here.join("out/snapshot-00000000.vti");
     let image = fs::read(&snapshot).unwrap();
     fs::remove_file(&snapshot).unwrap();
@@ -249,15 +249,15 @@ fn damaged_checkpoints_are_refused() {
     }
 }
 
-/// A disk that is full, here a limit to the size of files: the run ends with a message, and the last
-/// checkpoint stays as it was.
+/// Verifies that a full disk, simulated by a limit on the file size, ends the run with a message and leaves the last
+/// checkpoint unchanged.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_the_last_checkpoint() {
     let here = interrupted("full");
     let path = here.join("out/checkpoint");
     let sound = fs::read(&path).unwrap();
-    // Blocks of a kilobyte; without the signal that a write beyond them sends.
+    // `ulimit -f` counts blocks of 1 KiB; the signal SIGXFSZ for larger files is ignored.
     let limit = sound.len() / 1024 / 2;
     let script = format!(
         "trap '' XFSZ; ulimit -f {limit}; exec '{PROGRAM}' resume out --checkpoint-every 0 --threads 1"

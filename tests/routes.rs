@@ -1,5 +1,5 @@
-//! The two routes to a verdict, by a formula of the model and from the linearised equations as data,
-//! say the same: verdict, order, coefficient and direction.
+//! Verifies that both routes to a verdict, by closed form and from the linearised equations, give the same verdict,
+//! order, coefficient and direction.
 
 mod states;
 
@@ -19,17 +19,17 @@ use testkit::flows::Parameters;
 use wellposed::cli::{self, Options};
 use wellposed::study::MapOptions;
 
-/// Relative difference of two coefficients that counts as none.
+/// Tolerance of the relative difference of two coefficients.
 const COEFFICIENT: f64 = 1e-9;
 
-/// Angle between two directions that counts as none, rad: the analysis locates the maximum of a
-/// smooth function, to the square root of rounding.
+/// Tolerance of the angle between two directions, rad: the maximum of a smooth function is located with the square
+/// root of the rounding error.
 const DIRECTION: f64 = 1e-7;
 
-/// A state with its model, judged by both routes.
+/// State of a model, assessed by both routes.
 struct Judged {
     closed_form: Option<ClosedForm>,
-    /// In what the formula, where it answers, differs from the linearised equations.
+    /// Quantity in which closed form and linearised equations differ; `None` if they agree or without a closed form.
     difference: Option<String>,
 }
 
@@ -54,7 +54,7 @@ impl Judged {
         Self { closed_form, difference }
     }
 
-    /// Closed-form verdict, in a word.
+    /// Name of the closed-form verdict.
     fn name(&self) -> &'static str {
         match self.closed_form {
             None => "declined",
@@ -67,8 +67,8 @@ impl Judged {
     }
 }
 
-/// In what two verdicts differ, if in anything. `mirrored` gives for a direction the other one that
-/// is equally bad: either will do.
+/// Quantity in which two verdicts differ; `None` if they agree. `mirrored` returns the other direction with equal
+/// growth, which is also accepted.
 fn difference(
     closed_form: &Verdict,
     assessed: &Verdict,
@@ -97,10 +97,10 @@ fn difference(
     (is_far(*direction) && is_far(mirrored(*direction))).then_some("direction")
 }
 
-/// The other direction in which waves grow as in `direction`, or the same one.
+/// The other direction in which waves grow as in `direction`, or `direction` itself if there is none.
 ///
-/// The plastic potential is symmetric about the principal axes of stress. In dilatant Harris–Grekova
-/// the highest coefficient a − b cos β + d sin β vanishes for two β with the mean −atan2(d, b).
+/// The plastic potential is symmetric about the principal axes of stress. In dilatant Harris–Grekova the leading
+/// coefficient a − b cos β + d sin β vanishes at two angles β, whose mean is −atan2(d, b).
 fn equally_bad(kind: FlowKind, parameters: &Parameters, state: &State, direction: f64) -> f64 {
     let psi = state.stress_angle;
     match kind {
@@ -117,7 +117,7 @@ fn equally_bad(kind: FlowKind, parameters: &Parameters, state: &State, direction
     }
 }
 
-/// Judges states in parallel; panics with the first few that differ, counts what the formula says.
+/// Assesses states in parallel; panics with the first few that differ, and counts the closed-form verdicts by model.
 fn agree(
     states: impl IndexedParallelIterator<Item = (FlowKind, Parameters, State)>,
 ) -> BTreeMap<(&'static str, &'static str), usize> {
@@ -141,8 +141,8 @@ fn agree(
     counts
 }
 
-/// Every model, ν = 0 and ν > 0, with and without gradients and accelerations, ordinary materials
-/// and all angles up to their limits with quantities over many decades.
+/// Verifies both routes for random states of every model, with ν = 0 and ν > 0, with and without gradients and
+/// accelerations, for ordinary materials and for the full ranges of angles and quantities over many decades.
 #[test]
 fn both_routes_agree_on_random_states() {
     const STATES: u64 = 100_000;
@@ -168,8 +168,8 @@ fn both_routes_agree_on_random_states() {
     }
 }
 
-/// Distances from a boundary, rad, and whether the formula answers there: beside the boundary it must
-/// leave the state to the linearised equations, far from it it must not leave all of them.
+/// Distances from a boundary, rad, and whether a closed form must exist: close to the boundary it must not, far from
+/// it it must exist for some states.
 const DISTANCES: [(f64, Option<bool>); 9] = [
     (0.0, Some(false)),
     (1e-15, Some(false)),
@@ -182,7 +182,8 @@ const DISTANCES: [(f64, Option<bool>); 9] = [
     (2e-2, Some(true)),
 ];
 
-/// States on both sides of a boundary: `shifted` puts a random state at a signed distance from it.
+/// Verifies both routes for states on both sides of a boundary; `shifted` moves a random state to a signed distance
+/// (rad) from it.
 fn agree_beside(
     kind: FlowKind,
     dilatant: bool,
@@ -208,7 +209,7 @@ fn agree_beside(
     }
 }
 
-/// |Δ| = 45° of Harris–Grekova, ν = 0: the sign of cos 2Δ decides.
+/// Boundary |Δ| = 45° of Harris–Grekova with ν = 0, where cos 2Δ changes sign.
 #[test]
 fn both_routes_agree_beside_the_bound_on_noncoaxiality() {
     for gradients in [false, true] {
@@ -220,7 +221,7 @@ fn both_routes_agree_beside_the_bound_on_noncoaxiality() {
     }
 }
 
-/// The bounds on |Δ| of dilatant Harris–Grekova in a uniform state, and 90° less them.
+/// Bounds on |Δ| of dilatant Harris–Grekova in a uniform state, and 90° minus these bounds.
 #[test]
 fn both_routes_agree_beside_the_bounds_with_dilatancy() {
     for (sign, complement) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
@@ -234,8 +235,8 @@ fn both_routes_agree_beside_the_bounds_with_dilatancy() {
     }
 }
 
-/// |Δ| = 45° ± ν/2, where one of the two zeros of the highest coefficient lies at 𝒜 = 0 and the root
-/// does not pass through infinity: the other zero remains.
+/// Boundary |Δ| = 45° ± ν/2, where one of the two zeros of the leading coefficient coincides with 𝒜 = 0 and the root
+/// does not pass through infinity; the other zero remains.
 #[test]
 fn both_routes_agree_where_zeros_of_the_highest_coefficient_and_of_growth_coincide() {
     for distance in [0.0, 1e-12, -1e-9, 1e-9, -1e-6, 1e-3] {
@@ -255,7 +256,7 @@ fn both_routes_agree_where_zeros_of_the_highest_coefficient_and_of_growth_coinci
     }
 }
 
-/// The associated plastic potential, ν = φ.
+/// Boundary ν = φ of the plastic potential: associated flow rule.
 #[test]
 fn both_routes_agree_beside_the_associated_flow_rule() {
     for gradients in [false, true] {
@@ -265,7 +266,7 @@ fn both_routes_agree_beside_the_associated_flow_rule() {
     }
 }
 
-/// The limits of the angles: φ → 0 and 90°, ν → 0 and φ.
+/// Limits of the angles: φ → 0 and 90°, ν → 0 and φ.
 #[test]
 fn both_routes_agree_beside_the_limits_of_the_parameters() {
     for (index, kind) in registry::STANDARD_FLOWS.into_iter().enumerate() {
@@ -298,7 +299,7 @@ fn both_routes_agree_beside_the_limits_of_the_parameters() {
     }
 }
 
-/// Two maps of a case, one with formulas and one without, are the same point by point.
+/// Verifies that maps of a case with and without closed forms are equal at every point.
 #[test]
 fn maps_by_both_routes_are_the_same() {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/granular-flow");
@@ -366,8 +367,8 @@ fn maps_by_both_routes_are_the_same() {
     }
 }
 
-/// Growth rates need the dispersion polynomial: with them no verdict comes by a formula. They are
-/// asked for, or implied by a sweep of the wave.
+/// Verifies that growth rates, which need the dispersion polynomial and exclude closed forms, are computed if
+/// requested or implied by a sweep of the wave vector.
 #[test]
 fn growth_rates_come_where_they_are_asked_for() {
     let folder = tempfile::tempdir().expect("a scratch folder");

@@ -1,4 +1,4 @@
-//! Runs in time without files: the same values as those that the program writes, and how they end early.
+//! Tests of time-domain simulations without files: same values as in the files of the program, and early ends.
 
 use files::npz::{Values, read};
 use std::fs;
@@ -13,7 +13,7 @@ use wellposed::report;
 use wellposed::study::simulate::{Fields, RunResult, Settings, Table};
 use wellposed::study::unwatched;
 
-/// A plane of two media that yield, struck on one side.
+/// Plane of two yielding media, loaded on one boundary.
 const SOLID: &str = "
 title = 'Two media'
 [model]
@@ -52,7 +52,7 @@ snapshot_interval = 0.013
 integrals = ['u2']
 ";
 
-/// A flow with a receiver and snapshots.
+/// Flow with a receiver and snapshots.
 fn flow() -> Case {
     let sets = [
         "grid.cells=[64, 64]",
@@ -71,7 +71,7 @@ fn simulated(case: &Case) -> RunResult {
     wellposed::simulate(case, Settings::default(), &unwatched).expect("a sound case")
 }
 
-/// Files that the program writes for a case.
+/// Runs the program, which writes the files of a case to `out`.
 fn written(case: &Case, out: &Path) {
     let file = out.with_extension("toml");
     fs::write(&file, case.to_toml()).expect("a scratch file");
@@ -136,7 +136,7 @@ fn values_are_those_of_the_files() {
             assert_eq!(report::run::image(&case, snapshot).expect("an image").bytes(), image);
         }
         assert_eq!(found.records.snapshots.last(), Some(&found.fields));
-        // The last row is the state at the end.
+        // The last row of the ledger is the final state.
         for column in &found.records.ledger.columns[1..] {
             assert_eq!(found.ledger.get(&column.name), column.values.last().copied());
         }
@@ -201,7 +201,7 @@ fn ill_posed_flows_run_where_they_are_accepted() {
     assert!(found.time > 0.0);
 }
 
-/// A case without a grid is not run in time.
+/// Verifies that a case without a grid is refused.
 #[test]
 fn cases_of_states_are_refused() {
     let case = wellposed::load("cases/cosserat/forbidden-band.toml", wellposed::NO_SETTINGS)

@@ -1,4 +1,4 @@
-//! Solids through the program: case files to verdicts, speeds and waves, against closed forms.
+//! Tests of solids through the program, from case files to verdicts, speeds and waves, against closed forms.
 
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -69,11 +69,11 @@ fn set(key: &str, value: f64) -> String {
     format!("{key}={value:?}")
 }
 
-/// Trace and determinant of the acoustic tensor while the layer normal to x₁ slips (λ = μ = ρ = 1,
-/// α = 0.3), by hand.
+/// Trace and determinant of the acoustic tensor while the layer normal to x₁ slips (λ = μ = ρ = 1, α = 0.3), derived
+/// by hand.
 fn invariants(friction: f64, dilatancy: f64, angle: f64) -> [f64; 2] {
     let (lambda, alpha) = (1.0, 0.3);
-    // D applied to (κ, 0, 1, 0) over (σ11, σ22, σ21, σ12).
+    // Elastic tensor D applied to (κ, 0, 1, 0) over (σ11, σ22, σ21, σ12).
     let image = |k: f64| [(lambda + 2.0) * k, lambda * k, 1.0 + alpha, 1.0 - alpha];
     let (flow, normal) = (image(dilatancy), image(friction));
     let response = friction * flow[0] + flow[2];
@@ -88,12 +88,12 @@ fn invariants(friction: f64, dilatancy: f64, angle: f64) -> [f64; 2] {
     [entry(0, 0) + entry(1, 1), entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0)]
 }
 
-/// Greatest |Im c| over all directions.
+/// Maximum of |Im c| over all directions.
 fn flutter(friction: f64, dilatancy: f64) -> f64 {
     let rate = |angle: f64| {
         let [trace, determinant] = invariants(friction, dilatancy, angle);
         let square = determinant - 0.25 * trace * trace;
-        // c² = t/2 ± i√square: 2 (Im c)² = |c²| − Re c².
+        // c² = t/2 ± i√square, hence 2 (Im c)² = |c²| − Re c².
         if square > 0.0 { (0.5 * (determinant.sqrt() - 0.5 * trace)).sqrt() } else { 0.0 }
     };
     (0..200_000).map(|i| rate(PI * f64::from(i) / 200_000.0)).fold(0.0, f64::max)
@@ -122,7 +122,7 @@ fn flutter_of_layers_is_that_of_the_discriminant() {
                 assert_eq!(report["verdict"], "well-posed", "{friction} {dilatancy}");
                 assert_eq!(report["hyperbolicity"], "hyperbolic");
             }
-            // Slip along the layer stands still throughout.
+            // The speed of slip along the layer is zero in all cases.
             assert!(number(&report["slowest"]["squared_speed"]).abs() < 1e-12);
             assert_eq!(number(&report["slowest"]["normal"]["direction_deg"]), 0.0);
         }
@@ -146,7 +146,7 @@ fn sectors_and_vanishing_speeds_of_layers() {
     }
     assert_eq!(report["vanishing"][0]["what"], "slip along the layer");
     assert_eq!(report["vanishing"].as_array().expect("a list").len(), 1);
-    // Every speed of the table solves the characteristic equation.
+    // Every speed in the table satisfies the characteristic equation.
     let table = std::fs::read_to_string(folder.path().join("out/speeds.csv")).expect("a table");
     let mut rows = 0;
     for line in table.lines().skip(1).filter(|line| line.contains("yielding")) {
@@ -161,10 +161,11 @@ fn sectors_and_vanishing_speeds_of_layers() {
     assert_eq!(rows, 2 * 721);
 }
 
-/// The critical plastic modulus of Rudnicki & Rice (1975, eq. 20) in the form with their N, μ, β for
-/// normals in the plane of the greatest and least principal stress, H in their units h.
+/// Critical plastic modulus of Rudnicki & Rice (1975, eq. 20), with their N, μ, β, for normals in the plane of the
+/// major and minor principal stress; H in units of their h.
 fn critical_modulus(ratio: f64, friction: f64, dilatancy: f64, lambda: f64) -> f64 {
-    // Their principal deviators over τ̄ with N = s₂/τ̄; their μ and β are derivatives by −σ_m, our κ, κ̂.
+    // Principal deviators divided by τ̄, N = s₂/τ̄; their μ and β are derivatives with respect to −σ_m, here κ and
+    // κ̂.
     let nu = lambda / (2.0 * (lambda + 1.0));
     let (mu, beta) = (friction, dilatancy);
     (1.0 + nu) / (9.0 * (1.0 - nu)) * (beta - mu).powi(2)
@@ -177,7 +178,7 @@ fn shear_bands_in_space_start_as_rudnicki_and_rice_say() {
     for (out_of_plane, friction, dilatancy) in
         [(0.3, 0.6, 0.1), (0.0, 0.6, 0.1), (-0.4, 0.5, 0.2), (0.1, 0.3, 0.3)]
     {
-        // Principal deviators of (1, −1, x): ±1 − x/3 and 2x/3.
+        // Principal deviators of diag(1, −1, x): ±1 − x/3 and 2x/3.
         let middle = 2.0 * out_of_plane / 3.0;
         let square = |x: f64| x * x;
         let shear = (0.5
@@ -185,7 +186,7 @@ fn shear_bands_in_space_start_as_rudnicki_and_rice_say() {
                 + square(1.0 + out_of_plane / 3.0)
                 + square(middle)))
         .sqrt();
-        // f = τ̄ + κσ_m: Rudnicki & Rice count the mean stress with the factor ⅓ as well.
+        // f = τ̄ + κσ_m: Rudnicki & Rice also define the mean stress with the factor ⅓.
         let critical = critical_modulus(middle / shear, friction, dilatancy, 1.5);
         for (offset, is_banded) in [(-1e-6, true), (1e-6, false)] {
             let sets = [
@@ -199,7 +200,7 @@ fn shear_bands_in_space_start_as_rudnicki_and_rice_say() {
             assert_eq!(squared < 0.0, is_banded, "{out_of_plane}: {critical} {squared:e}");
             let verdict = if is_banded { "ill-posed" } else { "well-posed" };
             assert_eq!(report["verdict"], verdict, "{out_of_plane} {friction} {dilatancy}");
-            // The normal lies in the plane of the extreme principal stresses.
+            // The normal is in the plane of the major and minor principal stresses.
             assert!(number(&report["slowest"]["normal"]["elevation_deg"]).abs() < 1e-2);
         }
     }
@@ -223,7 +224,7 @@ fn the_stress_is_scaled_onto_yield() {
     let angle = 0.5 * (s(0, 1) + s(1, 0)).atan2(s(0, 0) - s(1, 1)).to_degrees();
     assert!((angle - 25.0).abs() < 1e-12);
 
-    // Layers: σ21 = r + q sin 2ψ meets τ₀ − κσ11 first.
+    // Layers: σ21 = r + q sin 2ψ reaches τ₀ − κσ11 first.
     let layers = LAYERS.replace("active = ['+sigma21']\n", "")
         + "[stress]\npressure = 2\ndeviatoric_stress = 0.4\nstress_angle_deg = 10\nrotational_stress = 1\n";
     let report = run(folder.path(), cli::point, &layers, &[]).expect("a sound case");
@@ -232,7 +233,7 @@ fn the_stress_is_scaled_onto_yield() {
     let s = |i: usize, j: usize| number(&report["stress"]["force"][i][j]);
     assert!((s(1, 0) - (1.0 - 0.6 * s(0, 0))).abs() < 1e-14);
     assert!(s(0, 1).abs() < 1.0 - 0.6 * s(1, 1));
-    // The tangent depends on what is active alone.
+    // The tangent depends on the active conditions only.
     let named = run(folder.path(), cli::point, LAYERS, &[]).expect("a sound case");
     assert_eq!(named["coefficient"], report["coefficient"]);
 }
@@ -253,10 +254,10 @@ fn a_solid_that_keeps_its_energy_is_well_posed() {
         {
             assert!(energy(key) < rounding, "{key} {}", energy(key));
         }
-        // While yielding some zero roots are close to defective.
+        // During yielding some zero roots are almost defective.
         assert!(energy("growth") < 1e-7, "{}", energy("growth"));
     }
-    // Softening along the normal is associated and yet keeps no energy.
+    // Softening along the normal is associated but does not conserve energy.
     let sets = [set("yield.dilatancy", 0.6), set("yield.hardening", -0.8)];
     let report = run(folder.path(), cli::point, CONE, &sets).expect("a sound case");
     assert_eq!(report["verdict"], "ill-posed");
@@ -318,7 +319,7 @@ fn a_map_says_what_its_points_say() {
 #[test]
 fn threads_change_no_bit_of_a_map_in_space() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    // A modulus along x: the directions of every elastic solid are made anew, column by column.
+    // A modulus varies along x, so that the directions of each elastic solid are recomputed for every column.
     let case = CONE.to_owned()
         + "[map]\nx = { parameter = 'model.lambda', from = 1, to = 2, points = 3 }\n\
            y = { parameter = 'yield.hardening', from = -0.3, to = 0.3, points = 30 }\n";
@@ -420,7 +421,7 @@ fn flow_of_the_background_damps_but_changes_no_speed() {
     assert_eq!(still["squared_speeds"], flowing["squared_speeds"]);
     assert!(damped.iter().all(|root| root[0] < 1e-9), "{damped:?}");
     assert!(damped.iter().any(|root| root[0] < -0.1), "{damped:?}");
-    // Short waves keep their frequencies: damping is of lower order.
+    // The frequencies of short waves do not change: damping is of lower order.
     for root in &free {
         let near = damped.iter().map(|d| (d[1] - root[1]).abs()).fold(f64::INFINITY, f64::min);
         assert!(near < 1e-4 * root[1].abs().max(1.0), "{root:?} {damped:?}");
@@ -451,8 +452,8 @@ fn waves_of_a_softening_solid_grow_in_dispersion_too() {
     assert!((greatest / (3.0 * (-squared).sqrt()) - 1.0).abs() < 1e-6, "{greatest} {squared}");
 }
 
-/// Three conditions at once: what the polynomial leaves open along a layer is decided by imaginary
-/// speeds elsewhere.
+/// Verifies with three active conditions that imaginary speeds in other directions decide the verdict where the
+/// polynomial is indeterminate along a layer.
 #[test]
 fn open_directions_do_not_hide_growth() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -483,7 +484,7 @@ number = 1e6
     let report = run(folder.path(), cli::point, case, &[]).expect("a sound case");
     assert_eq!(report["verdict"], "ill-posed");
     assert_eq!(number(&report["order"]), 1.0);
-    // The greatest root over directions at a great wave number.
+    // Largest root over directions at a large wave number.
     let coefficient = number(&report["coefficient"]);
     let along = [set("wave.direction_deg", number(&report["direction_deg"]))];
     let report = run(folder.path(), cli::point, case, &along).expect("a sound case");
@@ -494,7 +495,7 @@ number = 1e6
 #[test]
 fn a_speed_that_always_vanishes_is_said_once() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    // In a classical solid σ12 and σ21 are one: both conditions leave no shear wave.
+    // In a classical solid σ12 = σ21: with both conditions active there is no shear wave.
     let case = LAYERS
         .replace("reduced-cosserat", "classical")
         .replace("alpha = 0.3\n", "")

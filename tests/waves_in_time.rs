@@ -1,5 +1,5 @@
-//! The bundled cases of waves in time, and shorter ones like them, against dispersion relations and an exact
-//! response that share nothing with the solver.
+//! Verifies the bundled time-domain wave cases, and shorter variants, against dispersion relations and an exact
+//! response that are independent of the solver.
 
 use files::npz::{Values, read};
 use num_complex::Complex64;
@@ -13,7 +13,7 @@ use wellposed::cli::{Format, Options};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
-/// Results of a run, in a folder that goes with them.
+/// Results of a run, with their temporary folder.
 struct Results {
     folder: tempfile::TempDir,
     columns: Vec<(String, Vec<f64>)>,
@@ -24,7 +24,7 @@ impl Results {
         &self.columns.iter().find(|column| column.0 == name).expect("a column").1
     }
 
-    /// The final values of a field.
+    /// Final values of a field.
     fn field(&self, name: &str) -> Vec<f64> {
         let bytes = fs::read(self.folder.path().join("out/fields.npz")).expect("fields");
         let arrays = read(&bytes).expect("arrays");
@@ -69,8 +69,8 @@ fn carried_out(file: PathBuf, sets: &[String]) -> Results {
     Results { folder, columns }
 }
 
-/// Polarisation and frequency of all branches at the wave of a case, the greatest frequency first, as
-/// `wellposed dispersion` has them.
+/// Polarisation and frequency (rad/s) of all branches at the wave vector of a case, by descending frequency, from
+/// `wellposed dispersion`.
 fn branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let options = Options { format: Format::Json, ..options(file, folder.path(), sets) };
@@ -91,13 +91,13 @@ fn branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
     branches
 }
 
-/// Weight of a sample by its position in the span, in (0, 1).
+/// Weight of a sample as a function of its relative position in the interval, in (0, 1).
 type Window = fn(f64) -> f64;
 const FLAT: Window = |_| 1.0;
-/// Hann's.
+/// Hann window.
 const ROUND: Window = |part| (PI * part).sin().powi(2);
 
-/// A of Re A exp(−iωt) by least squares.
+/// Complex amplitude A of Re A exp(−iωt), ω = `frequency`, by weighted least squares.
 fn harmonic(time: &[f64], values: &[f64], frequency: f64, window: Window) -> Complex64 {
     let count = time.len() as f64;
     let (mut cc, mut cs, mut ss, mut c, mut s) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -114,12 +114,12 @@ fn harmonic(time: &[f64], values: &[f64], frequency: f64, window: Window) -> Com
     Complex64::new((ss * c - cs * s) / determinant, (cc * s - cs * c) / determinant)
 }
 
-/// The samples in a span of time.
+/// Indices of the samples in a time interval.
 fn span(time: &[f64], from: f64, to: f64) -> Range<usize> {
     time.partition_point(|t| *t < from)..time.partition_point(|t| *t < to)
 }
 
-/// Slope and value at 0 of the straight line through points.
+/// Slope and intercept of the least-squares line.
 fn line(x: &[f64], y: &[f64]) -> [f64; 2] {
     let count = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
@@ -128,8 +128,7 @@ fn line(x: &[f64], y: &[f64]) -> [f64; 2] {
     [slope, my - slope * mx]
 }
 
-/// The bundled wave: the duration is the period, and after it velocities and spin are what the equations of
-/// motion say they were.
+/// Verifies the bundled wave after one period (the duration): velocities and spin against the equations of motion.
 #[test]
 fn an_oblique_wave_comes_back() {
     let (mu, alpha, density): (f64, f64, f64) = (8.1e9, 1.005e9, 2700.0);
@@ -142,7 +141,7 @@ fn an_oblique_wave_comes_back() {
     let results = carried_out(file, &[]);
     let duration = results.report()["time"].as_f64().expect("a number");
     assert!((duration * frequency / (2.0 * PI) - 1.0).abs() < 1e-12, "{}", 2.0 * PI / frequency);
-    // v = A(4, −3)/5 cos(k·x), and ω₃ = A((μ + α)k² − ρω²)/(2αk) sin(k·x).
+    // Exact v = A(4, −3)/5 cos(k·x) and ω₃ = A((μ + α)k² − ρω²)/(2αk) sin(k·x).
     let k = 2.0 * PI / 12.0;
     let spin = ((mu + alpha) * k * k - density * frequency * frequency) / (2.0 * alpha * k);
     let [x1, x2] = ["x1", "x2"].map(|name| results.field(name));
@@ -160,7 +159,7 @@ fn an_oblique_wave_comes_back() {
     }
 }
 
-/// The amplitude of a vector that oscillates, and the sum of squares of what else there is of it.
+/// Amplitude of an oscillating vector, and the sum of squares of the residuals.
 fn fitted(time: &[f64], signals: &[&[f64]], frequency: f64) -> (f64, f64) {
     let (mut power, mut left) = (0.0, 0.0);
     for signal in signals {
@@ -172,8 +171,8 @@ fn fitted(time: &[f64], signals: &[&[f64]], frequency: f64) -> (f64, f64) {
     (power.sqrt(), left)
 }
 
-/// All waves of a space along (1, 2, 2)/3, but for torsion, which has no velocity: what a receiver sees in one
-/// and a half periods has the frequency that the analysis finds, and the amplitude of the beginning.
+/// Verifies all waves along (1, 2, 2)/3 in three dimensions, except torsion, which has no velocity: the receiver
+/// record of one and a half periods has the predicted frequency and the initial amplitude.
 #[test]
 fn oblique_waves_in_space_have_their_frequencies() {
     let case = "
@@ -226,7 +225,7 @@ fn oblique_waves_in_space_have_their_frequencies() {
         let results = carried_out(file.clone(), &sets);
         let time = results.column("time");
         let signals = ["r1.v1", "r1.v2", "r1.v3"].map(|name| results.column(name));
-        // Golden section: the frequency that leaves least.
+        // Golden-section search for the frequency with the smallest residual.
         let left = |ratio: f64| fitted(time, &signals, ratio * frequency).1;
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let (mut a, mut b) = (0.9, 1.1);
@@ -242,7 +241,7 @@ fn oblique_waves_in_space_have_their_frequencies() {
     }
 }
 
-/// k² of shear waves of the reduced solid of the bundled case, 1/m².
+/// Squared wave number k² of shear waves in the reduced Cosserat solid of the bundled case, 1/m².
 fn squared_wave_number(frequency: f64) -> f64 {
     let (mu, alpha, density, inertia): (f64, f64, f64, f64) = (8.1e9, 1.005e9, 2700.0, 2700.0);
     let square = frequency * frequency;
@@ -250,7 +249,7 @@ fn squared_wave_number(frequency: f64) -> f64 {
         / (4.0 * alpha * mu - (mu + alpha) * inertia * square)
 }
 
-/// Depths, and the amplitudes of v₁ at them under a load of one frequency (rad/s), over a span of time.
+/// Depths (m) and complex amplitudes of v₁ at these depths under a harmonic load (rad/s), from a time interval (s).
 fn amplitudes(results: &Results, frequency: f64, [from, to]: [f64; 2]) -> Vec<(f64, Complex64)> {
     let time = results.column("time");
     let span = span(time, from, to);
@@ -267,13 +266,14 @@ fn amplitudes(results: &Results, frequency: f64, [from, to]: [f64; 2]) -> Vec<(f
         .collect()
 }
 
-/// The bundled column: nothing but exp(−κd) is left, with κ and the amplitude of the equations of motion.
+/// Verifies evanescent motion exp(−κd) in the bundled column against κ and the amplitude from the equations of
+/// motion.
 #[test]
 fn motion_in_the_forbidden_band_stays_at_the_surface() {
     let results = carried_out(bundled("driven-column.toml"), &[]);
     let frequency = 2.0 * PI * 188.5;
     let number = (-squared_wave_number(frequency)).sqrt();
-    // Waves at the ends of the band beat with the load in 0.18 s: the window tells them apart.
+    // Waves at the band edges beat with the load at a period of 0.18 s; the window separates them.
     let seen = amplitudes(&results, frequency, [0.1, 0.7]);
     let depths: Vec<f64> = seen.iter().map(|own| own.0).collect();
     let logarithms: Vec<f64> = seen.iter().map(|own| own.1.norm().ln()).collect();
@@ -290,16 +290,16 @@ fn motion_in_the_forbidden_band_stays_at_the_surface() {
     );
     assert!((-slope / number - 1.0).abs() < 0.01, "{} for {number}", -slope);
     assert!((start.exp() / expected - 1.0).abs() < 0.02, "{:e} for {expected:e}", start.exp());
-    // All in phase: no energy goes down.
+    // Equal phases: no energy is transported downwards.
     let phases: Vec<f64> = seen.iter().map(|own| (own.1 / seen[0].1).arg().abs()).collect();
     assert!(phases.iter().all(|phase| *phase < 0.05), "{phases:?}");
 }
 
-/// Below the band and above it the same load sends waves down, as fast as ω/k, which do not decay.
+/// Verifies that below and above the band the same load generates waves with phase speed ω/k that do not decay.
 #[test]
 fn beside_the_forbidden_band_waves_travel() {
     for load in [160.0, 223.0] {
-        // No front comes back from the bottom: (2·290 − 5) m/(1836 m/s) = 0.31 s.
+        // Before reflections from the bottom arrive: (2·290 − 5) m/(1836 m/s) = 0.31 s.
         let sets = [
             format!("load[0].time.frequency={load:?}"),
             "time.duration=0.3".into(),
@@ -332,7 +332,7 @@ fn beside_the_forbidden_band_waves_travel() {
     }
 }
 
-/// Boundary condition at the surface of a half-space besides the couple.
+/// Boundary condition at the surface of a half-space, in addition to the couple.
 #[derive(Clone, Copy)]
 enum Surface {
     /// v₁ = 0.
@@ -341,12 +341,12 @@ enum Surface {
     Free,
 }
 
-/// The medium of the bundled half-space: ρ, j, μ, α, γ + η.
+/// Constants of the bundled half-space in SI units: ρ, j, μ, α, γ + η.
 const HALF_SPACE: [f64; 5] = [2000.0, 8.0, 2e8, 1e8, 7.2e5];
 
-/// The spin at a depth for a couple on the surface that goes like exp(st), Laplace transforms both.
+/// Laplace transform of the spin at a depth (m) due to a unit couple on the surface, for the variable s.
 ///
-/// u₁ = U e^(−qd), φ₃ = P e^(−qd) below the surface d = 0, where m₃₂ = 1:
+/// With u₁ = U e^(−qd), φ₃ = P e^(−qd) at depth d and m₃₂ = 1 at d = 0:
 ///
 /// ```text
 /// (ρs² − (μ + α)q²) U − 2αq P = 0,    (js² + 4α − (γ + η)q²) P + 2αq U = 0.
@@ -354,7 +354,7 @@ const HALF_SPACE: [f64; 5] = [2000.0, 8.0, 2e8, 1e8, 7.2e5];
 fn spin(s: Complex64, depth: f64, surface: Surface) -> Complex64 {
     let [density, inertia, mu, alpha, couple] = HALF_SPACE;
     let (sum, square) = (mu + alpha, s * s);
-    // A q⁴ + B q² + C = 0.
+    // Quadratic equation A q⁴ + B q² + C = 0 for q².
     let own = inertia * square + 4.0 * alpha;
     let a = sum * couple;
     let b = 4.0 * alpha * alpha - sum * own - density * couple * square;
@@ -372,14 +372,14 @@ fn spin(s: Complex64, depth: f64, surface: Surface) -> Complex64 {
         (q, held)
     });
     let [(q1, held1), (q2, held2)] = waves;
-    // The two together hold what is held.
+    // Ratio of the two solutions that satisfies the boundary condition.
     let ratio = -held1 / held2;
     let moment = couple * (q1 + q2 * ratio);
     s * ((-q1 * depth).exp() + ratio * (-q2 * depth).exp()) / moment
 }
 
-/// The spin under a couple sin(ωt) that begins at 0: Laplace's inverse as a Fourier series (Dubner & Abate
-/// 1968), good to 10⁻⁶ of the greatest.
+/// Spin due to a couple sin(ωt) that starts at t = 0, by numerical inversion of the Laplace transform with a Fourier
+/// series (Dubner & Abate 1968); error 10⁻⁶ of the maximum.
 fn exact(times: &[f64], frequency: f64, depth: f64, surface: Surface) -> Vec<f64> {
     const TERMS: usize = 20_000;
     let half = 2.0 * times.iter().copied().fold(0.0, f64::max);
@@ -393,20 +393,21 @@ fn exact(times: &[f64], frequency: f64, depth: f64, surface: Surface) -> Vec<f64
         .collect();
     let at = |t: &f64| {
         let turn = Complex64::cis(PI * t / half);
-        // Horner's scheme.
+        // Horner scheme.
         let sum = terms.iter().rev().fold(Complex64::default(), |sum, term| sum * turn + term);
         (shift * t).exp() / half * sum.re
     };
     times.iter().map(at).collect()
 }
 
-/// The bundled half-space, driven at its own frequency, half as fast again, and with a surface free to shear.
+/// Verifies the bundled half-space driven at its natural frequency, at 1.5 times this frequency, and with a
+/// shear-free surface.
 #[test]
 fn the_natural_rotation_resonates() {
     let own = (4.0 * HALF_SPACE[3] / HALF_SPACE[1]).sqrt();
     let period = 2.0 * PI / own;
     let seen = |ratio: f64, surface: Surface| {
-        // Cells twice as long as those of the case: four times as fast.
+        // Cells twice as large as in the case: computing time is a quarter.
         let mut sets = vec![
             "grid.cells=[1, 1750]".to_owned(),
             "grid.spacing=[0.8, 0.004]".to_owned(),
@@ -419,7 +420,8 @@ fn the_natural_rotation_resonates() {
         let time = results.column("time");
         assert!((time[time.len() - 1] / (40.0 * period) - 1.0).abs() < 1e-5);
         let values = results.column("surface.w3");
-        // Spans of two own periods, whole periods of both loads: own waves do not leak into the other.
+        // Intervals of two natural periods contain full periods of both loads, so that natural oscillations do not
+        // leak into the other frequency.
         let mut rows = Vec::new();
         for pair in 1..20 {
             let [from, to] = [2 * pair, 2 * pair + 2].map(|count| f64::from(count) * period);
@@ -449,7 +451,7 @@ fn the_natural_rotation_resonates() {
             assert!((found / expected - 1.0).abs() < 0.01, "{name}: {found:e} for {expected:e}");
         }
     }
-    // Over 34 periods, from the fourth on.
+    // Fit over 34 periods, starting with the fourth.
     let [found, expected] = [1, 2].map(|column| exponent(&slow[1..], column));
     println!("exponent {found} for {expected}");
     assert!((found - expected).abs() < 0.01, "{found} for {expected}");

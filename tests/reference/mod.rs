@@ -117,7 +117,7 @@ pub fn error(record: &[f64], exact: &[f64]) -> Error {
 /// Error of one velocity component at a receiver.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Receiver and component, as in `surface.v2`.
+    /// Name of receiver and component, e.g. `surface.v2`.
     pub name: String,
     /// Distance from the source, in wavelengths.
     pub distance: f64,

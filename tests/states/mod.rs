@@ -1,4 +1,4 @@
-//! Random fully deforming states of every model, for the tests and the benchmark of the two routes.
+//! Random fully deforming states of every model, for tests and benchmarks of both routes.
 
 use models::flow::state::{Background, Flow, State};
 use models::flow::{FlowKind, Model};
@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use testkit::flows::Parameters;
 pub use testkit::random::Random;
 
-/// The random numbers of the states.
+/// Random number generator of the states.
 pub fn seeded(seed: u64) -> Random {
     Random::with_salt(seed, 0x3c6e_f372)
 }
@@ -16,16 +16,16 @@ fn pair(random: &mut Random, size: f64) -> [f64; 2] {
     [0; 2].map(|_| size * random.signed(1e-3, 1e3))
 }
 
-/// Range of the numbers of a state.
+/// Range of the parameters of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
-    /// Sands, powders and pellets: φ of 5° to 60°.
+    /// Sands, powders and pellets: φ from 5° to 60°.
     Materials,
-    /// Every angle up to its limits, and quantities over many decades.
+    /// All angles up to their limits, and quantities over many decades.
     Wide,
 }
 
-/// Constants and state of a model, with or without gradients and accelerations.
+/// Random constants and state of a model, with or without gradients and accelerations.
 pub fn random(
     random: &mut Random,
     kind: FlowKind,
@@ -97,7 +97,7 @@ pub fn random(
     (parameters, state)
 }
 
-/// The model and its background.
+/// Model with the given parameters and its background flow.
 pub fn flow(kind: FlowKind, parameters: &Parameters, state: &State) -> (Model, Flow) {
     let model = parameters.model(kind).expect("constants within their ranges");
     match model.background(state).expect("an admissible state") {
