@@ -23,7 +23,7 @@ fn options(file: PathBuf, sets: &[&str], out: Option<PathBuf>) -> Options {
     Options { case: file, sets, format: Format::Json, out, ..Options::default() }
 }
 
-/// Output and exit code of the verb.
+/// Report printed by the verb, and its result.
 fn checked(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let mut printed = Vec::new();
@@ -39,25 +39,25 @@ fn checked(file: PathBuf, sets: &[&str]) -> (Value, Result<(), Error>) {
     (report, ended)
 }
 
-/// Relative error of a measured wave, as a fraction of the frequency.
+/// Norm of the relative error of a measured wave, relative to the predicted frequency.
 fn off(row: &BranchResult) -> f64 {
     row.difference().expect("a measurement").max_norm()
 }
 
-/// The waves of a case of one medium.
+/// Wave plan of a case with one medium.
 fn plan(case: &Case, extent: Extent) -> WavePlan {
     WavePlan::new(case, &case.material, extent)
 }
 
-/// A plan with other settings.
+/// Plan with changed solver settings.
 fn with(plan: &WavePlan, change: impl Fn(&mut SolverSettings)) -> WavePlan {
     let mut plan = plan.clone();
     change(&mut plan.settings);
     plan
 }
 
-/// All branches of every theory: 10⁻⁴ of the frequency in the limit of small cells, 1 % at 20 cells to a
-/// period, and errors that fall as the scheme's do.
+/// Verifies all branches of every theory: relative error 10⁻⁴ in the limit of zero cell size and 1 % with 20 cells
+/// per period, and the order of convergence of the scheme.
 #[test]
 fn elastic_waves_are_as_predicted() {
     let cases = [
@@ -86,9 +86,9 @@ fn elastic_waves_are_as_predicted() {
             assert!(off(&row) < 1e-4, "{of}: {:?}", row.difference());
             let measured = row.measured.as_ref().expect("a measurement");
             assert!(row.relative(measured.grids[0].measured).max_norm() < 1e-2, "{of}");
-            // Errors of sweeps go like h⁴, of splitting like h², of either sign: where they cancel on one of the grids the
-            // order is any. What only turns, torsion without
-            // couple stress along an axis, has none but rounding.
+            // Errors of sweeps are of order h⁴, errors of splitting of order h², with either sign: where they cancel
+            // on one of the grids the fitted order is arbitrary. Torsion without couple stress along an axis only
+            // rotates, and is exact up to rounding.
             let is_exact = row.branch.starts_with("torsion") && off(&row) < 1e-12;
             let order = row.order();
             assert!(order.map_or(is_exact, |own| own > 1.5), "{of}: {order:?}");
@@ -103,7 +103,7 @@ fn loading_and_unloading_waves_are_as_predicted() {
     {
         let case = Case::load(&bundled(name), &[]).expect("a case");
         let own = plan(&case, Extent::Short);
-        // In the limit the correction that is of first order leaves more.
+        // With return mapping, of first order, the error of the limit is larger.
         let two_cyclic = with(&own, |settings| settings.splitting = Splitting::TwoCyclic);
         let second =
             with(&two_cyclic, |settings| settings.plastic_step = PlasticStep::MidpointReflection);
@@ -120,7 +120,7 @@ fn loading_and_unloading_waves_are_as_predicted() {
             of(&two_cyclic, 1e-2);
         }
         let rows = of(&own, 1e-2);
-        // Speeds of a loading solid interlace with the elastic ones below them.
+        // Wave speeds during loading interlace with the elastic ones from below.
         let of = |name: &str| -> f64 {
             rows.iter().filter(|row| row.response.name() == name).map(|row| row.predicted).sum()
         };
@@ -128,11 +128,11 @@ fn loading_and_unloading_waves_are_as_predicted() {
     }
 }
 
-/// √((λ + μ)/ρ) of a loading pressure wave in plane strain, √((λ + 2μ)/ρ) of an unloading one.
+/// Verifies the speed √((λ + μ)/ρ) of a loading pressure wave in plane strain, and √((λ + 2μ)/ρ) of an unloading one.
 #[test]
 fn speeds_of_a_yielding_metal() {
     let case = Case::load(&bundled("check/yielding-plane.toml"), &[]).expect("a case");
-    // The correction whose limit of three grids is as near.
+    // Midpoint reflection, whose limit of three grids is as accurate.
     let plan = with(&plan(&case, Extent::Short), |settings| {
         (settings.plastic_step, settings.splitting) =
             (PlasticStep::MidpointReflection, Splitting::TwoCyclic);
@@ -153,7 +153,8 @@ fn speeds_of_a_yielding_metal() {
     }
 }
 
-/// A medium whose solver has other moduli than the analysis: every modulus, on every grid.
+/// Verifies that a solver with a different modulus than the analysis is detected, for every modulus and on every
+/// grid.
 #[test]
 fn a_wrong_modulus_is_caught() {
     let case = Case::load(&bundled("dynamics/plane-waves.toml"), &[]).expect("a case");
@@ -171,7 +172,7 @@ fn a_wrong_modulus_is_caught() {
     }
 }
 
-/// Friction that the solver has and the analysis has not.
+/// Verifies that friction in the solver but not in the analysis is detected.
 #[test]
 fn a_wrong_yield_set_is_caught() {
     let file = bundled("check/slipping-layers.toml");
@@ -205,7 +206,7 @@ fn the_report_has_the_forbidden_band() {
     assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
 }
 
-/// One outcome, alone and in a folder: exit code 0 and the reason, also in the files.
+/// Verifies cases without solver, alone and in a folder: exit code 0, and the reason in the output and in the files.
 #[test]
 fn what_has_no_solver_is_not_measurable() {
     let cases: [(&str, &[&str], &str); 5] = [
@@ -237,7 +238,7 @@ fn what_has_no_solver_is_not_measurable() {
     }
 }
 
-/// A wave that asks for more stages than a step has is followed in shorter steps.
+/// Verifies that a wave which exceeds the number of stages is measured with shorter steps.
 #[test]
 fn stiff_waves_are_measured() {
     let sets = ["check.numbers=[16000]", "check.directions_deg=[0]"];
@@ -247,7 +248,7 @@ fn stiff_waves_are_measured() {
     assert!(rows.iter().all(|row| row["agrees"] == true && row["not_measurable"].is_null()));
 }
 
-/// So is one that longer steps fail on.
+/// Verifies that a wave for which longer steps fail is measured with shorter steps.
 #[test]
 fn waves_of_flows_that_turn_fast_are_measured() {
     for vorticity in [20, -20] {
@@ -259,7 +260,7 @@ fn waves_of_flows_that_turn_fast_are_measured() {
     }
 }
 
-/// In such short waves rounding of the fastest decay is all that a solver has.
+/// Verifies the reason for a missing measurement: rounding errors of the fastest decay dominate such short waves.
 #[test]
 fn a_wave_without_measurement_says_why() {
     let sets = ["check.numbers=[1e9]", "check.directions_deg=[0]"];
@@ -275,7 +276,7 @@ fn a_wave_without_measurement_says_why() {
     }
 }
 
-/// Double shearing turns its stress axes: ψ̇ = −49 rad/s here, while Q_D = 1/s.
+/// Verifies waves in double shearing with rotating stress axes: ψ̇ = −49 rad/s, with Q_D = 1/s.
 #[test]
 fn waves_of_turning_stress_axes_are_as_predicted() {
     let sets = [
@@ -290,7 +291,7 @@ fn waves_of_turning_stress_axes_are_as_predicted() {
     assert!(rows.iter().all(|row| row["agrees"] == true));
 }
 
-/// Harris & Grekova's with a spin that changes: Δ changes with it.
+/// Verifies waves in the model of Harris & Grekova with a time-dependent spin, which changes Δ.
 #[test]
 fn waves_of_a_changing_spin_are_as_predicted() {
     let sets = [
@@ -330,7 +331,7 @@ fn wrong_sections_are_located() {
         ("check.cells=[20]", "two to 5"),
         ("check.cells=[4, 8]", "at least 8"),
         ("check.cell=[20, 30]", "cells"),
-        // More steps than anybody waits for: the natural rotation is far faster than such a wave.
+        // Too many steps: the natural rotation is much faster than such a wave.
         ("check.numbers=[2e-6]", "cell-updates"),
     ];
     for (set, words) in wrong {
@@ -357,7 +358,8 @@ fn wrong_grids_of_flows_are_located() {
     }
 }
 
-/// Cases in folders inside folders; those without a solver are listed and change nothing.
+/// Verifies that cases in nested folders are checked; those without solver are listed and do not affect the exit
+/// code.
 #[test]
 fn a_folder_is_walked() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -393,9 +395,9 @@ fn any_number_of_threads_gives_the_same_bits() {
     assert_eq!(bits[0], bits[1]);
 }
 
-/// Waves that the mean flow carries along, in the models of Harris & Grekova inside and outside the bound, of
-/// double shearing and of the plastic potential: 10⁻⁴ of the rate, or of the shear rate; against the frozen
-/// rate the difference stays of the order of the shear rate while the rate grows.
+/// Verifies waves advected by the mean flow in the models of Harris & Grekova (inside and outside the bound), of
+/// double shearing and of the plastic potential: error 10⁻⁴ relative to the rate or the shear rate; the difference
+/// from the frozen rate remains of the order of the shear rate while the rate grows.
 #[test]
 fn waves_in_flows_are_as_predicted() {
     for (name, order) in [
@@ -422,7 +424,7 @@ fn waves_in_flows_are_as_predicted() {
                 (number(&row["frozen"]["growth_rate"]) - number(&predicted["growth_rate"])).abs();
             assert!(frozen < 20.0 * shear_rate, "{name}: {row}");
         }
-        // Of four times the wave number, in the same direction.
+        // Order from wave numbers with ratio 4 in the same direction.
         let fastest = |k: f64| {
             let own = |row: &&Value| number(&row["wave"]["number"]) == k;
             rows.iter().filter(own).map(|row| rate(&row["predicted"])).fold(0.0, f64::max)
@@ -432,8 +434,8 @@ fn waves_in_flows_are_as_predicted() {
     }
 }
 
-/// One perturbation on finer and finer grids: rates of the fastest waves as predicted, orders 2 and 1, and
-/// none with an intrinsic spin.
+/// Verifies one perturbation under grid refinement: rates of the fastest waves as predicted, orders 2 and 1, and no
+/// order with an intrinsic spin.
 #[test]
 fn finer_grids_make_of_a_perturbation_what_is_predicted() {
     let sets = ["check.cells=[16, 32, 64]", "check.numbers=[500]", "check.directions_deg=[20]"];
@@ -456,7 +458,7 @@ fn finer_grids_make_of_a_perturbation_what_is_predicted() {
     }
 }
 
-/// Both are told of the same steps, and end where they are told to.
+/// Verifies that both studies report the same steps and end when cancelled.
 #[test]
 fn progress_is_told_and_cancels() {
     type Study = fn(&Case, study::OnProgress) -> Result<(), wellposed::Error>;

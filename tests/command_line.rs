@@ -1,4 +1,4 @@
-//! The program from outside: verbs, exit codes, folders of results, spoiled files.
+//! Tests of the program from outside: verbs, exit codes, results folders, mutated files.
 
 mod mutation;
 
@@ -13,7 +13,7 @@ use wellposed::cli::folder::results;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
 
-/// An empty folder of that name for one test.
+/// Creates an empty folder of this name for one test.
 fn folder(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("command_line").join(name);
     let _ = fs::remove_dir_all(&path);
@@ -21,13 +21,13 @@ fn folder(name: &str) -> PathBuf {
     path
 }
 
-/// Runs the program in a folder with arguments in one line.
+/// Runs the program in a folder, with the arguments of one line.
 fn wellposed(folder: &Path, arguments: &str) -> Output {
     let arguments = arguments.split_whitespace();
     Command::new(PROGRAM).current_dir(folder).args(arguments).output().unwrap()
 }
 
-/// Runs the program, which must end with `code`; gives what it printed.
+/// Runs the program, which must end with `code`; returns standard output and standard error.
 fn ends_with(code: i32, folder: &Path, arguments: &str) -> (String, String) {
     let output = wellposed(folder, arguments);
     let stdout = String::from_utf8(output.stdout).unwrap();
@@ -36,7 +36,7 @@ fn ends_with(code: i32, folder: &Path, arguments: &str) -> (String, String) {
     (stdout, stderr)
 }
 
-/// Names in a folder, sorted; none where there is no folder.
+/// Names of the entries of a folder, sorted; empty if there is no folder.
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     let mut names: Vec<String> =
@@ -96,7 +96,7 @@ fn every_bundled_case_runs() {
         let name = Path::new(path).file_name().unwrap().to_str().unwrap();
         fs::write(here.join(name), shrunk(text)).unwrap();
         let case = Case::load(&here.join(name), &[]).unwrap();
-        // Its beginning.
+        // Only the beginning of the simulation.
         let start = |duration: f64| ("run", vec![format!("time.duration={:e}", 0.05 * duration)]);
         let (verb, sets) = match case.in_time() {
             Ok(InTime::Solid(own)) => start(own.time.duration),
@@ -193,7 +193,7 @@ fn results_of_another_case_are_overwritten_by_force_alone() {
     ends_with(0, &here, "new harris-grekova case.toml");
     let point = "point case.toml --out results";
     ends_with(0, &here, point);
-    // The very same case again, as often as one likes, and beside it a map's results.
+    // The same case may be repeated, also next to the results of a map.
     ends_with(0, &here, point);
     fs::write(here.join("results/map.csv"), "of the first case").unwrap();
     fs::write(here.join("results/notes"), "of the user").unwrap();
@@ -212,7 +212,7 @@ fn results_of_another_case_are_overwritten_by_force_alone() {
     assert!(!here.join("results/map.csv").exists(), "a stale result stands beside another case");
     assert!(here.join("results/notes").exists(), "a file of the user is gone");
 
-    // A folder of anything else is not taken either.
+    // A non-empty folder without results is refused, too.
     fs::create_dir(here.join("full")).unwrap();
     fs::write(here.join("full/notes"), "").unwrap();
     ends_with(2, &here, "point case.toml --out full");
@@ -220,7 +220,8 @@ fn results_of_another_case_are_overwritten_by_force_alone() {
     ends_with(0, &here, "point case.toml --out empty");
 }
 
-/// Permission bits do not tell: /proc takes no files from anyone, and its bits say that it does.
+/// Verifies that unwritable folders are detected by writing: no file can be created in /proc, although its permission
+/// bits allow it.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_that_takes_no_files_is_refused_before_anything_is_computed() {
@@ -255,7 +256,7 @@ fn what_a_killed_run_left_is_swept_away() {
     let left = names(&here.join("results"));
     assert!(left.len() > 3 && left.iter().all(|name| !name.ends_with(".partial")), "{left:?}");
 
-    // Partial files of anyone else are something else.
+    // Partial files with other names are not removed.
     for name in [".notes.7.partial", ".map.png.partial", "map.png.7.partial", ".map.png.x.partial"]
     {
         let other = here.join("other");
@@ -303,7 +304,7 @@ fn a_resolved_case_gives_the_same_bits_again() {
     };
     ends_with(0, &here, "point untitled.toml");
     let first = bits("out/untitled");
-    // In the same folder, whose case file stays the very file that it is, and in another one.
+    // In the same folder, whose case file is not rewritten, and in another folder.
     let written = || fs::metadata(here.join("out/untitled/case.toml")).unwrap().modified().unwrap();
     let before = written();
     let (stdout, _) = ends_with(0, &here, "point out/untitled/case.toml");
@@ -311,7 +312,7 @@ fn a_resolved_case_gives_the_same_bits_again() {
     assert_eq!(written(), before);
     ends_with(0, &here, "point out/untitled/case.toml --out elsewhere");
     assert!(bits("out/untitled") == first && bits("elsewhere") == first);
-    // A case changed by hand or by an option would overwrite itself.
+    // A case changed by hand or by an option is refused, since it would overwrite its own file.
     ends_with(2, &here, "point out/untitled/case.toml --force --set background.pressure=7");
     assert!(bits("out/untitled") == first);
 }
@@ -335,7 +336,7 @@ fn results_of_another_version_need_force() {
         assert_eq!(fs::read_to_string(&program).unwrap(), own);
         assert!(!here.join("results/map.csv").exists(), "an old result under a new version");
     }
-    // No version at all is none of this program's either, unless nothing was written yet.
+    // A folder without version is refused, too, unless it has no results yet.
     fs::remove_file(&program).unwrap();
     ends_with(2, &here, point);
     fs::create_dir(here.join("early")).unwrap();
@@ -371,9 +372,9 @@ fn a_full_device_is_no_success() {
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: standard output: "));
 }
 
-/// Description of a wrong reaction of the program to a mutant, if any.
+/// Runs a mutant; returns whether it was computed, or a description of a wrong reaction.
 fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String> {
-    // Ends what hangs; a busy machine may take its time.
+    // Terminates processes that hang; generous, since the machine may be busy.
     const LIMIT: Duration = Duration::from_secs(20);
     let (case, log) = (folder.join(format!("{index}.toml")), folder.join(format!("{index}.log")));
     let out = folder.join(format!("{index}"));
@@ -453,6 +454,6 @@ fn a_thousand_mutants_are_run_or_refused() {
     });
     println!("{done} of {COUNT} mutants were run to the end, the others refused");
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures[0]);
-    // Were nearly all refused, or nearly none, the mutants would test little.
+    // The mutants test little if nearly all or nearly none of them are refused.
     assert!(done > COUNT / 20 && done < COUNT * 3 / 4, "{done} of {COUNT} were run");
 }

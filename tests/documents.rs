@@ -1,4 +1,4 @@
-//! Links, paths, commands and command output in the documents exist and are correct.
+//! Verifies links, paths, commands and command output in the documents.
 
 use files::npz;
 use std::collections::BTreeSet;
@@ -19,7 +19,7 @@ fn read(name: &str) -> String {
     fs::read_to_string(root().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// The documents by their paths from the root.
+/// Paths of all documents, relative to the root.
 fn documents() -> Vec<String> {
     let docs = fs::read_dir(root().join("docs")).expect("docs");
     let docs = docs.map(|entry| entry.expect("an entry").file_name().into_string().expect("text"));
@@ -28,7 +28,7 @@ fn documents() -> Vec<String> {
     others.map(str::to_owned).into_iter().chain(pages).collect()
 }
 
-/// Files and folders of the repository, from its root, folders with a slash at the end.
+/// Paths of all files and folders of the repository, relative to the root; folders end with a slash.
 fn tree() -> BTreeSet<String> {
     fn collect(folder: &Path, prefix: &str, names: &mut BTreeSet<String>) {
         for entry in fs::read_dir(folder).expect("a folder") {
@@ -50,7 +50,7 @@ fn tree() -> BTreeSet<String> {
     names
 }
 
-/// The parts of a document that are code: in blocks by their language, and in spans in lines of text.
+/// Code in a document: blocks with their language, and inline spans.
 struct Code {
     blocks: Vec<(String, String)>,
     spans: Vec<String>,
@@ -72,7 +72,7 @@ impl Code {
     }
 }
 
-/// The name by which a headline is linked to.
+/// Link anchor of a heading.
 fn anchor(headline: &str) -> String {
     let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
     headline.trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")
@@ -104,7 +104,7 @@ fn relative_links_lead_somewhere() {
     assert!(count > 20, "{count}");
 }
 
-/// A path, or the name of a file, is one of the repository, or that of a result.
+/// Verifies that paths and file names are those of the repository or of result files.
 #[test]
 fn paths_exist() {
     const ENDINGS: [&str; 12] =
@@ -113,7 +113,7 @@ fn paths_exist() {
     let is_file = |word: &str| word.rsplit_once('.').is_some_and(|(_, own)| ENDINGS.contains(&own));
     let exists = |word: &str| {
         let end = format!("/{word}");
-        // From the root, from the folder of cases, or anywhere for a name alone.
+        // Relative to the root or to the folder of cases; a file name without folder may be anywhere.
         let is_named = |own: &&String| match word.trim_end_matches('/').contains('/') {
             true => **own == word || **own == format!("cases/{word}"),
             false => **own == word || own.ends_with(&end),
@@ -140,7 +140,7 @@ fn paths_exist() {
             assert!(exists(word), "{document}: {word}");
             count += 1;
         }
-        // The folders of the layout.
+        // Folders in the layout of the repository.
         let plain = code.blocks.iter().filter(|(language, _)| language.is_empty());
         for word in plain.flat_map(|(_, block)| block.split_whitespace()) {
             if let Some(folder) = word.trim_matches([',', ';', ':']).strip_suffix('/') {
@@ -156,21 +156,21 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(PROGRAM).current_dir(folder).args(arguments).output().expect("the program")
 }
 
-/// Commands of the program in a block: lines that begin with it, with those that they go on in.
+/// Commands of the program in a block: lines that begin with its name, joined with their continuation lines.
 fn commands(block: &str) -> Vec<String> {
     let joined = block.replace("\\\n", " ");
     let own = |line: &str| {
         let line = line.trim().trim_start_matches("$ ");
         let rest = ["wellposed ", "cargo run --release -- "];
         let found = rest.iter().find_map(|start| line.strip_prefix(start))?;
-        // Without a remark, and without where the output goes.
+        // Without comment and without redirection of the output.
         let end = [" #", " >"].iter().filter_map(|mark| found.find(mark)).min();
         Some(found[..end.unwrap_or(found.len())].trim().to_owned())
     };
     joined.lines().filter_map(own).collect()
 }
 
-/// Runs what can be run without results, and reads what else can be read.
+/// Runs commands that need no results, and parses the arguments of the others.
 fn parses(command: &str) {
     let case = "cases/granular-flow/noncoaxiality-bound.toml";
     let arguments: Vec<&str> =
@@ -186,7 +186,7 @@ fn parses(command: &str) {
         _ if rest.is_empty() || (has_place && !takes_case) => {
             (scratch.path(), vec![verb, "--help"])
         }
-        // A solid for the verbs that take no other.
+        // Verbs for solids only get a solid.
         _ if takes_case && has_place => {
             let case = match *verb {
                 "map" | "point" => case,
@@ -214,18 +214,18 @@ fn commands_parse_and_name_cases_that_there_are() {
     for document in documents() {
         let text = read(&document);
         let code = Code::new(&text);
-        // Blocks by four spaces as well.
+        // Blocks indented by four spaces are included.
         let indented: Vec<&str> = text.lines().filter(|line| line.starts_with("    ")).collect();
         commands_found.extend(code.blocks.iter().flat_map(|(_, block)| commands(block)));
         commands_found.extend(commands(&indented.join("\n")));
         let spans = code.spans.iter().map(|span| span.replace('\n', " "));
         commands_found.extend(spans.flat_map(|span| commands(&span)));
     }
-    // What stands at the head of cases: how to run them.
+    // Commands in the leading comments of cases, which show how to run them.
     for (_, text) in CASES {
         let lines = text.lines().filter_map(|line| line.strip_prefix('#')).map(str::trim);
         let lines = lines.map(|line| line.strip_prefix("Run").unwrap_or(line).trim());
-        // What it answers stands behind, at some distance.
+        // The comment continues with the output, separated by two spaces.
         let command = |line: &str| line.split("  ").next().unwrap_or_default().to_owned();
         let own = |line: &str| line.starts_with("wellposed ").then(|| command(line));
         commands_found.extend(lines.filter_map(own).flat_map(|line| commands(&line)));
@@ -236,7 +236,7 @@ fn commands_parse_and_name_cases_that_there_are() {
     all.iter().for_each(|command| parses(command));
 }
 
-/// Transcripts in the documents are what commands print.
+/// Verifies that transcripts in the documents equal the output of the commands.
 #[test]
 fn transcripts_are_what_is_printed() {
     let codes = documents().into_iter().map(|document| Code::new(&read(&document)));
@@ -251,7 +251,7 @@ fn transcripts_are_what_is_printed() {
         let mut arguments: Vec<&str> = command.split_whitespace().collect();
         arguments.extend(["--out", out.to_str().expect("text")]);
         let printed = String::from_utf8(run(root(), &arguments).stdout).expect("text");
-        // Where the results are is left out.
+        // Without the path of the results.
         let printed: Vec<&str> =
             printed.lines().filter(|line| !line.starts_with("picture: ")).collect();
         assert_eq!(printed, expected, "wellposed {command}");
@@ -260,7 +260,7 @@ fn transcripts_are_what_is_printed() {
     assert_eq!(count, 2);
 }
 
-/// Commands of cargo name packages, tests, benchmarks and examples of the repository.
+/// Verifies that cargo commands name existing packages, tests, benchmarks and examples.
 #[test]
 fn cargo_commands_name_targets_that_there_are() {
     let mut count = 0;
@@ -295,7 +295,7 @@ fn cargo_commands_name_targets_that_there_are() {
     assert!(count > 10, "{count}");
 }
 
-/// The README is short, shows six pictures with the command of each, and leads to every page.
+/// Verifies that the README is short, shows six pictures with the command of each, and links to every page.
 #[test]
 fn the_readme_is_a_short_way_in() {
     let text = read("README.md");
@@ -312,7 +312,7 @@ fn the_readme_is_a_short_way_in() {
     }
 }
 
-/// Every picture of the gallery stands in a document.
+/// Verifies that every picture of the gallery is in a document.
 #[test]
 fn every_picture_has_a_place() {
     let text: String = documents().iter().map(|document| read(document)).collect();
@@ -322,7 +322,7 @@ fn every_picture_has_a_place() {
     }
 }
 
-/// The page of cases has a row for each, and no others.
+/// Verifies that the page of cases has a row for every bundled case and no others.
 #[test]
 fn the_page_of_cases_is_complete() {
     let page = read("docs/cases.md");
@@ -332,7 +332,7 @@ fn the_page_of_cases_is_complete() {
     assert_eq!(rows, bundled);
 }
 
-/// Blocks of TOML are whole cases.
+/// Verifies that TOML blocks are complete, valid cases.
 #[test]
 fn cases_in_the_documents_are_read() {
     let mut count = 0;
@@ -348,7 +348,7 @@ fn cases_in_the_documents_are_read() {
     assert_eq!(count, 4);
 }
 
-/// Arrays that Python examples take from results are there.
+/// Verifies that the arrays used by Python examples exist in the result files.
 #[test]
 fn python_examples_name_arrays_that_there_are() {
     let mut count = 0;
@@ -371,7 +371,7 @@ fn python_examples_name_arrays_that_there_are() {
     assert!(count >= 10, "{count}");
 }
 
-/// Names of the arrays of a file of results of a bundled case, which is run for a short time.
+/// Names of the arrays in a result file of a bundled case, which is run for a short time.
 fn result(case: &str, file: &str) -> Vec<String> {
     let end = format!("/{case}.toml");
     let (path, _) = CASES.iter().find(|(path, _)| path.ends_with(&end)).expect("a bundled case");

@@ -1,4 +1,5 @@
-//! Numbers that no computation holds are refused, and no result has one that is none.
+//! Verifies that numbers out of the range of the computation are refused, and that no result contains non-finite
+//! numbers.
 
 mod program;
 
@@ -7,7 +8,7 @@ use std::path::Path;
 
 const TEST: &str = "extreme-numbers";
 
-/// That a run is refused for such a key.
+/// Checks that a run with the settings is refused, naming `key`.
 fn is_refused(here: &Path, settings: &str, key: &str, words: &str) {
     let arguments = format!("run case.toml --out out --threads 1 --accept-ill-posed {settings}");
     for more in ["", " --dry-run"] {
@@ -19,7 +20,7 @@ fn is_refused(here: &Path, settings: &str, key: &str, words: &str) {
     }
 }
 
-/// What a computation of a state does not hold it does not print.
+/// Verifies that studies of states either print finite numbers or are refused.
 #[test]
 fn states_of_solids_have_numbers_or_are_refused() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -49,7 +50,7 @@ fn states_of_solids_have_numbers_or_are_refused() {
                 Some(2) => assert!(errors.contains("allowed") || errors.contains("; "), "{errors}"),
                 code => panic!("{arguments}: {code:?} {errors}"),
             }
-            // Short waves of these media are nothing unusual.
+            // Short waves in these media are ordinary input.
             if setting == "wave.number=1e6" || setting == "wave.number=1e3" {
                 assert_eq!(output.status.code(), Some(0), "{arguments}: {errors}");
             }
@@ -58,7 +59,7 @@ fn states_of_solids_have_numbers_or_are_refused() {
     assert!(computed > 25, "{computed}");
 }
 
-/// Beyond them products of constants overflow, and a solid that yields would pass for an elastic one.
+/// Verifies that constants whose products overflow are refused: a yielding solid would behave as an elastic one.
 #[test]
 fn constants_that_overflow_are_refused() {
     let here = folder(TEST, "constants", SOLID);
@@ -76,7 +77,8 @@ fn constants_that_overflow_are_refused() {
     }
 }
 
-/// A solid in units of mass, and so of stress, of other sizes computes the same, up to where it is refused.
+/// Verifies that a solid in other units of mass, and hence of stress, gives bit-identical results up to the limits of
+/// the range.
 #[test]
 fn units_of_mass_change_no_bit() {
     let scaled = |name: &str, factor: f64| {
@@ -117,7 +119,7 @@ fn units_of_mass_change_no_bit() {
     }
 }
 
-/// In f32 they would be set to zero as what has decayed.
+/// Verifies that loads below the threshold of flushing to zero are refused.
 #[test]
 fn loads_that_vanish_are_refused() {
     let here = folder(TEST, "loads", SOLID);

@@ -1,5 +1,5 @@
-//! Granular flow in time, held against the linearised equations: the right-hand side has the spectrum of
-//! waves that the flow carries along, and small perturbations follow them.
+//! Verifies the time-domain flow solver against the linearised equations: the right-hand side has the spectrum of
+//! waves advected by the flow, and small perturbations evolve like these waves.
 
 use analysis::kelvin::{Evolution, wave_vector, wave_vector_rate};
 use analysis::pencil::Pencil;
@@ -17,13 +17,13 @@ use testkit::random::Random;
 const KINDS: [FlowKind; 3] =
     [registry::HARRIS_GREKOVA, registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL];
 
-/// On one thread: boxes are so small that others would only wait.
+/// Executes `work` on one thread: the boxes are too small for more.
 fn alone(work: impl FnOnce() + Send) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     pool.install(work);
 }
 
-/// A homogeneous background in which the stress angle is steady.
+/// Homogeneous background flow with a steady stress angle.
 struct Background {
     kind: FlowKind,
     model: Model,
@@ -63,7 +63,7 @@ impl Background {
             shear_rate: random.within(0.1, 10.0),
             half_vorticity: random.within(-5.0, 5.0),
             noncoaxiality: Some(loop {
-                // Both branches, not where they meet.
+                // Both branches, except close to their common point.
                 let angle = random.within(-1.4, 1.4);
                 if (2.0 * angle).cos().abs() > 0.1 {
                     break angle;
@@ -105,7 +105,7 @@ impl Background {
     }
 }
 
-/// A wave of that mode at the points: velocities across it, and the inner field.
+/// Fields of a wave of mode `mode` at the points: transverse velocity and internal variable.
 fn wave(problem: &Problem, mode: Mode, velocity: f64, inner: f64) -> ([Vec<f64>; 2], Vec<f64>) {
     let [columns, rows] = problem.points;
     let k = [0, 1].map(|axis| TAU * f64::from(mode[axis]) / problem.lengths[axis]);
@@ -127,14 +127,14 @@ fn perturb(flow: &mut Flow, problem: &Problem, mode: Mode, velocity: f64, inner:
     flow.perturb([&v1, &v2], &inner).expect("a stress");
 }
 
-/// V of v̂ = V(−k₂, k₁)/k, and ω or ψ, from the vorticity's mode ζ̂ = ikV.
+/// Amplitudes of the transverse velocity V, v̂ = V(−k₂, k₁)/k, from the vorticity mode ζ̂ = ikV, and of ω or ψ.
 fn transverse(flow: &Flow, mode: Mode) -> [Complex64; 2] {
     let [k1, k2] = flow.wave_vector(mode);
     let [[vorticity, inner], _] = flow.mode(mode).expect("kept");
     [vorticity / (Complex64::I * k1.hypot(k2)), inner]
 }
 
-/// Their rates.
+/// Time derivatives of the amplitudes of [`transverse`].
 fn transverse_rates(flow: &Flow, mode: Mode, gradient: [[f64; 2]; 2]) -> [Complex64; 2] {
     let k = flow.wave_vector(mode);
     let rate = wave_vector_rate(gradient, k);
@@ -145,8 +145,8 @@ fn transverse_rates(flow: &Flow, mode: Mode, gradient: [[f64; 2]; 2]) -> [Comple
     [vorticity / (Complex64::I * square.sqrt()) - own * stretch, inner]
 }
 
-/// The two by two matrix of V and ω or ψ, by central differences of the nonlinear right-hand side; of the
-/// plastic potential its first entry alone.
+/// 2 × 2 matrix for V and ω or ψ, by central differences of the nonlinear right-hand side; for the plastic potential
+/// only its first entry is defined.
 fn linearised(problem: &Problem, mode: Mode, gradient: [[f64; 2]; 2]) -> [[Complex64; 2]; 2] {
     const PART: f64 = 5e-6;
     let mut flow = Flow::new(problem).expect("a problem");
@@ -164,7 +164,7 @@ fn linearised(problem: &Problem, mode: Mode, gradient: [[f64; 2]; 2]) -> [[Compl
         perturb(&mut flow, problem, mode, -2.0 * velocity, -2.0 * inner);
         let minus = transverse_rates(&flow, mode, gradient);
         perturb(&mut flow, problem, mode, velocity, inner);
-        // Of cos the mode is a half.
+        // A cosine has two modes of half its amplitude.
         let amplitude = (velocity + inner).max(f64::MIN_POSITIVE);
         [0, 1].map(|i| (plus[i] - minus[i]) / amplitude)
     });
@@ -174,15 +174,15 @@ fn linearised(problem: &Problem, mode: Mode, gradient: [[f64; 2]; 2]) -> [[Compl
 fn eigenvalues([[a, b], [c, d]]: [[Complex64; 2]; 2]) -> [Complex64; 2] {
     let half = 0.5 * (a + d);
     let root = (half * half - (a * d - b * c)).sqrt();
-    // The greater one without cancellation, the other from the determinant.
+    // The larger eigenvalue without cancellation, the other one from the determinant.
     let greater =
         if (half + root).norm() > (half - root).norm() { half + root } else { half - root };
     if greater == Complex64::ZERO { [greater; 2] } else { [greater, (a * d - b * c) / greater] }
 }
 
-/// A thousand states, directions and wave numbers over five decades for each model: the spectrum of the
-/// linearised right-hand side is that of the waves, and it is the frozen pencil's once −sin φ sin β
-/// (ξ·Γξ⊥)/(1 − sin φ cos β) is taken from its first entry.
+/// Verifies for each model, with a thousand states, directions and wave numbers over five decades, that the spectrum
+/// of the linearised right-hand side is that of the advected waves, and that of the frozen pencil after −sin φ sin β
+/// (ξ·Γξ⊥)/(1 − sin φ cos β) is subtracted from its first entry.
 #[test]
 fn the_right_hand_side_has_the_spectrum_of_the_waves() {
     alone(spectra);
@@ -225,13 +225,13 @@ fn spectra() {
                 (pair(own), pair([one, two]), pair(unmoved))
             };
             let largest = expected.iter().map(|root| root.norm()).fold(0.0, f64::max);
-            // Near the directions without leading decay little is left of the terms that cancel: their
-            // rounding is that of the perturbations, 1e-16 over their part of the background.
+            // Near the directions without leading decay the leading terms almost cancel: their rounding error is that
+            // of the perturbations, 1e-16 divided by their size relative to the background.
             let viscous = background.flow.stress.deviator.value * number * number
                 / (2.0 * problem.density * background.flow.shear_rate)
                 / (2.0 * background.flow.noncoaxiality).cos().abs();
             let tolerance = 1e-6 * largest + 1e-10 * viscous;
-            // A pair of opposite signs and equal size may stand in either order.
+            // Two eigenvalues of equal magnitude and opposite sign may be in either order.
             let distance = |a: &[Complex64], b: &[Complex64]| {
                 let of = |b: &[Complex64]| {
                     a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
@@ -246,7 +246,7 @@ fn spectra() {
     }
 }
 
-/// A wave in the linearised equations, by many steps of the classical Runge–Kutta method.
+/// Amplitudes of a wave by the linearised equations, integrated with many steps of the classical Runge–Kutta method.
 fn kelvin(
     background: &Background,
     wave: [f64; 2],
@@ -287,7 +287,8 @@ fn kelvin(
     [state[0] * a1 + state[1] * a2, state.get(2).copied().unwrap_or_default()]
 }
 
-/// Small perturbations follow the waves to the second order of the steps, in shear and in pure shear.
+/// Verifies that small perturbations evolve like the waves with second-order error in the step, in simple and in pure
+/// shear.
 #[test]
 fn small_perturbations_follow_the_waves() {
     alone(courses);
@@ -325,7 +326,7 @@ fn courses() {
                 let expected = kelvin(&background, wave, start, duration);
                 let found = transverse(&flow, mode);
                 let size = expected.iter().map(|z| z.norm()).fold(0.0, f64::max);
-                // It has not stood still.
+                // The amplitude has changed significantly.
                 assert!((start[0] - expected[0]).norm() > 0.05 * size);
                 errors.push(
                     (0..2).map(|i| (found[i] - expected[i]).norm()).fold(0.0, f64::max) / size,
@@ -339,8 +340,8 @@ fn courses() {
     }
 }
 
-/// Homogeneous simple shear at γ̇: perturbations of the stress angle grow at γ̇ cot φ in double shearing
-/// (Spencer 1964), those of the spin do not grow in the model of Harris & Grekova.
+/// Verifies homogeneous simple shear at γ̇: perturbations of the stress angle grow at the rate γ̇ cot φ in double
+/// shearing (Spencer 1964); those of the spin do not grow in the model of Harris & Grekova.
 #[test]
 fn homogeneous_simple_shear_is_unstable_in_double_shearing_alone() {
     alone(homogeneous_simple_shear);
@@ -351,7 +352,7 @@ fn homogeneous_simple_shear() {
     let state = State {
         density: 1600.0,
         pressure: 1000.0,
-        // Simple shear along x₁: Ψ_D = 45°, s₂₁ = −γ̇/2 = −Q_D, sin 2Δ = −sin φ.
+        // Simple shear along x₁: ψ_D = 45°, s₂₁ = −γ̇/2 = −Q_D, sin 2Δ = −sin φ.
         stress_angle: PI / 4.0 + 0.5 * friction,
         shear_rate: 0.5 * rate,
         half_vorticity: -0.5 * rate,
@@ -365,7 +366,7 @@ fn homogeneous_simple_shear() {
         let gradient = background.gradient();
         assert!((gradient[0][1] - rate).abs() + gradient[1][0].abs() < 1e-12, "{gradient:?}");
         let problem = Problem { tolerance: 1e-9, ..background.problem([8, 8], [1.0, 1.0]) };
-        // Half the difference of two courses from both sides: what is left of the nonlinear terms is cubic.
+        // Half the difference of two solutions with opposite perturbations: the remaining nonlinear terms are cubic.
         let (amplitude, duration) = (1e-5, 1.0);
         let course = |amplitude: f64| {
             let mut flow = Flow::new(&problem).expect("a problem");
@@ -388,7 +389,7 @@ fn homogeneous_simple_shear() {
         let found = logarithms[19] / duration;
         println!("{kind:?}: {found} 1/s of {expected}");
         assert!((found - expected).abs() <= 1e-6 * rate, "{kind:?}: {found}");
-        // Along all of the way.
+        // Growth at all intermediate times.
         for (part, logarithm) in (1..).zip(&logarithms) {
             let time = duration * f64::from(part) / 20.0;
             assert!((logarithm - expected * time).abs() < 2e-6, "{kind:?} at {time}");

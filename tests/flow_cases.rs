@@ -1,4 +1,4 @@
-//! Time-domain flow sections of case files: reading, refusals and messages.
+//! Tests of time-domain flow sections of case files: parsing, refusals and messages.
 
 use models::flow::RotationKind;
 use std::fs;
@@ -9,7 +9,7 @@ use wellposed::cli::new::{self, Purpose};
 use wellposed::cli::{self, Control};
 use wellposed::cli::{Error, Options};
 
-/// Everything that a flow can have; tests refer to its lines.
+/// Flow case with every section; tests refer to its line numbers.
 const FLOW: &str = "\
 title = 'Flow'
 [model]
@@ -75,13 +75,13 @@ fn flow(text: &str) -> FlowRun {
     parse(text).unwrap().flow.unwrap()
 }
 
-/// The text with a part replaced that must be there.
+/// Text with its part `old`, which must occur, replaced by `new`.
 fn with(text: &str, old: &str, new: &str) -> String {
     assert!(text.contains(old), "{old}");
     text.replacen(old, new, 1)
 }
 
-/// A case of a model without spin.
+/// Case of a model without spin.
 fn without_spin(kind: &str, inner: &str) -> String {
     let text = with(FLOW, "moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
     let text = with(&text, "harris-grekova", kind).replace("field = 'w'", inner);
@@ -108,7 +108,7 @@ fn a_case_is_read_as_written() {
         Initial::Packet { wave: own, at: [0.1, 0.05], radius: 0.02 } if own.phase_deg == 90.0
     ));
     assert!(matches!(run.initial[2], Initial::Noise { to: 6.5, seed: 12, .. }));
-    // Both ends of the box are in it, and the nearest point is of the box.
+    // Both boundaries of the box belong to it, and the nearest point is inside the periodic box.
     assert_eq!(run.grid.nearest(&run.receivers[0].at), 31);
     let names: Vec<&str> = run.receivers[0].fields.iter().map(|own| own.name()).collect();
     assert_eq!(names, ["v1", "v2", "w", "psi_deg", "p", "shear_rate"]);
@@ -130,7 +130,7 @@ fn the_resolved_case_reads_back_to_itself() {
         assert_eq!(parse(&resolved).unwrap_or_else(|error| panic!("{error}\n{resolved}")), case);
         assert!(resolved.contains("pressure_tolerance = 1e-9"), "{resolved}");
         assert_eq!(resolved.contains("[limits]"), text.contains("plastic"), "{resolved}");
-        // What is drawn makes no other results.
+        // Plot options do not change the results.
         let drawn = parse(&with(&text, "picture = 'psi_deg'", "picture = 'v1'")).unwrap();
         assert_ne!(drawn, case);
         assert_eq!(drawn.without_plot_options(), case.without_plot_options());
@@ -139,7 +139,7 @@ fn the_resolved_case_reads_back_to_itself() {
     }
 }
 
-/// Replacements in the case text, and the beginning of the message.
+/// Part of the case text, its replacement, and the beginning of the message.
 const WRONG: &[(&str, &str, &str)] = &[
     (
         "cells = [32, 24]",
@@ -318,7 +318,7 @@ fn dry_run(folder: &Path, case: &str) -> Result<String, Error> {
     Ok(String::from_utf8(stdout).unwrap())
 }
 
-/// States that are none of a uniform flow in its own frame.
+/// Verifies that states which are not uniform flows in their own frame are refused.
 #[test]
 fn states_that_cannot_be_run_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -364,7 +364,7 @@ fn states_that_cannot_be_run_are_refused() {
     assert_eq!(error, message);
     let error = refused(&with(FLOW, "noncoaxiality_deg = 20", "noncoaxiality_deg = -45"));
     assert!(error.starts_with(":12: background.noncoaxiality_deg: found |Δ| = 45"), "{error}");
-    // As in point.
+    // Refused as by `point`.
     let error = refused(&with(FLOW, "friction_angle_deg = 30", "friction_angle_deg = 95"));
     assert!(error.starts_with(":4: model.friction_angle_deg: found 95"), "{error}");
     let error = refused(&with(FLOW, "[grid]", "spin = 1\n[grid]"));
@@ -392,7 +392,8 @@ fn dry_runs_say_what_would_be_computed() {
     }
 }
 
-/// Fields of an archive are those of the case's points, and the archive is part of the case.
+/// Verifies that the fields of an archive must match the points of the case, and that the archive is part of the
+/// case.
 #[test]
 fn archives_are_read_next_to_the_case() {
     let folder = tempfile::tempdir().unwrap();
@@ -413,7 +414,7 @@ fn archives_are_read_next_to_the_case() {
     let file = folder.path().join("case.run.toml");
     let case = Case::load(&file, &[]).unwrap();
     let resolved = case.to_toml();
-    // The same wherever it is read, without a look at the archive.
+    // The resolved case is equal in any folder and does not read the archive.
     assert_eq!(parse(&resolved).unwrap(), case);
     archive(&["v1", "v2", "psi"], [24, 32]);
     assert_ne!(Case::load(&file, &[]).unwrap(), case);
@@ -430,7 +431,7 @@ fn archives_are_read_next_to_the_case() {
     assert!(refused(&odd).contains("initial[3].checksum: found the text 'xyz'; expected eight"));
 }
 
-/// The template has every key that a flow takes, and every entry of it is a sound one.
+/// Verifies that the template contains every key of a flow, and that every entry of it is valid.
 #[test]
 fn new_runs_show_every_key() {
     let folder = tempfile::tempdir().unwrap();
@@ -460,7 +461,7 @@ fn new_runs_show_every_key() {
             let (_, allowed) =
                 error.split_once("allowed here: ").unwrap_or_else(|| panic!("{error}"));
             for key in allowed.split(", ") {
-                // Receivers are points, or lines and grids: keys of one are in another entry.
+                // A receiver entry is a point, a line or a grid; the keys of the other forms are in other entries.
                 let is_shown = match header.starts_with("[[receiver]]") {
                     true => template.contains(&format!("{key} = ")),
                     false => own.contains(&format!("{key} = ")),

@@ -1,6 +1,5 @@
-//! Loads on the edge of half-planes and half-spaces, by the cases that come with the program: against exact
-//! Rayleigh waves and a quadrature over wave numbers, in space with a rigid block, and under yield on three
-//! grids.
+//! Tests of loads on the surface of half-planes and half-spaces with the bundled cases: against exact Rayleigh waves
+//! and a quadrature over wave numbers, in three dimensions with a rigid block, and with yielding on three grids.
 
 use files::npz::{Values, read};
 use num_complex::Complex64;
@@ -12,16 +11,16 @@ use wellposed::cli::{self, Control};
 
 const CONTROL: Control = Control { checkpoint_every: 1e9 };
 
-/// Results of a run of a case: numbers by name.
+/// Results of a run of a case, by name.
 struct Results {
     fields: HashMap<String, Vec<f64>>,
     receivers: HashMap<String, Vec<f64>>,
     ledger: HashMap<String, Vec<f64>>,
-    /// Names of files.
+    /// Names of the result files.
     files: Vec<String>,
 }
 
-/// A case that comes with the program, with changes.
+/// Runs a bundled case with settings.
 fn results(name: &str, sets: &[String]) -> Results {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let cases = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/dynamics/");
@@ -63,7 +62,7 @@ fn greatest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |greatest, value| greatest.max(value.abs()))
 }
 
-/// Time of the greatest magnitude, from the parabola through it and its neighbours.
+/// Time (s) of the maximum magnitude, from the parabola through it and its neighbours.
 fn peak(time: &[f64], values: &[f64]) -> f64 {
     let middle = (1..values.len() - 1).max_by(|a, b| values[*a].abs().total_cmp(&values[*b].abs()));
     let middle = middle.expect("values");
@@ -71,7 +70,7 @@ fn peak(time: &[f64], values: &[f64]) -> f64 {
     time[middle] + time[1] * 0.5 * (a - c) / (a - 2.0 * b + c)
 }
 
-/// The half-plane of `lamb-2d.toml`.
+/// Half-plane of `lamb-2d.toml`.
 struct HalfPlane {
     lambda: f64,
     mu: f64,
@@ -92,7 +91,7 @@ impl HalfPlane {
         (self.mu / self.density).sqrt()
     }
 
-    /// The root of (2 − c²/c_s²)² = 4 √(1 − c²/c_p²) √(1 − c²/c_s²) below c_s, by bisection.
+    /// Rayleigh speed, m/s: root of (2 − c²/c_s²)² = 4 √(1 − c²/c_p²) √(1 − c²/c_s²) below c_s, by bisection.
     fn rayleigh_speed(&self) -> f64 {
         let [p, s] = [self.pressure_speed(), self.shear_speed()];
         let value = |c: f64| {
@@ -107,20 +106,21 @@ impl HalfPlane {
         below
     }
 
-    /// Displacement u₁ and u₂ at points under a force on the edge x₂ = 0, spread over the bell, with the
-    /// Ricker function of time: by the transform of Fourier along x₁ and of Laplace in time (Lamb 1904).
+    /// Displacements u₁ and u₂ (m) at points due to a force on the surface x₂ = 0, distributed as the bell, with the
+    /// Ricker time function: by Fourier transform along x₁ and Laplace transform in time (Lamb 1904).
     ///
-    /// Potentials φ = A exp(q_p x₂) and ψ = B exp(q_s x₂), with q² = k² + s²/c², give no shear and the
-    /// pressure of the load on the edge. The sum over k is that of a load which comes again so far away that
-    /// nothing of it arrives. The sum over s = a + iω is that of a motion which comes again, by exp(aT)
-    /// smaller, after the time T, twice as long as what is asked for.
+    /// Potentials φ = A exp(q_p x₂) and ψ = B exp(q_s x₂), with q² = k² + s²/c², satisfy zero shear stress and the
+    /// pressure of the load on the surface. The sum over k represents a periodic load with a period so large that no
+    /// wave of its images arrives. The sum over s = a + iω represents a motion repeated after the time T, twice the
+    /// requested duration, and reduced by exp(aT).
     fn displacements(&self, time: &[f64], points: &[[f64; 2]]) -> Vec<[Vec<f64>; 2]> {
         let [p, s] = [self.pressure_speed(), self.shear_speed()];
         let period = 2.0 * time[time.len() - 1];
         let shift = 8.0 / period;
         let length = 2.0 * p * period;
         let spacing = 2.0 * PI / length;
-        // Of the Ricker function e⁻²⁵ is left at five times its frequency; of the bell a thousandth.
+        // At five times its frequency the Ricker spectrum is reduced to e⁻²⁵; the spectrum of the bell is truncated
+        // at 10⁻³.
         let [rates, numbers] =
             [5.0 * FREQUENCY * period, 6.0 * PI / RADIUS / spacing].map(|n| n as usize);
         let zero = Complex64::ZERO;
@@ -146,7 +146,7 @@ impl HalfPlane {
                 let sum = 2.0 * k * k + of_s; // k² + q_s²
                 let rayleigh = sum * sum - 4.0 * k * k * q_p * q_s;
                 let a = FORCE * bell * load * half * spacing / PI * sum / (self.mu * rayleigh);
-                // B = −ib.
+                // B = −ib, b real for real q.
                 let b = 2.0 * k * q_p * a / sum;
                 for (own, [x_1, x_2]) in sums.iter_mut().zip(points) {
                     let [by_p, by_s] = [q_p, q_s].map(|q| (q * x_2).exp());
@@ -169,9 +169,9 @@ impl HalfPlane {
     }
 }
 
-/// Lamb's problem in the plane. The displacements approach the quadrature by nearly the second order; the
-/// tolerances on the finer grid are half as much again as what was found with 40 cells to a Rayleigh wave.
-/// Speeds: peaks pass receivers on the edge, far enough for the Rayleigh wave to be alone, and below.
+/// Verifies Lamb's problem in plane strain. Displacements converge to the quadrature with nearly second order;
+/// tolerances on the finer grid are 1.5 times the errors found with 40 cells per Rayleigh wavelength. Speeds follow
+/// from the peaks at receivers on the surface, far enough for the Rayleigh wave to be isolated, and below the load.
 #[test]
 fn lamb_in_the_plane() {
     let places = [
@@ -182,7 +182,7 @@ fn lamb_in_the_plane() {
     ];
     let [p, s, rayleigh] =
         [HALF_PLANE.pressure_speed(), HALF_PLANE.shear_speed(), HALF_PLANE.rayleigh_speed()];
-    // Of Poisson's ratio ¼: c² = (2 − 2/√3) c_s².
+    // For Poisson's ratio ¼: c² = (2 − 2/√3) c_s².
     assert!((rayleigh - s * (2.0 - 2.0 / 3f64.sqrt()).sqrt()).abs() < 1e-9 * s);
     let errors = [100, 200].map(|cells| {
         let h = 50.0 / f64::from(cells);
@@ -208,7 +208,7 @@ fn lamb_in_the_plane() {
             assert!((along / rayleigh - 1.0).abs() < 0.01, "{along} instead of {rayleigh} m/s");
             assert!((down / p - 1.0).abs() < 0.01, "{down} instead of {p} m/s");
         }
-        // Before the pressure wave, which begins with the load, nothing.
+        // No motion before the pressure wave, which starts with the load.
         for ((name, _), at) in places.iter().zip(&points) {
             let v = seen(name, "v2");
             let arrival = (at[0].hypot(at[1]) - RADIUS) / p;
@@ -218,7 +218,7 @@ fn lamb_in_the_plane() {
         }
         let mut errors = Vec::new();
         for ((name, _), exact) in places.iter().zip(&exact) {
-            // u₁ under the load is zero but for the half cell.
+            // Below the load u₁ is zero except for the offset of half a cell.
             let components = if *name == "near" || *name == "far" { 0..2 } else { 1..2 };
             for axis in components {
                 let u = seen(name, &format!("u{}", axis + 1));
@@ -231,7 +231,7 @@ fn lamb_in_the_plane() {
         }
         errors
     });
-    // near u₁, u₂; far u₁, u₂; below u₂; deep u₂: 0.004, 0.005, 0.009, 0.011, 0.009 and 0.013 were found.
+    // Errors found: near u₁, u₂; far u₁, u₂; below u₂; deep u₂: 0.004, 0.005, 0.009, 0.011, 0.009 and 0.013.
     for (found, allowed) in errors[1].iter().zip([0.006, 0.008, 0.014, 0.016, 0.013, 0.019]) {
         assert!(*found < allowed, "{found} of {allowed}");
     }
@@ -240,8 +240,9 @@ fn lamb_in_the_plane() {
     }
 }
 
-/// Two layers with a block under a force: the block rests while the same place across moves; mirrored in the
-/// plane of the load and the block; the scheme takes energy, and less on the finer grid.
+/// Verifies two layers with a block under a force: the block is at rest while the mirrored position moves; the
+/// solution is symmetric about the plane of load and block; numerical dissipation is positive and smaller on the
+/// finer grid.
 #[test]
 fn lamb_in_space() {
     let shares = [40, 60].map(|cells: usize| {
@@ -260,7 +261,7 @@ fn lamb_in_space() {
         assert!(seen("block.u1") < 0.02 * seen("mirrored.u1"));
         assert!(seen("block.v3") < 0.02 * seen("mirrored.v3"));
         assert!(seen("before.u1") > 0.0 && seen("behind.u1") > 0.0);
-        // x₁ runs fastest.
+        // Index along x₁ varies fastest.
         for (name, sign) in [("v1", 1.0), ("v2", -1.0), ("v3", 1.0), ("sigma11", 1.0), ("u1", 1.0)]
         {
             let values = &own.fields[name];
@@ -283,13 +284,13 @@ fn lamb_in_space() {
     assert!(shares[0] < shares[1] && shares[1] < 0.0 && shares[0] > -0.3, "{shares:?}");
 }
 
-/// Remaining pulse on a yielding half-plane, on one grid.
+/// Permanent effects of a pulse on a yielding half-plane, on one grid.
 struct Left {
     /// Area where more than 30 J/m³ were dissipated, m².
     zone: f64,
-    /// Rotation, mean over a square of 0.8 m below the edge of the strip and one below that, rad.
+    /// Mean rotation over a square of 0.8 m below the edge of the loaded strip and over the square below it, rad.
     rotations: [f64; 2],
-    /// J/m.
+    /// Dissipated energy, J/m.
     dissipated: f64,
 }
 
@@ -321,9 +322,9 @@ fn pulse(cells: usize, sets: &[&str]) -> (Left, Results) {
     (left, own)
 }
 
-/// Plastic zone, residual rotation and dissipated energy converge: on three grids, each of half the
-/// spacing, with the same load, the differences become smaller. The load has edges in space and time, and fronts
-/// that a scheme spreads over more than a cell converge like √h at the least (Godunov 1959).
+/// Verifies convergence of plastic zone, residual rotation and dissipated energy: on three grids with halved spacing
+/// and the same load the differences decrease. The load is discontinuous in space and time; fronts that a scheme
+/// spreads over several cells converge at least like √h (Godunov 1959).
 #[test]
 fn a_pulse_converges() {
     let found = [60, 120, 240].map(|cells| {
@@ -348,12 +349,13 @@ fn a_pulse_converges() {
         let [first, second] = [middle - coarse, fine - middle];
         println!("differences {first:.3e}, {second:.3e}");
         assert!(second.abs() < 0.8 * first.abs(), "{coarse} {middle} {fine}");
-        // What is still missing, were the differences to go on like that, is little.
+        // The remaining error is small if the differences continue to decrease at this rate.
         assert!(second.abs() < 0.05 * fine.abs(), "{middle} {fine}");
     }
 }
 
-/// The full ledger closes to rounding, and a triangle of the same height dissipates less.
+/// Verifies that the per-cell energy account closes to rounding, and that a triangular pulse of the same height
+/// dissipates less.
 #[test]
 fn the_ledger_of_a_pulse_closes() {
     let (left, own) = pulse(60, &["scheme.ledger=\"full\""]);
@@ -362,7 +364,7 @@ fn the_ledger_of_a_pulse_closes() {
     let residual = greatest(&own.ledger["residual"]);
     println!("residual {residual:.2e} of {most:.4e} J/m");
     assert!(residual < 1e-12 * most, "{residual:e} of {most:e}");
-    // In the step in which a front leaves through a side the reconstruction may give back a little.
+    // In the step in which a front leaves through a boundary, reconstruction may add a small energy.
     let taken = &own.ledger["numerical"];
     assert!(taken.windows(2).all(|pair| pair[1] - pair[0] > -0.01 * greatest(taken)));
     assert!(taken.last().expect("lines") > &0.0);

@@ -1,5 +1,5 @@
-//! Runs in time through the program: against exact waves, with the same bits for any number of threads, at
-//! rest under balanced weight; and what cannot be run.
+//! Tests of time-domain runs of solids through the program: against exact waves, bit-identical results for any number
+//! of threads, equilibrium under balanced weight, and cases that cannot be run.
 
 use files::npz::{Values, read};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
@@ -51,7 +51,7 @@ fn refused(case: &str) -> String {
     let error = carried_out(folder.path(), case).expect_err("a wrong case");
     assert_eq!(error.exit_code(), 2, "{error}");
     assert!(!folder.path().join("out").exists(), "nothing is written");
-    // Without the folder, which is another each time.
+    // The message without the folder, which differs between tests.
     error.to_string().rsplit_once("case.run.toml").expect("the file").1.to_owned()
 }
 
@@ -74,15 +74,15 @@ fn column(columns: &[(String, Vec<f64>)], name: &str) -> Vec<f64> {
     columns.iter().find(|column| column.0 == name).expect("a column").1.clone()
 }
 
-/// Plane waves of all branches in the medium of a unit test of SPECFEM++: what a receiver sees turns with
-/// the frequency that the equations have, found here from the determinant of the equations of motion.
+/// Verifies plane waves of all branches in the medium of a unit test of SPECFEM++: the receiver record has the
+/// frequency obtained here from the determinant of the equations of motion.
 #[test]
 fn plane_waves_have_their_frequencies() {
     let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });
     let rotation = Microrotation { alpha: 1.005e9, inertia: 2700.0, couple };
     let solid = Isotropic::new(8.1e9, 8.1e9, 2700.0, Some(rotation)).expect("sound moduli");
-    // Along x₁: ρω² = (λ+2μ)k² and, of shear and spin, ρω² = (μ+α)k² and jω² = (γ+η)k² + 4α coupled by
-    // 2αk, so that the product of the differences is (2αk)².
+    // Along x₁: ρω² = (λ+2μ)k²; shear ρω² = (μ+α)k² and spin jω² = (γ+η)k² + 4α are coupled by 2αk, so that the
+    // product of the differences is (2αk)².
     let (length, count) = (20.0, 100);
     let k = 2.0 * PI / length;
     let a = (8.1e9 + 1.005e9) * k * k / 2700.0;
@@ -133,7 +133,7 @@ fn plane_waves_have_their_frequencies() {
         let is_pressure = along.iter().map(|v| v.abs()).sum::<f64>()
             > across.iter().map(|v| v.abs()).sum::<f64>();
         let velocity = if is_pressure { along } else { across };
-        // exp(i(kx − ωt)) at the middle of the cell, the greatest velocity being real.
+        // exp(i(kx − ωt)) at the centre of the receiver's cell; the maximum velocity is real.
         let phase = k * 7.1;
         let error = time
             .iter()
@@ -144,7 +144,7 @@ fn plane_waves_have_their_frequencies() {
     }
 }
 
-/// A rich case, short.
+/// Short case with many features.
 fn rich(extra: &str) -> String {
     format!(
         "{CLASSICAL}
@@ -197,7 +197,8 @@ radius = 1
 time = { kind = 'ricker', frequency = 60 }
 ";
 
-/// Files are the same for 1, 2, 3 and 7 threads; and the ledger of the full kind closes.
+/// Verifies that result files are bit-identical for 1, 2, 3 and 7 threads, and that the per-cell energy account
+/// closes.
 #[test]
 fn threads_change_no_bit() {
     let mut all = Vec::new();
@@ -233,7 +234,7 @@ fn threads_change_no_bit() {
     }
 }
 
-/// Weight that the initial stress balances moves nothing; the stress shown is the lithostatic one.
+/// Verifies that weight balanced by the initial stress causes no motion; the output stress is lithostatic.
 #[test]
 fn balanced_weight_is_at_rest() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -248,7 +249,7 @@ fn balanced_weight_is_at_rest() {
     assert!(of("v1").iter().chain(&of("v2")).all(|v| *v == 0.0));
     let [x2, vertical, lateral, across] = ["x2", "sigma22", "sigma11", "sigma33"].map(of);
     for (row, x2) in x2.iter().enumerate() {
-        // Half of its own cell and all above.
+        // Weight of half the cell and of all cells above.
         let expected = 1900.0 * 9.81 * x2;
         for column in 0..30 {
             let cell = 30 * row + column;
@@ -259,7 +260,8 @@ fn balanced_weight_is_at_rest() {
     }
 }
 
-/// Too much: the run stops, says where, and keeps what was sound.
+/// Verifies that a run with non-finite values stops, that the message states the position, and that the last finite
+/// results are saved.
 #[test]
 fn what_is_not_finite_stops_the_run() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -287,7 +289,7 @@ fn what_is_not_finite_stops_the_run() {
     );
 }
 
-/// A run of a classical solid with other sections besides.
+/// Case of a classical solid with additional sections.
 fn plain(extra: &str) -> String {
     format!("{CLASSICAL}[grid]\ncells = [8, 8]\nspacing = 1\n[time]\nduration = 0.01\n{extra}")
 }
@@ -309,7 +311,7 @@ fn runs_that_cannot_be_are_refused() {
             CLASSICAL.replace("lambda", "dimensions = 2\nlambda"),
             ": grid: missing; add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] with duration",
         ),
-        // Before anything else that is missing.
+        // Reported before other missing sections.
         (CLASSICAL.to_owned(), ": grid: missing; add a section [grid]"),
         (
             wellposed::cli::new::text(wellposed::case::Kind::flows()[0]),
@@ -404,7 +406,7 @@ fn states_that_cannot_be_run_are_refused() {
     ]);
 }
 
-/// More memory than there is, where the system says how much that is.
+/// Verifies that a case larger than the free memory is refused, on systems that report free memory.
 #[test]
 fn more_memory_than_there_is() {
     if Path::new("/proc/meminfo").exists() {
@@ -416,7 +418,8 @@ fn more_memory_than_there_is() {
     }
 }
 
-/// Later entries hold over earlier ones, and what is near a periodic side is near the opposite one.
+/// Verifies that later boundary sections override earlier ones, and that a source near a periodic boundary acts near
+/// the opposite one.
 #[test]
 fn sides_that_come_round() {
     let seen = |sides: &str, at: &str| {
@@ -450,7 +453,7 @@ fn sides_that_come_round() {
     }
 }
 
-/// In single precision the same to single precision.
+/// Verifies that results in single and double precision agree to single precision.
 #[test]
 fn single_precision() {
     let seen = ["f64", "f32"].map(|precision| {
@@ -466,7 +469,7 @@ fn single_precision() {
     }
 }
 
-/// Receivers record what they are asked for, integrals included, and what nobody asked for is left out.
+/// Verifies that receivers record the requested fields, including time integrals, and no others.
 #[test]
 fn receivers_record_what_they_are_asked_for() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -480,13 +483,13 @@ fn receivers_record_what_they_are_asked_for() {
     let names: Vec<&str> = seen.iter().map(|column| column.0.as_str()).collect();
     assert_eq!(names[..4], ["time", "r1.v1", "r2.u2", "r2.sigma22"]);
     assert_eq!((names.len(), names[names.len() - 1]), (11, "edge.u2"));
-    // The end is when the case says, to the last bit.
+    // The final time equals the duration of the case, to the last bit.
     let json = fs::read(folder.path().join("out/run.json")).expect("a report");
     let report: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
     assert_eq!((report["time"].as_f64(), seen[0].1.last()), (Some(0.05), Some(&0.05)));
 }
 
-/// A dry run checks everything and writes nothing.
+/// Verifies that a dry run checks the complete case and writes nothing.
 #[test]
 fn dry_runs_write_nothing() {
     let folder = tempfile::tempdir().expect("a scratch folder");

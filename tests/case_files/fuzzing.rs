@@ -1,4 +1,4 @@
-//! Mutated case files: read or refused, without a panic and in time.
+//! Verifies that mutated case files are accepted or refused, quickly and without a panic.
 
 use crate::mutation::{mutants, shrunk};
 use crate::support::parse;
@@ -9,12 +9,12 @@ use wellposed::CASES;
 use wellposed::cli::Options;
 use wellposed::setup;
 
-/// Hands `count` mutants to `run`, which says whether it took them; none may panic or be slow.
+/// Passes `count` mutants to `run`, which returns whether it accepts a mutant; none may panic or be slow.
 fn survive(count: usize, mut run: impl FnMut(&str) -> bool) {
     const LIMIT: Duration = Duration::from_secs(20);
     let (mut taken, mut slowest, mut failures) = (0, Duration::ZERO, Vec::new());
     for (index, mutant) in mutants(1).take(count).enumerate() {
-        // Bytes that are no text are for the program to refuse; see tests/command_line.rs.
+        // Invalid UTF-8 is refused by the program; see tests/command_line.rs.
         let text = String::from_utf8_lossy(&mutant);
         let start = Instant::now();
         match catch_unwind(AssertUnwindSafe(|| run(&text))) {
@@ -29,7 +29,7 @@ fn survive(count: usize, mut run: impl FnMut(&str) -> bool) {
     }
     println!("{taken} of {count} mutants were taken; the slowest took {slowest:?}");
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures[0]);
-    // Were nearly all refused, or nearly none, the mutants would test little.
+    // The mutants test little if nearly all or nearly none of them are refused.
     assert!(taken > count / 20 && taken < count * 3 / 4, "{taken} of {count} were taken");
 }
 
@@ -56,7 +56,7 @@ fn ten_thousand_mutants_are_taken_or_refused() {
                 let _ = setup::flow::assess(&case, &mut workspace);
             }
         }
-        // Everything that a point is asked for costs more than its verdict: every tenth.
+        // A complete point costs more than its verdict: every tenth mutant only.
         if index % 10 == 0 {
             std::fs::write(&file, text).unwrap();
             let options = Options { case: file.clone(), dry_run: true, ..Options::default() };

@@ -1,4 +1,4 @@
-//! Case files: what is read, what is refused and in which words, and that nothing panics.
+//! Tests of case files: accepted input, refused input with its messages, and absence of panics.
 
 mod conversion;
 mod fuzzing;

@@ -1,4 +1,4 @@
-//! Parsing and writing: values, units, defaults, sweeps and names.
+//! Tests of parsing and writing case files: values, units, defaults, sweeps and names.
 
 use crate::mutation::without_marks;
 use crate::support::{CASE, parse, parse_with};
@@ -46,7 +46,7 @@ fn a_case_is_read_as_written() {
     assert_eq!((case.map, case.compare), (None, None));
 }
 
-/// The constants that a flow's model is given.
+/// Constants passed to the flow model of a case.
 fn constants(case: &Case) -> Vec<f64> {
     let Kind::Flow(flow) = case.material.kind else { return Vec::new() };
     let mut constants = Vec::new();
@@ -70,14 +70,15 @@ fn angles_become_radians_and_nothing_else_changes() {
 
 #[test]
 fn every_number_of_the_table_reaches_the_models() {
-    // A changed key must change what the model gets: no row may point at another row's field.
+    // A changed key must change the input of the model, which detects entries that refer to the field of another
+    // entry.
     for parameter in Parameter::all().filter(|p| !p.name().starts_with("wave.")) {
         let medium = Medium::all().find(|&m| parameter.key().is_used_by(m)).unwrap();
         let kind = medium.kind;
-        // A layer's stress counts where no conditions are named.
+        // The stress of layers is used only if no active conditions are named.
         let text = wellposed::cli::new::text(medium).replace("active =", "# active =");
         let mut case = parse(&text).unwrap();
-        // In general position: what multiplies a zero reaches nothing.
+        // In general position, since a parameter multiplied by zero has no effect.
         for (name, value) in [
             ("stress.deviatoric_stress", 0.3),
             ("stress.stress_angle_deg", 20.0),
@@ -137,7 +138,7 @@ fn the_resolved_case_reads_back_to_itself() {
         for key in keys().iter().filter(|key| matches!(key.presence, Presence::Default(_))) {
             let (section, name) = key.split();
             let stands = resolved.contains(&format!("\n{name} = "));
-            // Named conditions stand in place of a stress.
+            // Named active conditions replace the stress.
             let is_replaced = section == "stress" && case.material.active.is_some();
             let is_used = key.is_used_by(case.medium()) && !is_replaced;
             assert!(stands || !is_used, "[{section}] {name} is missing in\n{resolved}");
@@ -181,7 +182,7 @@ fn a_name_can_be_a_folder_and_stays() {
     ] {
         let case = Case::parse(CASE, file, &[]).unwrap();
         assert_eq!(case.name, name, "{file}");
-        // The resolved case goes by the same name, whatever its file is called.
+        // The resolved case has the same name, whatever the name of its file.
         assert_eq!(Case::parse(&case.to_toml(), "case.toml", &[]).unwrap(), case, "{file}");
     }
     assert_eq!(parse(&format!("name = 'mine'\n{CASE}")).unwrap().name, "mine");

@@ -1,10 +1,10 @@
-//! Error messages: place, key and remedy of everything that is refused.
+//! Tests of error messages: location, key and remedy of all refused input.
 
 use crate::support::{CASE, check, parse, parse_with};
 use models::registry;
 use wellposed::case::{Case, Kind, Parameter};
 
-/// A part of [`CASE`], its replacement, place and key of the error, and words of its message.
+/// Part of [`CASE`], its replacement, location and key of the error, and words of its message.
 #[rustfmt::skip]
 const BAD_INPUT: &[(&str, &str, &str, &str)] = &[
     // unknown and misspelt keys
@@ -43,7 +43,7 @@ const BAD_INPUT: &[(&str, &str, &str, &str)] = &[
     ("['harris-grekova', 'double-shearing']", "[]", "27: compare.kinds: ", "at least one"),
     ("['harris-grekova', 'double-shearing']", "['double-shearing', 'double-shearing']", "27: compare.kinds: ", "twice"),
     ("['harris-grekova', 'double-shearing']", "['duble-shearing']", "27: compare.kinds: ", "'double-shearing'"),
-    // numbers that are none
+    // non-finite and inexact numbers
     ("density = 1600", "density = nan", "10: background.density: ", "not finite"),
     ("density = 1600", "density = -inf", "10: background.density: ", "not finite"),
     ("density = 1600", "density = 1e999", "10: background.density: ", "not finite"),
@@ -52,13 +52,13 @@ const BAD_INPUT: &[(&str, &str, &str, &str)] = &[
     ("[0.5, 0.25]", "[0.5, inf]", "14: background.velocity: ", "inf, which is not finite"),
     ("number = 500", "number = 0", "19: wave.number: ", "positive"),
     ("number = 500", "number = -5", "19: wave.number: ", "positive"),
-    // what is not TOML
+    // invalid TOML
     ("density = 1600", "density = 1600 kg", "10: ", "'density = 1600 kg'"),
     ("density = 1600", "density 1600", "10: ", "'density 1600'"),
     ("density = 1600", "density = 1600\ndensity = 1600", "11: ", "duplicate key"),
     ("[wave]", "[model]", "18: ", "duplicate key"),
     ("'All sections'", "'All", "1: ", ""),
-    // what is missing
+    // missing keys
     ("density = 1600\n", "", "9: background.density: ", "missing; add density to [background]"),
     ("kind = 'harris-grekova'\n", "", "2: model.kind: ", "missing"),
     ("moment_of_inertia = 1.25e-7\n", "", "2: model.moment_of_inertia: ", "missing"),
@@ -91,7 +91,7 @@ const BAD_INPUT: &[(&str, &str, &str, &str)] = &[
     ("'background.velocity[1]'", "'wave.number'", "24: map.y.from: ", "positive"),
 ];
 
-/// Replaces a part of [`CASE`] and expects one line that starts with place and key.
+/// Verifies that replacing a part of [`CASE`] gives one line that begins with location and key.
 #[test]
 fn bad_input_is_answered_with_line_key_and_remedy() {
     for (old, new, place, words) in BAD_INPUT {
@@ -123,7 +123,7 @@ fn keys_that_no_kind_uses_are_refused() {
     let free = alone.replace("'harris-grekova'", "'free-rotating'");
     let free = free.replace("moment_of_inertia = 1.25e-7\nrotational_strength = 5\n", "");
     assert_eq!(parse(&free).unwrap().get("background.spin"), Some(-0.125));
-    // What the kind does not use is not offered either.
+    // Keys not used by the kind are not suggested.
     let error = parse(&free.replace("spin =", "spin_gradien =")).unwrap_err();
     assert!(error.contains("unknown key") && !error.contains("spin_gradient"), "{error}");
 }
@@ -145,7 +145,7 @@ fn an_error_of_a_swept_number_points_at_the_sweep() {
     assert!(error.starts_with(&format!("--set map.x.from=-3: {words}")), "{error}");
     let error = located(&["background.pressure=5"]);
     assert!(error.starts_with(&format!("folder/x.toml:23: {words}")), "{error}");
-    // What is not swept stands where it stands.
+    // An error of a key that is not swept names its own line.
     let error = located(&["map.x.parameter=wave.number"]);
     assert!(error.starts_with("folder/x.toml:11: background.pressure: found -3; "), "{error}");
 }

@@ -1,8 +1,8 @@
-//! A case with every section, and ways to parse it.
+//! Case with every section, and helpers that parse it.
 
 use wellposed::case::Case;
 
-/// A case with every section; tests refer to its lines.
+/// Case with every section; tests refer to its line numbers.
 pub const CASE: &str = "\
 title = 'All sections'
 [model]
@@ -42,7 +42,7 @@ pub fn parse_with(sets: &[&str]) -> Result<Case, String> {
     Case::parse(CASE, "folder/x.toml", &sets).map_err(|error| error.to_string())
 }
 
-/// Reads a case and derives its background: everything before the analysis.
+/// Derives model and background of a case, i.e. everything before the analysis.
 pub fn check(case: &Case) -> Result<(), String> {
     let background = case.model().map_err(|error| error.to_string())?.background(&case.state());
     background.map(|_| ()).map_err(|error| case.locate(error).to_string())

@@ -25,7 +25,7 @@ fn new_cases_are_complete_and_valid() {
                 check(&corner).unwrap();
             }
         }
-        // Every optional key can be taken in as it stands, and none of them is unknown.
+        // Every optional key can be uncommented as it is, and all keys are known.
         let full = without_marks(&text);
         parse(&full).unwrap();
         let is_layered = medium.yields == Some(registry::INTERLAYER);

@@ -88,7 +88,7 @@ fn regions_inherit_what_they_do_not_have() {
     let other = &regions[2].material.numbers.yields;
     assert_eq!((other.get("strength"), other.get("friction")), (Some(5.0), None));
 
-    // A region of another kind inherits no parameters; it has its own yield set if that kind can yield.
+    // A region of another kind inherits no model parameters, but the yield set of the case if that kind can have it.
     let text = with(
         PLANE,
         "yield = { kind = 'none' }",
