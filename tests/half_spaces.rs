@@ -110,9 +110,9 @@ impl HalfPlane {
     /// Ricker time function: by Fourier transform along x₁ and Laplace transform in time (Lamb 1904).
     ///
     /// Potentials φ = A exp(q_p x₂) and ψ = B exp(q_s x₂), with q² = k² + s²/c², satisfy zero shear stress and the
-    /// pressure of the load on the surface. The sum over k represents a periodic load with a period so large that no
-    /// wave of its images arrives. The sum over s = a + iω represents a motion repeated after the time T, twice the
-    /// requested duration, and reduced by exp(aT).
+    /// pressure of the load on the surface. The sum over k represents a spatially periodic load; its period is so
+    /// large that waves of the images do not arrive. The sum over s = a + iω represents a motion repeated after the
+    /// time T, twice the requested duration, and reduced by the factor exp(aT).
     fn displacements(&self, time: &[f64], points: &[[f64; 2]]) -> Vec<[Vec<f64>; 2]> {
         let [p, s] = [self.pressure_speed(), self.shear_speed()];
         let period = 2.0 * time[time.len() - 1];

@@ -162,7 +162,7 @@ fn inputs_inside_the_folder_are_not_overwritten() {
         assert!(fs::read(second.join("out/fields.npz")).unwrap() == archive);
     }
     ends_with(0, &second, &run_of_flow("").replace("--out out", "--out other"));
-    // The same for the table of a load.
+    // The table of a load is not overwritten either.
     let table = SOLID.replace(
         "{ kind = 'pulse', duration = 0.05 }",
         "{ kind = 'table', file = 'out/receivers.csv' }",

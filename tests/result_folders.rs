@@ -249,7 +249,7 @@ fn folders_without_results_are_not_verified() {
         assert!(stdout.is_empty() && stderr.starts_with("error: "), "{stdout}{stderr}");
     }
     ends_with(0, &here, "point case.toml --out out");
-    // A result file that is in no list was left by a killed verb.
+    // A result file of this program that is in no list originates from a killed verb.
     fs::write(here.join("out/map.csv"), "").unwrap();
     let (stdout, _) = ends_with(1, &here, "verify out");
     assert_eq!(stdout, "map.csv: has no checksum\n");

@@ -42,8 +42,8 @@ pub fn slope(abscissae: &[f64], values: &[f64]) -> f64 {
     polyfit_rs::polyfit_rs::polyfit(&scaled, values, 1).map_or(f64::NAN, |found| found[1] / half)
 }
 
-/// Fits the complex frequency of amplitudes at `times` (s): slopes of the phase and of the logarithm of the modulus. The
-/// phase must change by less than half a turn between neighbouring times.
+/// Fits the complex frequency of amplitudes at `times` (s): slopes of the phase and of the logarithm of the modulus.
+/// The phase must change by less than half a turn between adjacent times.
 pub fn fit_rate(times: &[f64], amplitudes: &[Complex64]) -> Rate {
     let mut phase = 0.0;
     let mut phases = vec![0.0];

@@ -1,17 +1,17 @@
-//! Agreement of analysis and solvers: rates of plane waves as predicted by the analysis, measured in the time-domain
-//! solvers, and expected from the discretisation. Takes plain problems; depends on no case file or report.
+//! Agreement of analysis and solvers: rates of plane waves predicted by the analysis, measured in the time-domain
+//! solvers, and expected from the discretisation. The input is independent of case files and reports.
 //!
-//! - **Predicted** from the linearised equations ([`analysis`]): for solids the frequencies of every branch, for flows the
-//!   evolution along the wave vector k(t), which is rotated and stretched by the mean flow.
-//! - **Measured** in a solver ([`dynamics`]) with the wave as initial state in a periodic box: a complex frequency fitted
-//!   to the amplitudes ([`fit`]).
+//! - **Predicted** from the linearised equations ([`analysis`]): for solids the frequencies of every branch, for
+//!   flows the evolution along the wave vector k(t), which is rotated and stretched by the mean flow.
+//! - **Measured** in a solver ([`dynamics`]) with the wave as initial state in a periodic box: a complex frequency is
+//!   fitted to the amplitudes ([`fit`]).
 //! - **Expected** (solids): the exact symbol of the time step ([`scheme`]) gives the amplitudes including the
 //!   discretisation error; they are fitted and extrapolated to zero cell size like the measured amplitudes.
 //!
-//! Prediction and measurement share only the constants of the problem. No tolerance is tuned: measured and expected
-//! rates may differ by rounding, and on curved yield surfaces by the rotation of the normal in the wave, amplified by
-//! fit and extrapolation; the zero-step limit of a flow by the extrapolation error and rounding. Only grid refinement,
-//! whose perturbation consists of many waves, has fixed bounds
+//! Prediction and measurement share only the parameters of the problem. No tolerance is tuned. Measured and expected
+//! rates may differ by rounding errors, and on curved yield surfaces by the rotation of the normal in the wave,
+//! amplified by fit and extrapolation; the zero-step limit of a flow may differ by the extrapolation error and
+//! rounding errors. Only grid refinement, whose perturbation consists of many waves, has fixed bounds
 //! ([`RATE_TOLERANCE`](flows::Refinement::RATE_TOLERANCE), [`ORDER_TOLERANCE`](flows::Refinement::ORDER_TOLERANCE)).
 //!
 //! ```
@@ -41,8 +41,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`solids`] compares all branches of solids, elastic, loading and unloading; [`flows`] waves and perturbations of
-//! uniform flows. Both run on the threads of the surrounding rayon pool; results do not depend on their number.
+//! [`solids`] compares all branches of solids (elastic, loading and unloading); [`flows`] compares waves and
+//! perturbations of uniform flows. Both use the threads of the surrounding rayon pool; results do not depend on their
+//! number.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -90,8 +90,8 @@ pub struct GridResult {
     pub measured: Rate,
     /// Rate expected from the amplification matrix: the prediction including the discretisation error.
     pub expected: Rate,
-    /// Bound on the difference of measured and expected rate, 1/s: rounding, and on curved yield surfaces the rotation of
-    /// the normal in the wave.
+    /// Bound on the difference of measured and expected rate, 1/s: rounding, and on curved yield surfaces the
+    /// rotation of the normal in the wave.
     pub tolerance: f64,
 }
 
@@ -109,12 +109,12 @@ impl BranchResult {
         Some(own.grids.iter().chain([&own.limit]).all(GridResult::agrees))
     }
 
-    /// Extrapolated measured rate minus predicted rate, relative to the predicted frequency; `None` without measurement.
+    /// Extrapolated measured minus predicted rate, relative to the predicted frequency; `None` without measurement.
     pub fn difference(&self) -> Option<Rate> {
         self.measured.as_ref().ok().map(|own| self.relative(own.limit.measured))
     }
 
-    /// Extrapolated expected rate minus predicted rate, relative to the predicted frequency; `None` without measurement.
+    /// Extrapolated expected minus predicted rate, relative to the predicted frequency; `None` without measurement.
     pub fn expected_difference(&self) -> Option<Rate> {
         self.measured.as_ref().ok().map(|own| self.relative(own.limit.expected))
     }

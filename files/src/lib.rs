@@ -1,10 +1,10 @@
 //! File formats and safe file writing: atomic writes, and reproducible bytes for equal content.
 //!
-//! The crate contains no physics. It encodes columns and arrays as CSV ([`csv`]), NumPy archives ([`npz`]) and VTK files
-//! ([`vti`]), and writes files so that a reader never sees a partial one ([`write_atomically`]). For restarts there are
-//! For restarts there are checkpoint files with checksums ([`sealed`]) and tables extended row by row ([`append`]);
-//! for folders shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file
-//! format, add a module here.
+//! The crate contains no physics. It encodes columns and arrays as CSV ([`csv`]), NumPy archives ([`npz`]) and VTK
+//! files ([`vti`]), and writes files so that a reader never finds a partial file ([`write_atomically`]). For restarts
+//! there are checkpoint files with checksums ([`sealed`]) and tables extended row by row ([`append`]); for folders
+//! shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file format, add a
+//! module here.
 
 #![deny(missing_docs)]
 

@@ -95,7 +95,8 @@ impl<'a> LinearisedFlow<'a> {
         (greater, self.unit(number, greater))
     }
 
-    /// Scale by the mean flow of the transverse velocity (`field` = 0) or internal variable (1) of a wave of `number`, 1/m.
+    /// Scale of the transverse velocity (`field` = 0) or internal variable (1) of a wave by the mean flow; wave
+    /// number `number` (1/m).
     pub(super) fn unit(&self, number: f64, field: usize) -> f64 {
         let rate = 2.0 * self.flow.shear_rate;
         match (field, self.flow.spin) {

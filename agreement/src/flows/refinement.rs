@@ -71,7 +71,7 @@ impl Refinement {
         !self.grids.is_empty() && self.grids.iter().all(grows)
     }
 
-    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` for less than two
+    /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` for fewer than two
     /// grids, if [`grows`](Self::grows) is false, or if the fastest modes of all grids have the same wave number.
     pub fn orders(&self) -> Option<[f64; 2]> {
         let ends = self.grids.iter().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], own| {

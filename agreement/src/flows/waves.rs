@@ -143,8 +143,8 @@ impl Experiment<'_> {
                 found => break found,
             }
         };
-        // Field values are rounded relative to the background; rounding errors are amplified close to 2ν = ±90°
-        // (factor 1/|cos 2ν|). Nonlinear self-interaction of the wave is of third order.
+        // Field values are rounded relative to the background; rounding errors are amplified near |Δ| = 45° (factor
+        // 1/|cos 2Δ|). Nonlinear self-interaction of the wave is of third order.
         let inverse = 1.0 / (2.0 * flow.flow.noncoaxiality).cr_cos().abs();
         let unit = flow.unit(self.number, leading);
         let least = course.iter().map(|own| own[leading].norm() / unit);
