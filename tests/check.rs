@@ -458,7 +458,7 @@ fn finer_grids_make_of_a_perturbation_what_is_predicted() {
     }
 }
 
-/// Verifies that both studies report the same steps and end when cancelled.
+/// Verifies that studies report all their steps and end when cancelled.
 #[test]
 fn progress_is_told_and_cancels() {
     type Study = fn(&Case, study::OnProgress) -> Result<(), wellposed::Error>;

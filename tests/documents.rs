@@ -170,7 +170,8 @@ fn commands(block: &str) -> Vec<String> {
     joined.lines().filter_map(own).collect()
 }
 
-/// Runs commands that need no results, and parses the arguments of the others.
+/// Executes a command: as a dry run if its verb takes a case; with `--help` if it has placeholders for other
+/// arguments.
 fn parses(command: &str) {
     let case = "cases/granular-flow/noncoaxiality-bound.toml";
     let arguments: Vec<&str> =
@@ -186,7 +187,7 @@ fn parses(command: &str) {
         _ if rest.is_empty() || (has_place && !takes_case) => {
             (scratch.path(), vec![verb, "--help"])
         }
-        // Verbs for solids only get a solid.
+        // The placeholder `CASE` is replaced by a bundled case that the verb accepts.
         _ if takes_case && has_place => {
             let case = match *verb {
                 "map" | "point" => case,

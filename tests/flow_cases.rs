@@ -108,7 +108,7 @@ fn a_case_is_read_as_written() {
         Initial::Packet { wave: own, at: [0.1, 0.05], radius: 0.02 } if own.phase_deg == 90.0
     ));
     assert!(matches!(run.initial[2], Initial::Noise { to: 6.5, seed: 12, .. }));
-    // Both boundaries of the box belong to it, and the nearest point is inside the periodic box.
+    // Positions on both boundaries of the box are valid; the nearest point is a point of the box.
     assert_eq!(run.grid.nearest(&run.receivers[0].at), 31);
     let names: Vec<&str> = run.receivers[0].fields.iter().map(|own| own.name()).collect();
     assert_eq!(names, ["v1", "v2", "w", "psi_deg", "p", "shear_rate"]);

@@ -285,7 +285,8 @@ fn what_is_left_before_it_begins_is_refused() {
     );
 }
 
-/// Verifies that a run can start from the fields saved by another run, provided the box has not deformed.
+/// Verifies that a run started from the saved fields of another run has these initial fields, up to the deformation
+/// of the box.
 #[test]
 fn a_run_goes_on_from_an_archive() {
     let folder = tempfile::tempdir().unwrap();

@@ -86,7 +86,7 @@ fn short_studies_are_watched_and_cancelled() {
     is_watched("dispersion", |own| wellposed::dispersion(&solid, own));
 }
 
-/// Verifies progress and cancellation of the check of a map with invalid states, which are checked one by one.
+/// Verifies progress and cancellation of `check_map`, which checks every state of an invalid map.
 #[test]
 fn the_check_of_a_map_is_watched_and_cancelled() {
     let file = "cases/granular-flow/noncoaxiality-bound.toml";

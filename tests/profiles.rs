@@ -115,8 +115,8 @@ fn pulses_in_space() {
     }
 }
 
-/// Verifies that the initial pulse must be within one medium without spins, which a narrow pulse in a layered model
-/// is.
+/// Verifies that a pulse which reaches another medium or is in a medium with spins is refused; a narrow pulse in one
+/// layer is accepted.
 #[test]
 fn pulses_in_layers() {
     let case = |kind: &str, width: &str| {

@@ -131,9 +131,9 @@ fn fields_in_the_plane_have_the_impulse_of_their_source() {
     assert!((moment - 2.0).abs() < 0.04, "{moment}");
 }
 
-/// Verifies reciprocity: the displacement component due to an explosion equals the divergence, at the explosion, of
-/// the displacement due to a force along that component at the point. Garvin's problem against Lamb's problem, and
-/// both sources in the unbounded plane.
+/// Verifies reciprocity: a displacement component at a point due to an explosion equals the divergence, at the
+/// position of the explosion, of the displacement due to a force at that point along that component; Garvin's problem
+/// against Lamb's problem, and the line sources in the unbounded plane.
 #[test]
 fn explosions_and_forces_are_reciprocal() {
     let (h, depth) = (0.01, 5.0);

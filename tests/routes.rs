@@ -168,8 +168,8 @@ fn both_routes_agree_on_random_states() {
     }
 }
 
-/// Distances from a boundary, rad, and whether a closed form must exist: close to the boundary it must not, far from
-/// it it must exist for some states.
+/// Distances from a boundary, rad, and whether closed forms exist: for no state close to the boundary, for some
+/// states far from it; `None`: not checked.
 const DISTANCES: [(f64, Option<bool>); 9] = [
     (0.0, Some(false)),
     (1e-15, Some(false)),

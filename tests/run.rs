@@ -418,8 +418,8 @@ fn more_memory_than_there_is() {
     }
 }
 
-/// Verifies that later boundary sections override earlier ones, and that a source near a periodic boundary acts near
-/// the opposite one.
+/// Verifies that later boundary sections override earlier ones, and that a source at a periodic boundary acts on both
+/// sides of it.
 #[test]
 fn sides_that_come_round() {
     let seen = |sides: &str, at: &str| {

@@ -15,9 +15,9 @@
 //! yielding. In n steps the amplitude is multiplied by
 //!
 //! ```text
-//! two-cyclic, second-order correction    Gⁿ, G = X Y Z R (2Π − I) R Z Y X,
-//! two-cyclic, first-order correction     Gⁿ, G = Π X Y Z R R Z Y X,
-//! alternating                            x (M X)ⁿ⁻¹ M x, M = Π Y Z R X R Z Y,
+//! two-cyclic, midpoint reflection    Gⁿ, G = X Y Z R (2Π − I) R Z Y X,
+//! two-cyclic, return mapping         Gⁿ, G = Π X Y Z R R Z Y X,
+//! alternating, return mapping        x (M X)ⁿ⁻¹ M x, M = Π Y Z R X R Z Y,
 //! ```
 //!
 //! where the last x completes the sweeps for output.

@@ -70,7 +70,7 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("shape = 'circle'", "shape = 'sphere'", "36: region[1].shape: found 'sphere' in a grid of 2 dimensions; write circle"),
         ("to = [0, 10]", "to = [0, 0]", "33: region[0].to: found [0.0, 0.0] with from = [-5.0, 0.0]; to must be greater than from along each axis"),
         ("radius = 1.5", "radius = 0", "38: region[1].radius: found the integer 0; expected a positive number in m"),
-        // sides and loads
+        // boundaries and loads
         ("side = 'x2-'\nkind = 'fixed'", "side = 'x3-'\nkind = 'fixed'", "45: side[0].side: found 'x3-'; did you mean 'x1-'? allowed: x1-, x1+, x2-, x2+"),
         ("kind = 'fixed'", "kind = 'periodic'", "46: side[0].kind: found periodic on x2- alone; add [[side]] with side = \"x2+\", kind = \"periodic\""),
         ("kind = 'fixed'", "kind = 'fixd'", "46: side[0].kind: found 'fixd'; did you mean 'fixed'? allowed: free, fixed, symmetry, antisymmetry, periodic, non-reflecting, mixed"),
