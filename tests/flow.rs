@@ -180,9 +180,9 @@ fn eigenvalues([[a, b], [c, d]]: [[Complex64; 2]; 2]) -> [Complex64; 2] {
     if greater == Complex64::ZERO { [greater; 2] } else { [greater, (a * d - b * c) / greater] }
 }
 
-/// Verifies for each model, with a thousand states, directions and wave numbers over five decades, that the spectrum
-/// of the linearised right-hand side is that of the advected waves, and that of the frozen pencil after −sin φ sin β
-/// (ξ·Γξ⊥)/(1 − sin φ cos β) is subtracted from its first entry.
+/// Verifies for each model, with a thousand states, directions and wave numbers over five decades, that the
+/// linearised right-hand side has the spectrum of the advected waves, and, after −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ cos
+/// β) is subtracted from the first entry of its matrix, the spectrum of the frozen pencil.
 #[test]
 fn the_right_hand_side_has_the_spectrum_of_the_waves() {
     alone(spectra);

@@ -84,7 +84,7 @@ fn runs_begin_with_files_alone() {
     }
 }
 
-/// Verifies that a 4 GiB array of zeros in an archive is not decompressed if it is not needed, and is refused if it
+/// Verifies that a 2 GiB array of zeros in an archive is not decompressed if it is not needed, and is refused if it
 /// is needed.
 #[test]
 fn archives_inflate_no_further_than_wanted() {
@@ -113,9 +113,9 @@ for path, large in (('beside.npz', 'large'), ('among.npz', 'w')):
         println!("no python3: nothing is tested");
         return;
     }
-    // The array is larger than 64 arrays of the grid.
+    // The archive file is larger than 64 arrays of the grid.
     refused_soon(&here, &run_of_flow(""), "bytes, more than the");
-    // On a grid of matching size the archive is read within 1.5 GB of address space.
+    // On a grid for which the file size is accepted, the archive is read within 1.5 GB of address space.
     let limited = |case: &str, cells: usize| {
         let arguments = run_of_flow(&format!("--set initial[0].path={case}"))
             .replace("[12,12]", &format!("[{cells},{cells}]"));
