@@ -172,7 +172,7 @@ fn a_wrong_modulus_is_caught() {
     }
 }
 
-/// Verifies that friction in the solver but not in the analysis is detected.
+/// Verifies that a solver with slightly different friction and dilatancy than the analysis is detected.
 #[test]
 fn a_wrong_yield_set_is_caught() {
     let file = bundled("check/slipping-layers.toml");
@@ -206,7 +206,7 @@ fn the_report_has_the_forbidden_band() {
     assert!((ratio - 1.0).abs() < 1e-5, "{ratio}");
 }
 
-/// Verifies cases without solver, alone and in a folder: exit code 0, and the reason in the output and in the files.
+/// Verifies cases that cannot be measured: exit code 0, and the reason in the report, in the text and in the plot.
 #[test]
 fn what_has_no_solver_is_not_measurable() {
     let cases: [(&str, &[&str], &str); 5] = [

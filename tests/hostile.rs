@@ -301,7 +301,7 @@ fn the_size_of_a_case_has_a_limit() {
     assert!(stderr.contains("at most 100000 in all"), "{stderr}");
 }
 
-/// Verifies that SIGINT, SIGTERM and SIGHUP end every verb with exit code 130 and without partial files.
+/// Verifies that SIGINT, SIGTERM and SIGHUP end `map` with exit code 130 and without files, and do not crash `check`.
 #[test]
 fn signals_end_every_verb_with_130() {
     let here = folder(TEST, "signals", "");
