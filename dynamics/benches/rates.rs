@@ -205,7 +205,7 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
             let tail = (i / layer) as f64 / row.count as f64 - 0.1;
             let size =
                 if row.media == Media::Tails { (-2000.0 * tail.max(0.0)).exp() } else { 1.0 };
-            T::of(size * (noise(i + 31 * index) - 0.5))
+            T::from_f64(size * (noise(i + 31 * index) - 0.5))
         };
         solver.set(*field, &(0..count).map(value).collect::<Vec<_>>());
     }

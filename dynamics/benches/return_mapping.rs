@@ -95,7 +95,7 @@ fn domain<T: SolverReal>(theory: Theory, kind: Kind, yields: bool) -> Domain<T, 
     }
     let mut domain: Domain<T, 2> = Domain::new(&problem).expect("a sound problem");
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
-        let value = |cell: usize| T::of(0.5 * support::noise((cell + index * count) as u64));
+        let value = |cell: usize| T::from_f64(0.5 * support::noise((cell + index * count) as u64));
         domain.set(field, &(0..count).map(value).collect::<Vec<_>>());
     }
     domain

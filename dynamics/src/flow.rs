@@ -19,7 +19,7 @@ mod pressure;
 pub mod spectral;
 mod view;
 
-use chebyshev::{reach, scheme, stages};
+use chebyshev::{scheme, stability_limit, stages};
 pub use closure::Closure;
 use equations::Equations;
 use models::common::elementary::{Elementary, cr_cis};
@@ -265,7 +265,7 @@ impl Flow {
             stages: 0,
         };
         flow.state[size - 1].re = background;
-        if closure.inner().is_some() {
+        if closure.internal_variable().is_some() {
             flow.state[flow.equations.series.count()].re = background;
         }
         flow
@@ -279,11 +279,15 @@ impl Flow {
     ///
     /// # Panics
     /// The number of values differs from the number of points.
-    pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
-        self.or_back(|flow| flow.add(velocity, inner))
+    pub fn perturb(
+        &mut self,
+        velocity: [&[f64]; 2],
+        internal_variable: &[f64],
+    ) -> Result<(), Left> {
+        self.apply_or_restore(|flow| flow.add(velocity, internal_variable))
     }
 
-    fn add(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
+    fn add(&mut self, velocity: [&[f64]; 2], internal_variable: &[f64]) -> Result<(), Left> {
         let count: usize = self.equations.problem().points.iter().product();
         assert!(velocity.iter().all(|own| own.len() == count), "a value for each point");
         let waves = self.equations.waves(self.time);
@@ -300,9 +304,9 @@ impl Flow {
             Complex64::I * (k1 * modes[1][i] - k2 * modes[0][i])
         });
         combine(&mut self.state[..stored], 1.0, &added, 1.0);
-        if self.equations.problem().closure.inner().is_some() {
-            assert_eq!(inner.len(), count, "a value for each point");
-            self.equations.series.forward(|point| inner[point], &mut added);
+        if self.equations.problem().closure.internal_variable().is_some() {
+            assert_eq!(internal_variable.len(), count, "a value for each point");
+            self.equations.series.forward(|point| internal_variable[point], &mut added);
             combine(&mut self.state[stored..2 * stored], 1.0, &added, 1.0);
         }
         self.control.step = f64::NAN;
@@ -318,7 +322,7 @@ impl Flow {
         if until <= self.time {
             return Ok(());
         }
-        self.or_back(|flow| flow.step_towards(until))
+        self.apply_or_restore(|flow| flow.step_towards(until))
     }
 
     /// Makes a step of size `step`, s, without error control, with at least `least_stages` stages.
@@ -326,17 +330,20 @@ impl Flow {
     /// # Errors
     /// See [`advance`](Self::advance); or the step requires more than the maximum number of stages.
     pub fn advance_by(&mut self, step: f64, least_stages: usize) -> Result<(), Left> {
-        self.or_back(|flow| {
+        self.apply_or_restore(|flow| {
             flow.look()?;
             let end = flow.time + step;
-            let (state, rates, _) = flow.tried(step, end, least_stages)?;
+            let (state, rates, _) = flow.try_step(step, end, least_stages)?;
             flow.accept(state, rates, end);
             Ok(())
         })
     }
 
     /// Applies `action`; if it fails, restores the state and all point values.
-    fn or_back(&mut self, action: impl FnOnce(&mut Self) -> Result<(), Left>) -> Result<(), Left> {
+    fn apply_or_restore(
+        &mut self,
+        action: impl FnOnce(&mut Self) -> Result<(), Left>,
+    ) -> Result<(), Left> {
         let (state, pressure) = (self.state.clone(), self.equations.pressure.clone());
         action(self).inspect_err(|_| {
             (self.state, self.equations.pressure) = (state, pressure);
@@ -368,7 +375,7 @@ impl Flow {
                 .control
                 .step
                 .min(SHEAR / self.turning_rate())
-                .min(0.9 * reach(MOST_STAGES) / fastest);
+                .min(0.9 * stability_limit(MOST_STAGES) / fastest);
             let step = rest / (rest / longest).ceil().max(1.0);
             let end = if step == rest { until } else { self.time + step };
             if end <= self.time {
@@ -376,7 +383,7 @@ impl Flow {
                 let stuck = || self.stuck("a step is below the rounding of the time");
                 return Err(last_left.unwrap_or_else(stuck));
             }
-            match self.tried(step, end, 0) {
+            match self.try_step(step, end, 0) {
                 Ok((state, rates, error)) if error <= 1.0 => {
                     let factor = 0.8
                         * error.max(1e-6).cr_powf(-1.0 / 3.0)
@@ -417,7 +424,7 @@ impl Flow {
     }
 
     /// Returns state and time derivative after a step, and the error divided by its tolerance.
-    fn tried(
+    fn try_step(
         &mut self,
         step: f64,
         end: f64,

@@ -25,7 +25,7 @@ pub use crate::solid::snapshot::Snapshot;
 pub use plan::Decomposition;
 
 /// A subdomain with its halo.
-struct Part<T: SolverReal, const D: usize> {
+struct Subdomain<T: SolverReal, const D: usize> {
     domain: Domain<T, D>,
     region: Region<D>,
     halo: Channels<T::Lanes, D>,
@@ -35,7 +35,7 @@ struct Part<T: SolverReal, const D: usize> {
     records: Vec<f64>,
 }
 
-impl<T: SolverReal, const D: usize> Part<T, D> {
+impl<T: SolverReal, const D: usize> Subdomain<T, D> {
     fn advance(&mut self, steps: usize) -> Result<(), Disconnected> {
         let Self { domain, halo, records, .. } = self;
         // A panic drops the channels, so that `recv` of the neighbours fails instead of blocking.
@@ -65,7 +65,7 @@ impl<T: SolverReal, const D: usize> Part<T, D> {
 
 /// A domain decomposed into subdomains.
 pub struct DecomposedDomain<T: SolverReal, const D: usize> {
-    parts: Vec<Part<T, D>>,
+    parts: Vec<Subdomain<T, D>>,
     /// Permutation from the axes of the problem to those of the subdomains.
     permutation: AxisPermutation<D>,
     /// Number of cells of the whole grid along each permuted axis.
@@ -127,7 +127,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let problem = &permutation.checked(problem)?;
         let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
         let plan = Decomposition::new(&problem.grid, is_periodic, &problem.scheme, parts)?;
-        let part = |region: &Region<D>| Part {
+        let part = |region: &Region<D>| Subdomain {
             domain: Domain::of_region(&problem.restricted(region), region, plan.most_steps()),
             region: region.clone(),
             halo: Channels::default(),
@@ -374,7 +374,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns field and cell of the first non-finite value.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
-        let own = |part: &Part<T, D>| {
+        let own = |part: &Subdomain<T, D>| {
             let (field, cell) = part.domain.first_non_finite()?;
             Some((part.region.own_global_cell(cell), field))
         };
@@ -394,7 +394,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
 
     /// Returns the first cell whose stress is outside its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
-        let own = |part: &Part<T, D>| {
+        let own = |part: &Subdomain<T, D>| {
             Some(part.region.own_global_cell(part.domain.first_beyond_yield()?))
         };
         let first = self.parts.iter().filter_map(own).min();

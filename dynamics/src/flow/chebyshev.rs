@@ -5,7 +5,7 @@
 const DAMPING: f64 = 2.0 / 13.0;
 
 /// Stability limit: largest product of decay rate and step size for a number of stages.
-pub(super) fn reach(stages: usize) -> f64 {
+pub(super) fn stability_limit(stages: usize) -> f64 {
     let squared = (stages * stages) as f64;
     2.0 / 3.0 * (squared - 1.0) * (1.0 - 2.0 * DAMPING / 15.0)
 }

@@ -31,7 +31,7 @@ impl Closure {
     }
 
     /// Returns the field that evolves in addition to the velocity.
-    pub fn inner(self) -> Option<Field> {
+    pub fn internal_variable(self) -> Option<Field> {
         match self {
             Self::HarrisGrekova => Some(Field::Spin),
             Self::DoubleShearing => Some(Field::StressAngle),

@@ -53,7 +53,7 @@ pub(super) struct Points {
     /// ∂₁v′₁ = −∂₂v′₂, ∂₁v′₂ and ∂₂v′₁, 1/s.
     gradient: [Vec<f64>; 3],
     /// ω, rad/s, or ψ, rad, background included.
-    pub(super) inner: Vec<f64>,
+    pub(super) internal_variable: Vec<f64>,
     /// cos 2ψ and sin 2ψ.
     pub(super) direction: [Vec<f64>; 2],
     /// p − P₀, Pa.
@@ -70,7 +70,8 @@ impl Points {
         let background = Deformation::new(problem.velocity_gradient);
         let [cos, sin] = cos_sin(problem.stress_angle);
         let [one, other] = background.deviator;
-        let inner = if problem.closure.inner().is_some() { values() } else { Vec::new() };
+        let internal_variable =
+            if problem.closure.internal_variable().is_some() { values() } else { Vec::new() };
         Self {
             sin_phi: problem.friction_angle.cr_sin(),
             cohesion: problem.cohesion * problem.friction_angle.cr_cos(),
@@ -78,7 +79,7 @@ impl Points {
             least: problem.least_shear_rate * background.shear_rate(),
             velocity: [values(), values()],
             gradient: [values(), values(), values()],
-            inner,
+            internal_variable,
             direction: [values(), values()],
             pressure: values(),
             problem,
@@ -167,10 +168,10 @@ impl Points {
                 &deformation,
                 self.problem.rotation_ratio,
                 self.branch,
-                self.inner[point],
+                self.internal_variable[point],
             ),
             Closure::DoubleShearing => {
-                let found = cos_sin(self.inner[point]);
+                let found = cos_sin(self.internal_variable[point]);
                 found[0].is_finite().then_some(found)
             }
             Closure::PlasticPotential => plastic_potential(&deformation, self.least),
@@ -183,7 +184,7 @@ impl Points {
         let rate = deformation.shear_rate();
         match self.problem.closure {
             Closure::HarrisGrekova => {
-                let spin = self.inner[point];
+                let spin = self.internal_variable[point];
                 let needed =
                     self.problem.rotation_ratio * (spin - deformation.half_vorticity).abs();
                 format!(
@@ -293,18 +294,20 @@ impl Equations {
     /// Length of the state: modes of ζ, then of ω or ψ; then works of background and stress; then ω or ψ of the
     /// background.
     pub(super) fn size(&self) -> usize {
-        self.series.count() * (1 + usize::from(self.problem().closure.inner().is_some())) + 2
+        self.series.count()
+            * (1 + usize::from(self.problem().closure.internal_variable().is_some()))
+            + 2
     }
 
     /// Computes the time derivative of ω or ψ of the background, which is independent of perturbations.
-    fn background_rate(&self, inner: f64) -> f64 {
+    fn background_rate(&self, internal_variable: f64) -> f64 {
         let Problem { closure, velocity_gradient, spin_acceleration, rotation_ratio, .. } =
             self.problem();
         match closure {
             Closure::HarrisGrekova => *spin_acceleration,
             Closure::DoubleShearing => {
                 let deformation = Deformation::new(*velocity_gradient);
-                double_shearing(&deformation, *rotation_ratio, cos_sin(inner))
+                double_shearing(&deformation, *rotation_ratio, cos_sin(internal_variable))
             }
             Closure::PlasticPotential => 0.0,
         }
@@ -336,7 +339,7 @@ impl Equations {
         self.press(time)?;
         self.powers = self.points.weigh().map_err(|fault| self.left(fault, time))?;
         self.drive(vorticity_rates);
-        if self.problem().closure.inner().is_some() {
+        if self.problem().closure.internal_variable().is_some() {
             self.advect(rest[0].re, &mut rest_rates[..count]);
         }
         let Powers { background, stress, .. } = self.powers;
@@ -354,7 +357,8 @@ impl Equations {
 
     /// Evaluates velocity, velocity gradient, and ω or ψ at the points.
     fn evaluate(&mut self, vorticity: &[Complex64], rest: &[Complex64]) {
-        let Points { velocity: [v1, v2], gradient: [g11, g21, g12], inner, .. } = &mut self.points;
+        let Points { velocity: [v1, v2], gradient: [g11, g21, g12], internal_variable, .. } =
+            &mut self.points;
         let (series, waves) = (&mut self.series, &self.waves);
         // v̂ = iζ̂ (k₂, −k₁)/k².
         let i = Complex64::I;
@@ -366,8 +370,8 @@ impl Equations {
         series.inverse(vorticity, waves, |w| -second(w, 0, 1), g11);
         series.inverse(vorticity, waves, |w| second(w, 0, 0), g21);
         series.inverse(vorticity, waves, |w| -second(w, 1, 1), g12);
-        if !inner.is_empty() {
-            series.inverse(&rest[..series.count()], waves, |_| Complex64::ONE, inner);
+        if !internal_variable.is_empty() {
+            series.inverse(&rest[..series.count()], waves, |_| Complex64::ONE, internal_variable);
         }
     }
 
@@ -420,8 +424,8 @@ impl Equations {
         let (series, points) = (&mut self.series, &self.points);
         let [one, other, source] = &mut self.modes;
         let [v1, v2] = &points.velocity;
-        series.forward(|point| v1[point] * (points.inner[point] - mean), one);
-        series.forward(|point| v2[point] * (points.inner[point] - mean), other);
+        series.forward(|point| v1[point] * (points.internal_variable[point] - mean), one);
+        series.forward(|point| v2[point] * (points.internal_variable[point] - mean), other);
         if points.problem.closure == Closure::DoubleShearing {
             series.forward(|point| points.turning(point), source);
         } else {

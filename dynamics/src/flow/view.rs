@@ -22,9 +22,9 @@ impl Flow {
         let points = &self.equations.points;
         let value = |field: &Field| match field {
             Field::Velocity(axis) => points.velocity[*axis].clone(),
-            Field::Spin => points.inner.clone(),
+            Field::Spin => points.internal_variable.clone(),
             Field::StressAngle if self.equations.problem().closure == Closure::DoubleShearing => {
-                points.inner.clone()
+                points.internal_variable.clone()
             }
             Field::StressAngle => {
                 let [cos, sin] = &points.direction;

@@ -9,5 +9,5 @@ mod vector;
 mod x86;
 
 pub use instructions::Instructions;
-pub(crate) use real::MOST_LANES;
+pub(crate) use real::MAX_LANES;
 pub use real::{Group, Lanes, Number, Real, SimdKernel, Vector};

@@ -9,11 +9,8 @@ pub trait Real: Number + PartialOrd {
     /// Group of numbers that fills a cache line of 64 bytes.
     type Lanes: Group<Self> + Vector<Self>;
 
-    /// Rounds a double to the nearest number of this type.
-    fn of(value: f64) -> Self;
-
     /// Converts to double precision, exactly.
-    fn wide(self) -> f64;
+    fn to_f64(self) -> f64;
 
     /// Returns the bytes of the number in little-endian order.
     fn bytes(self) -> impl Iterator<Item = u8>;
@@ -37,7 +34,7 @@ pub trait Real: Number + PartialOrd {
 }
 
 /// Largest number of lanes of a group: that of `f32`.
-pub(crate) const MOST_LANES: usize = 16;
+pub(crate) const MAX_LANES: usize = 16;
 
 /// Group of numbers, one per lane, in memory.
 pub trait Group<T>: Number {
@@ -183,10 +180,10 @@ pub trait Vector<T: Real>: Number {
     fn all(value: T) -> Self;
 
     /// Shifts lanes up by one: lane i becomes lane i − 1, lane 0 the last lane of `previous`.
-    fn after(self, previous: Self) -> Self;
+    fn shift_in_low(self, previous: Self) -> Self;
 
     /// Shifts lanes down by one: lane i becomes lane i + 1, the last lane becomes lane 0 of `next`.
-    fn before(self, next: Self) -> Self;
+    fn shift_in_high(self, next: Self) -> Self;
 
     /// Blends two groups: lanes whose bit is set in `lanes` from `other`, all others from `self`.
     fn with_lanes(self, lanes: u16, other: Self) -> Self;

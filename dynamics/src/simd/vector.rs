@@ -24,14 +24,14 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            fn after(mut self, previous: Self) -> Self {
+            fn shift_in_low(mut self, previous: Self) -> Self {
                 self.0.copy_within(..$lanes - 1, 1);
                 self.0[0] = previous.0[$lanes - 1];
                 self
             }
 
             #[inline(always)]
-            fn before(mut self, next: Self) -> Self {
+            fn shift_in_high(mut self, next: Self) -> Self {
                 self.0.copy_within(1.., 0);
                 self.0[$lanes - 1] = next.0[0];
                 self
@@ -90,12 +90,7 @@ macro_rules! real {
                 work.run::<Self::Lanes>();
             }
 
-            #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
-            fn of(value: f64) -> Self {
-                value as Self
-            }
-
-            fn wide(self) -> f64 {
+            fn to_f64(self) -> f64 {
                 self.into()
             }
 
@@ -135,7 +130,7 @@ mod tests {
     /// Verifies `minmod3` against its definition (smallest magnitude, or zero if the bounds differ in sign), bit by
     /// bit, in every instruction set.
     fn bounds_hold<T: Real>() {
-        let tiny = T::MIN_POSITIVE.wide();
+        let tiny = T::MIN_POSITIVE.to_f64();
         let sizes = [0.0, 1e-3 * tiny, tiny, 1e-3, 0.7, 1.0, 1.5, 1e30, f64::INFINITY];
         let all: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
         let mut cases = Vec::new();
@@ -150,8 +145,9 @@ mod tests {
         let groups: Vec<[T::Lanes; 3]> = cases
             .chunks(lanes)
             .map(|chunk| {
-                let lane =
-                    |which: usize| T::Lanes::by_lane(|i| T::of(chunk[i % chunk.len()][which]));
+                let lane = |which: usize| {
+                    T::Lanes::by_lane(|i| T::from_f64(chunk[i % chunk.len()][which]))
+                };
                 [lane(0), lane(1), lane(2)]
             })
             .collect();
@@ -159,11 +155,11 @@ mod tests {
             let mut found = Vec::new();
             set.run::<T>(Bounded(&groups, &mut found));
             for (place, case) in cases.iter().enumerate() {
-                let [mean, one, other] = case.map(|value| T::of(value).wide());
+                let [mean, one, other] = case.map(|value| T::from_f64(value).to_f64());
                 let differ = one.is_sign_negative() != other.is_sign_negative();
                 let least = mean.abs().min(one.abs()).min(other.abs()).copysign(one);
                 let expected = if differ { 0.0 } else { least };
-                let found = found[place / lanes].lanes()[place % lanes].wide();
+                let found = found[place / lanes].lanes()[place % lanes].to_f64();
                 assert_eq!(found.to_bits(), expected.to_bits(), "{set:?} {case:?}");
             }
         }
@@ -184,14 +180,14 @@ mod tests {
         let limit = 1e-3;
         let all = [0.0, 1e-40, 0.9e-3, 1e-3, 1.1e-3, 7.0, f64::INFINITY, f64::NAN];
         for sign in [1.0, -1.0] {
-            let own = T::Lanes::by_lane(|lane| T::of(sign * all[lane % all.len()]));
+            let own = T::Lanes::by_lane(|lane| T::from_f64(sign * all[lane % all.len()]));
             for set in Instructions::available() {
                 let mut found = T::Lanes::ZERO;
-                set.run::<T>(Kept(own, T::of(limit), &mut found));
+                set.run::<T>(Kept(own, T::from_f64(limit), &mut found));
                 for (own, found) in own.lanes().iter().zip(found.lanes()) {
-                    let is_below = own.wide().abs() < T::of(limit).wide();
-                    let expected = if is_below { 0.0 } else { own.wide() };
-                    assert_eq!(found.wide().to_bits(), expected.to_bits(), "{set:?} {own:?}");
+                    let is_below = own.to_f64().abs() < T::from_f64(limit).to_f64();
+                    let expected = if is_below { 0.0 } else { own.to_f64() };
+                    assert_eq!(found.to_f64().to_bits(), expected.to_bits(), "{set:?} {own:?}");
                 }
             }
         }
@@ -216,10 +212,10 @@ mod tests {
         fn run<V: Vector<T>>(self) {
             let Self(lanes, moved) = self;
             let [own, other] =
-                [0.0, 100.0].map(|from| T::Lanes::by_lane(|lane| T::of(from + lane as f64)));
+                [0.0, 100.0].map(|from| T::Lanes::by_lane(|lane| T::from_f64(from + lane as f64)));
             let (own, other) = (V::load(&own), V::load(&other));
-            own.after(other).store(&mut moved[0]);
-            own.before(other).store(&mut moved[1]);
+            own.shift_in_low(other).store(&mut moved[0]);
+            own.shift_in_high(other).store(&mut moved[1]);
             own.with_lanes(lanes, other).store(&mut moved[2]);
         }
     }
@@ -241,7 +237,7 @@ mod tests {
                 let mut moved = [T::Lanes::ZERO; 3];
                 set.run::<T>(Moved(lanes, &mut moved));
                 for (moved, expected) in moved.iter().zip(&expected) {
-                    let moved: Vec<f64> = moved.lanes().iter().map(|lane| lane.wide()).collect();
+                    let moved: Vec<f64> = moved.lanes().iter().map(|lane| lane.to_f64()).collect();
                     assert_eq!(&moved, expected, "{set:?} {lanes:b}");
                 }
             }

@@ -117,7 +117,7 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn after(mut self, previous: Self) -> Self {
+            fn shift_in_low(mut self, previous: Self) -> Self {
                 let mut last = previous.0[$count - 1];
                 for i in 0..$count {
                     let own = self.0[i];
@@ -128,7 +128,7 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn before(mut self, next: Self) -> Self {
+            fn shift_in_high(mut self, next: Self) -> Self {
                 let mut first = next.0[0];
                 for i in (0..$count).rev() {
                     let own = self.0[i];

@@ -122,7 +122,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         let mut watched: Vec<usize> = probes.iter().flat_map(Probe::cells).collect();
         watched.sort_unstable();
         watched.dedup();
-        let solver = choice.start(&problem)?;
+        let solver = choice.build_solver(&problem)?;
         let threads = choice.threads::<T, D>(&problem);
         let account = SolidAccount {
             time: 0.0,
@@ -157,7 +157,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     /// Sets the initial values; all fields must be zero.
     fn set_initial(&mut self) {
         for (field, values) in &self.initial {
-            let values: Vec<T> = values.iter().map(|value| T::of(*value)).collect();
+            let values: Vec<T> = values.iter().map(|value| T::from_f64(*value)).collect();
             self.solver.set(*field, &values);
         }
         self.solver.initialise_interlayers();

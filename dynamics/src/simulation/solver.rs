@@ -33,7 +33,7 @@ impl SolverChoice {
     }
 
     /// Creates the solver of a problem, at rest.
-    pub(super) fn start<T: SolverReal, const D: usize>(
+    pub(super) fn build_solver<T: SolverReal, const D: usize>(
         self,
         problem: &Problem<D>,
     ) -> Result<Box<dyn Solver<T>>, DomainError> {

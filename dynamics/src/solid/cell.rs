@@ -45,15 +45,15 @@ impl<T: Real> CellConstants<T> {
 
     fn reconstructed_as(seen: f64, impedance: f64, courant: f64) -> Self {
         Self {
-            impedance: T::of(impedance),
-            half_courant: T::of(0.5 * courant),
-            to_velocity: T::of(0.5 * courant / impedance),
-            mean_slope: T::of(0.25 * (1.0 - seen)),
+            impedance: T::from_f64(impedance),
+            half_courant: T::from_f64(0.5 * courant),
+            to_velocity: T::from_f64(0.5 * courant / impedance),
+            mean_slope: T::from_f64(0.25 * (1.0 - seen)),
             // Finite for C → 0, where the bound has no effect.
-            steepest: T::of((1.0 - courant) / courant.max(1e-6)),
-            upwind: T::of((1.0 - seen) * (1.0 + seen) * (2.0 + seen) / 24.0),
-            central: T::of((1.0 - seen) * (0.5 - seen * (1.0 + seen) / 12.0)),
-            downwind: T::of(-(1.0 - seen) * (1.0 + seen) * (2.0 - seen) / 24.0),
+            steepest: T::from_f64((1.0 - courant) / courant.max(1e-6)),
+            upwind: T::from_f64((1.0 - seen) * (1.0 + seen) * (2.0 + seen) / 24.0),
+            central: T::from_f64((1.0 - seen) * (0.5 - seen * (1.0 + seen) / 12.0)),
+            downwind: T::from_f64(-(1.0 - seen) * (1.0 + seen) * (2.0 - seen) / 24.0),
         }
     }
 

@@ -36,7 +36,7 @@ const FLUSH_INTERVAL: usize = 16;
 pub(crate) fn flush_limit<T: Real>(steps_done: usize) -> Option<T> {
     steps_done
         .is_multiple_of(FLUSH_INTERVAL)
-        .then(|| T::of(2.0f64.powi(40) * T::MIN_POSITIVE.wide()))
+        .then(|| T::from_f64(2.0f64.powi(40) * T::MIN_POSITIVE.to_f64()))
 }
 
 /// Converts the values of a state, in the order of `fields`, to a stress.
@@ -45,7 +45,7 @@ pub(crate) fn stress_of<T: Real>(fields: &[Field], values: &[T]) -> Stress {
     let is_symmetric = !fields.iter().any(|field| matches!(field, Field::Spin(_)));
     let mut stress = Stress::default();
     for (&field, value) in fields.iter().zip(values) {
-        let value = value.wide();
+        let value = value.to_f64();
         match field {
             Field::Stress(i, j) => {
                 stress.force[i][j] = value;
@@ -70,9 +70,9 @@ pub(crate) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
 
 /// Adds `change` to a velocity; returns the change of kinetic energy per inertia, with the rounded values.
 pub(crate) fn push<T: Real>(value: &mut T, change: f64) -> f64 {
-    let before = value.wide();
-    *value = T::of(before + change);
-    let after = value.wide();
+    let before = value.to_f64();
+    *value = T::from_f64(before + change);
+    let after = value.to_f64();
     (after - before) * 0.5 * (after + before)
 }
 
@@ -102,7 +102,7 @@ pub(crate) fn apply_source<T: Real>(
         push(&mut state[field], change) * inertia
     } else {
         let before = medium.stored_energy(&stress_of(fields, state));
-        state[field] = T::of(state[field].wide() - strength * moment / volume);
+        state[field] = T::from_f64(state[field].to_f64() - strength * moment / volume);
         medium.stored_energy(&stress_of(fields, state)) - before
     }
 }

@@ -74,7 +74,7 @@ fn step<T: Real>(
 fn growth<T: Real>(cells: &[CellConstants<T>], sides: [Condition; 2]) -> f64 {
     let count = cells.len();
     let unit = |i: usize| {
-        let (z, c) = (cells[i % count].impedance.wide(), cells[i % count].courant().wide());
+        let (z, c) = (cells[i % count].impedance.to_f64(), cells[i % count].courant().to_f64());
         if i < count { (z / c).sqrt() } else { (1.0 / (z * c)).sqrt() }
     };
     let columns: Vec<Vec<f64>> = (0..2 * count)
@@ -82,12 +82,12 @@ fn growth<T: Real>(cells: &[CellConstants<T>], sides: [Condition; 2]) -> f64 {
             let mut v = vec![T::ZERO; count];
             let mut s = vec![T::ZERO; count];
             if one < count {
-                v[one] = T::of(1.0 / unit(one))
+                v[one] = T::from_f64(1.0 / unit(one))
             } else {
-                s[one - count] = T::of(1.0 / unit(one))
+                s[one - count] = T::from_f64(1.0 / unit(one))
             }
             step(&mut v, &mut s, cells, sides);
-            v.iter().chain(&s).enumerate().map(|(i, x)| x.wide() * unit(i)).collect()
+            v.iter().chain(&s).enumerate().map(|(i, x)| x.to_f64() * unit(i)).collect()
         })
         .collect();
     let matrix = DMatrix::from_fn(2 * count, 2 * count, |i, j| columns[j][i]);

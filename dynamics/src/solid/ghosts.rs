@@ -122,7 +122,7 @@ impl<T: Real> GhostRule<T> {
             let is_one_sided =
                 entries.iter().any(|own| own[4] != 0.0) || (is_by_face && one_sided != 0.0);
             let closure = Closure { slopes, is_open: does_work || is_by_face };
-            let lanes = |own: [f64; 5]| own.map(|value| T::Lanes::all(T::of(value)));
+            let lanes = |own: [f64; 5]| own.map(|value| T::Lanes::all(T::from_f64(value)));
             let by_face = entries.into_iter().map(lanes).collect();
             return Self {
                 by_face,
@@ -144,7 +144,7 @@ impl<T: Real> GhostRule<T> {
                 is_one_sided |= entry[4] != 0.0;
                 is_open |= entry[0] == 0.0;
                 for (lanes, value) in by_face[pair * groups + group].iter_mut().zip(entry) {
-                    lanes.lanes_mut()[lane] = T::of(value);
+                    lanes.lanes_mut()[lane] = T::from_f64(value);
                 }
             }
         }
@@ -167,11 +167,11 @@ impl<T: Real> GhostRule<T> {
             let from = faces.partition_point(|own| own.0 < face);
             for &(_, (group, lane)) in faces[from..].iter().take_while(|own| own.0 == face) {
                 let place = load.pair * self.groups + group;
-                let sign = self.by_face[place][0].lanes()[lane].wide();
+                let sign = self.by_face[place][0].lanes()[lane].to_f64();
                 if sign != 0.0 {
                     let which = if sign < 0.0 { 1 } else { 3 };
                     entries.push(((place, lane), which, 2.0 * amplitude));
-                    bases.push(self.by_face[place][which].lanes()[lane].wide());
+                    bases.push(self.by_face[place][which].lanes()[lane].to_f64());
                 }
             }
         }
@@ -185,14 +185,14 @@ impl<T: Real> GhostRule<T> {
     pub(crate) fn set_time(&mut self, time: f64) {
         for load in &self.loads {
             for (&((place, lane), which, _), &base) in load.entries.iter().zip(&load.bases) {
-                self.by_face[place][which].lanes_mut()[lane] = T::of(base);
+                self.by_face[place][which].lanes_mut()[lane] = T::from_f64(base);
             }
         }
         for load in &self.loads {
             let value = (load.signal)(time);
             for &((place, lane), which, amplitude) in &load.entries {
                 let own = &mut self.by_face[place][which].lanes_mut()[lane];
-                *own = *own + T::of(amplitude * value);
+                *own = *own + T::from_f64(amplitude * value);
             }
         }
     }

@@ -91,7 +91,7 @@ pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T>>(
         };
         let own = &mut interlayers[index];
         let (seen, lost) = interlayer_states(&own.law, impedance, values, step, &mut own.memory);
-        dissipated += lost.wide();
+        dissipated += lost.to_f64();
         seen
     };
     advance(velocity, stress, cells, at_face, accounts);

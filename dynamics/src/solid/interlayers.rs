@@ -70,14 +70,14 @@ pub(crate) fn energy_of<T: Real>(
     memory: [T; MEMORY],
     area: f64,
 ) -> [f64; 2] {
-    let law = ElasticInterlayer { mass: law.mass.wide(), compliance: law.compliance.wide() };
-    let memory = memory.map(T::wide);
+    let law = ElasticInterlayer { mass: law.mass.to_f64(), compliance: law.compliance.to_f64() };
+    let memory = memory.map(T::to_f64);
     [area * law.kinetic_energy(&memory), area * law.stored_energy(&memory)]
 }
 
 /// Returns the field of a wave pair whose memory variable is not finite.
 pub(crate) fn first_non_finite<T: Real>(pair: &Pair, memory: [T; MEMORY]) -> Option<Field> {
-    let [velocity, stress] = memory.map(|own| own.wide().is_finite());
+    let [velocity, stress] = memory.map(|own| own.to_f64().is_finite());
     match (velocity, stress) {
         (true, true) => None,
         (false, _) => Some(pair.velocity),

@@ -77,7 +77,7 @@ fn face<T: Real>(
 
 /// Mean stress × mean velocity over the step at the lower face of a cell, W/m².
 fn work<T: Real>(lower_face: &InterfaceState<T>, cell: &CellConstants<T>) -> f64 {
-    lower_face.sum.wide() * lower_face.difference.wide() / (4.0 * cell.impedance.wide())
+    lower_face.sum.to_f64() * lower_face.difference.to_f64() / (4.0 * cell.impedance.to_f64())
 }
 
 /// Mean stress × mean velocity over the step at the face in the middle of four cells, W/m²; positive towards the first
@@ -158,12 +158,12 @@ fn dissipated<T: Real>(
     [left, right]: [&InterfaceState<T>; 2],
     cell: &CellConstants<T>,
 ) -> f64 {
-    let z = cell.impedance.wide();
+    let z = cell.impedance.to_f64();
     // Sign −1: s − zv, sign 1: s + zv.
     let by_wave = |sign: f64| {
-        let wave = |own: State<T>| own.stress.wide() + sign * z * own.velocity.wide();
+        let wave = |own: State<T>| own.stress.to_f64() + sign * z * own.velocity.to_f64();
         let flux = |lower_face: &InterfaceState<T>| {
-            0.5 * (lower_face.sum.wide() + sign * lower_face.difference.wide())
+            0.5 * (lower_face.sum.to_f64() + sign * lower_face.difference.to_f64())
         };
         let (left, right) = (flux(left), flux(right));
         let outflow = -sign * (right - left);
@@ -178,8 +178,8 @@ pub fn energy<T: Real>(velocity: &[T], stress: &[T], cells: &[CellConstants<T>])
     inner
         .filter(|&i| cells[i].half_courant != T::ZERO)
         .map(|i| {
-            let (z, c) = (cells[i].impedance.wide(), cells[i].courant().wide());
-            let (v, s) = (velocity[i].wide(), stress[i].wide());
+            let (z, c) = (cells[i].impedance.to_f64(), cells[i].courant().to_f64());
+            let (v, s) = (velocity[i].to_f64(), stress[i].to_f64());
             (z * v * v + s * s / z) / (2.0 * c)
         })
         .sum()

@@ -63,7 +63,7 @@ impl Metric {
 ///
 /// where Cq is the stress of the strain q. With Ω² = q·Cq/m this is a rotation by the angle κΩt.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct GeometricPlane {
+pub(crate) struct CurvatureRotation {
     /// Field index of v.
     pub(crate) velocity: usize,
     /// Field indices of stresses, and entries of q.
@@ -76,7 +76,7 @@ pub(crate) struct GeometricPlane {
     frequency: f64,
 }
 
-impl GeometricPlane {
+impl CurvatureRotation {
     /// Planes of a medium. Along the second axis, half of the stress of each wave pair enters; along the first axis the
     /// direction of velocities rotates, so that stresses across it act on the other velocity.
     pub(crate) fn of_medium(medium: &Medium) -> Vec<Self> {
@@ -145,9 +145,9 @@ impl GeometricPlane {
     }
 }
 
-/// Rotates by the coefficients of [`GeometricPlane::rotation`]: returns v and the strain e, the stress change being −Cq
+/// Rotates by the coefficients of [`CurvatureRotation::rotation`]: returns v and the strain e, the stress change being −Cq
 /// e.
 #[inline(always)]
-pub(crate) fn rotated_by_geometry<N: Number>([cos, a, b, c]: [N; 4], v: N, y: N) -> [N; 2] {
+pub(crate) fn rotated_by_curvature<N: Number>([cos, a, b, c]: [N; 4], v: N, y: N) -> [N; 2] {
     [cos * v + a * y, b * v + c * y]
 }

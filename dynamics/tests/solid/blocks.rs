@@ -129,7 +129,7 @@ fn blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
 
 /// Returns a pseudo-random initial value of a field in a cell.
 fn value<T: SolverReal>(index: usize, cell: usize) -> T {
-    T::of(noise((index * 1_000_003 + cell) as u64))
+    T::from_f64(noise((index * 1_000_003 + cell) as u64))
 }
 
 fn rough<T: SolverReal, const D: usize>(problem: &Problem<D>) -> DecomposedDomain<T, D> {
@@ -163,7 +163,7 @@ fn rough_reference<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Refer
 
 fn bits_of<T: SolverReal>(snapshot: &Snapshot<T>) -> Vec<u64> {
     let fields = snapshot.fields.iter().flatten().chain(snapshot.interlayers.as_flattened());
-    fields.map(|value| value.wide().to_bits()).collect()
+    fields.map(|value| value.to_f64().to_bits()).collect()
 }
 
 fn bits<T: SolverReal, const D: usize>(domain: &DecomposedDomain<T, D>) -> Vec<u64> {
@@ -185,7 +185,7 @@ fn fused_as_reference<T: SolverReal, const D: usize>(numbers: std::ops::Range<us
         }
         assert_eq!(one.interlayer_memory(), other.interlayer_memory());
         let memory = one.interlayer_memory();
-        assert!(memory.iter().flatten().all(|value| value.wide() != 0.0), "{words}");
+        assert!(memory.iter().flatten().all(|value| value.to_f64() != 0.0), "{words}");
         assert!(bits(&one) != before);
         // Each solver resumes from a snapshot of the other.
         let mut resumed: Reference<T, D> = Reference::new(&problem).expect("sound");

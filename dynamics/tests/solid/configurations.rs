@@ -276,7 +276,7 @@ impl Start {
         let value = |number: usize| {
             let number = seed + number as u64;
             let is_zero = 0.5 * noise(number + (1 << 29)) + 0.5 >= share;
-            T::of(scale * noise(number) * if is_zero { 0.0 } else { 1.0 })
+            T::from_f64(scale * noise(number) * if is_zero { 0.0 } else { 1.0 })
         };
         let count = problem.grid.count();
         let of_field = |index: usize| (index * count..(index + 1) * count).map(value).collect();
@@ -326,7 +326,7 @@ fn after<T: SolverReal, const D: usize>(
 }
 
 fn bits<T: SolverReal>(all: &[Vec<T>]) -> Vec<Vec<u64>> {
-    all.iter().map(|own| own.iter().map(|value| value.wide().to_bits()).collect()).collect()
+    all.iter().map(|own| own.iter().map(|value| value.to_f64().to_bits()).collect()).collect()
 }
 
 fn numbers<T: SolverReal>(memory: &[[T; 2]]) -> [Vec<T>; 1] {
@@ -361,7 +361,7 @@ fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
         let (values, sums) = (bits(&expected.fields), bits(&expected.sums));
         let memory = bits(&numbers(&expected.interlayers));
         let energies = [reference.energy()];
-        let all = expected.fields.iter().flatten().map(|value| value.wide());
+        let all = expected.fields.iter().flatten().map(|value| value.to_f64());
         let mut all = all.chain(expected.sums.iter().flatten().copied());
         assert!(all.all(f64::is_finite), "problem {number}");
         let mut inflow = None;

@@ -165,7 +165,7 @@ fn rough<T: SolverReal, const D: usize>(number: usize) -> (Domain<T, D>, String)
                 _ if chance.below(10) == 0 => size * chance.number(),
                 _ => 0.0,
             })
-            .map(T::of)
+            .map(T::from_f64)
             .collect();
         domain.set(field, &values);
     }

@@ -298,7 +298,7 @@ fn energies_are_those_of_the_laws() {
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
         fill(&mut domain);
         let stored: f64 =
-            (0..12).map(|cell| 0.02 * medium.stored_energy(&domain.whole_stress(cell))).sum();
+            (0..12).map(|cell| 0.02 * medium.stored_energy(&domain.total_stress(cell))).sum();
         let kinetic: f64 = domain
             .fields()
             .iter()

@@ -48,7 +48,7 @@ fn step(grid: &Grid<2>, metric: &Metric, medium: &Medium) -> f64 {
 
 fn fill<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(Field, &[T])) {
     for (index, field) in problem.fields().into_iter().enumerate() {
-        let value = |cell: usize| T::of(noise((100_003 * index + cell) as u64));
+        let value = |cell: usize| T::from_f64(noise((100_003 * index + cell) as u64));
         set(field, &(0..problem.grid.count()).map(value).collect::<Vec<_>>());
     }
 }
@@ -81,7 +81,7 @@ fn same<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
     assert!(error.abs() < limit * start, "{error:e} of {start}");
     assert!(reference.ledger().inflow != 0.0);
     let bits = |all: &[Vec<T>]| -> Vec<u64> {
-        all.iter().flatten().map(|value| value.wide().to_bits()).collect()
+        all.iter().flatten().map(|value| value.to_f64().to_bits()).collect()
     };
     for parts in [[1, 1], [1, 3], [2, 1], [2, 2]] {
         for instructions in Instructions::available() {

@@ -78,7 +78,7 @@ fn energy<const D: usize>(domain: &Reference<f64, D>, solid: &Isotropic, volume:
         })
         .sum();
     let cells = domain.values(Field::Velocity(0)).expect("a field").len();
-    let stored: f64 = (0..cells).map(|cell| solid.stored_energy(&domain.whole_stress(cell))).sum();
+    let stored: f64 = (0..cells).map(|cell| solid.stored_energy(&domain.total_stress(cell))).sum();
     volume * (kinetic + stored)
 }
 
@@ -114,7 +114,7 @@ fn check<const D: usize>(theory: Theory, set: YieldSet, plastic_step: PlasticSte
             PlasticStep::MidpointReflection => domain.admissible(),
         };
         for cell in 0..cells {
-            let value = set.value(&shown.whole_stress(cell));
+            let value = set.value(&shown.total_stress(cell));
             assert!(value < 1e-13, "{theory:?} {plastic_step:?} f = {value:e}");
         }
     }

@@ -57,7 +57,7 @@ fn periodic<const D: usize>() -> [[Boundary; 2]; D] {
 fn fill<T: SolverReal, const D: usize>(split: &mut DecomposedDomain<T, D>, size: f64) {
     for (index, field) in split.fields().to_vec().into_iter().enumerate() {
         let count = split.values(field).expect("a field").len();
-        let value = |cell: usize| T::of(size * noise((1000 * index + cell) as u64));
+        let value = |cell: usize| T::from_f64(size * noise((1000 * index + cell) as u64));
         split.set(field, &(0..count).map(value).collect::<Vec<_>>());
     }
 }
@@ -415,7 +415,7 @@ fn stored_energy_is_that_of_the_springs() {
                 domain.value(field, cell).unwrap_or(0.0)
             };
             let strain = std::array::from_fn(|i| std::array::from_fn(|j| strain(i, j)));
-            0.02 * solid.stored_energy(&domain.whole_stress(cell), &strain)
+            0.02 * solid.stored_energy(&domain.total_stress(cell), &strain)
         })
         .sum();
     let found = domain.energy().stored;
@@ -424,7 +424,7 @@ fn stored_energy_is_that_of_the_springs() {
 
 /// Returns the bits of the fields and of the sums by cell.
 fn bits<T: SolverReal>(own: &Snapshot<T>) -> (Vec<Vec<u64>>, Vec<Vec<u64>>) {
-    let of = |values: &Vec<T>| values.iter().map(|value| value.wide().to_bits()).collect();
+    let of = |values: &Vec<T>| values.iter().map(|value| value.to_f64().to_bits()).collect();
     let sums = own.sums.iter().map(|own| own.iter().map(|value| value.to_bits()).collect());
     (own.fields.iter().map(of).collect(), sums.collect())
 }

@@ -146,7 +146,7 @@ fn run<T: SolverReal, const D: usize>(
         // Some values are zeros, of either sign.
         let value = |cell: usize| {
             let own = noise(seed + (index * count + cell) as u64);
-            T::of(if own.abs() < 0.2 { 0.0 * own } else { 0.7 * own })
+            T::from_f64(if own.abs() < 0.2 { 0.0 * own } else { 0.7 * own })
         };
         split.set(field, &(0..count).map(value).collect::<Vec<_>>());
     }
@@ -156,7 +156,7 @@ fn run<T: SolverReal, const D: usize>(
 
 fn same<T: SolverReal, const D: usize>(first: u64) {
     let bits = |all: &[Vec<T>]| -> Vec<u64> {
-        all.iter().flatten().map(|value| value.wide().to_bits()).collect()
+        all.iter().flatten().map(|value| value.to_f64().to_bits()).collect()
     };
     let (mut yielding, mut released) = (0, 0);
     for number in first..first + 40 {
@@ -290,8 +290,8 @@ fn mapped_whole_stresses_are_the_nearest_of_a_conic_solver() {
         };
         let after = domain.admissible();
         for cell in 0..grid.count() {
-            let trial = plane(&domain.whole_stress(cell));
-            let own = plane(&after.whole_stress(cell));
+            let trial = plane(&domain.total_stress(cell));
+            let own = plane(&after.total_stress(cell));
             let distance =
                 |s: &Plane| energy(&compliance, &std::array::from_fn(|i| s[i] - trial[i]));
             let theirs = nearest(&solid, &set, &trial);

@@ -58,7 +58,7 @@ fn same_of<T: SolverReal, const D: usize>(
     let problem = Problem::new(grid, media.to_vec(), of_cell, sides.clone(), step, scheme);
     let mut whole: Domain<T, D> = Domain::new(&problem).expect("sound");
     let values = |index: usize| -> Vec<T> {
-        (0..count).map(|cell| T::of(noise((10_000 * index + cell) as u64))).collect()
+        (0..count).map(|cell| T::from_f64(noise((10_000 * index + cell) as u64))).collect()
     };
     let fields = whole.fields().to_vec();
     for (index, &field) in fields.iter().enumerate() {
@@ -110,7 +110,7 @@ fn same_of<T: SolverReal, const D: usize>(
 }
 
 fn bits<T: SolverReal>(values: Option<Vec<T>>) -> Vec<u64> {
-    values.expect("a field").iter().map(|value| value.wide().to_bits()).collect()
+    values.expect("a field").iter().map(|value| value.to_f64().to_bits()).collect()
 }
 
 #[test]

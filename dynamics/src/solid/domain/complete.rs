@@ -58,7 +58,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let count = self.fields().len();
         let of_cell = |cell: &usize| {
             let own = self.completed(self.layout.own_cell(*cell), sides.as_ref());
-            own[..count].iter().map(|value| value.wide()).collect::<Vec<f64>>()
+            own[..count].iter().map(|value| value.to_f64()).collect::<Vec<f64>>()
         };
         cells.iter().flat_map(of_cell).collect()
     }

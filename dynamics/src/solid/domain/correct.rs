@@ -3,7 +3,7 @@
 use super::layout::RowSegment;
 use super::plastic::Correct;
 use super::return_mapping::{MapStresses, map_in_lanes};
-use super::whole_stress::{InitialStress, WIDTH, Wide, blocks_of_group};
+use super::total_stress::{InitialStress, WIDTH, Wide, blocks_per_group};
 use super::{Domain, SolverReal};
 use crate::simd::{Group, Real};
 use crate::solid::cell_laws::correction;
@@ -81,7 +81,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         };
         let mut wide = std::mem::take(&mut self.buffer.wide);
         let (blocks_per_group, count) =
-            (blocks_of_group::<T>(), groups.len() * blocks_of_group::<T>());
+            (blocks_per_group::<T>(), groups.len() * blocks_per_group::<T>());
         let stresses = self.fields().iter().position(|own| component(*own, &NONE).is_some());
         let stresses = stresses.unwrap_or(0)..self.fields().len();
         let is_double = (&self.data as &dyn Any).is::<Vec<Wide>>();
@@ -161,7 +161,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         for index in 0..self.materials.media[0].fields.len() {
             if let Some(moved) = component(self.fields()[index], &done.stress) {
-                *self.at_mut(cell, index * self.layout.pitch) = T::of(moved);
+                *self.at_mut(cell, index * self.layout.pitch) = T::from_f64(moved);
             }
         }
     }
@@ -174,7 +174,7 @@ fn widen<T: Real>(groups: &[T::Lanes], blocks: &mut [Wide]) {
     let lanes = groups.iter().flat_map(|group| group.lanes().chunks(WIDTH));
     for (block, own) in blocks.iter_mut().zip(lanes) {
         for (wide, own) in block.lanes_mut().iter_mut().zip(own) {
-            *wide = own.wide();
+            *wide = own.to_f64();
         }
     }
 }
@@ -184,7 +184,7 @@ fn narrow<T: Real>(blocks: &[Wide], groups: &mut [T::Lanes]) {
     let lanes = groups.iter_mut().flat_map(|group| group.lanes_mut().chunks_mut(WIDTH));
     for (block, own) in blocks.iter().zip(lanes) {
         for (own, wide) in own.iter_mut().zip(block.lanes()) {
-            *own = T::of(*wide);
+            *own = T::from_f64(*wide);
         }
     }
 }

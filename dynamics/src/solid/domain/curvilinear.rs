@@ -13,7 +13,7 @@ use crate::solid::cell::CellConstants;
 use crate::solid::cell_laws::Interval;
 use crate::solid::ghosts::GhostCoefficients;
 use crate::solid::medium::Medium;
-use crate::solid::metric::{GeometricPlane, rotated_by_geometry};
+use crate::solid::metric::{CurvatureRotation, rotated_by_curvature};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use std::ops::Range;
@@ -129,11 +129,13 @@ impl<T: Real> GeometricRotation<T> {
         layers: &[usize],
     ) -> Option<Self> {
         let curvature = &problem.metric.as_ref().filter(|own| !own.curvature.is_empty())?.curvature;
-        let of_media: Vec<_> = problem.media.iter().map(GeometricPlane::of_medium).collect();
+        let of_media: Vec<_> = problem.media.iter().map(CurvatureRotation::of_medium).collect();
         let plane = |index: usize| {
-            let planes: Vec<&GeometricPlane> = of_media.iter().map(|own| &own[index]).collect();
+            let planes: Vec<&CurvatureRotation> = of_media.iter().map(|own| &own[index]).collect();
             let lanes = |pattern: &Vec<u16>, place: usize| {
-                T::Lanes::by_lane(|lane| T::of(planes[usize::from(pattern[lane])].modulus(place)))
+                T::Lanes::by_lane(|lane| {
+                    T::from_f64(planes[usize::from(pattern[lane])].modulus(place))
+                })
             };
             let mut places: Vec<usize> =
                 planes.iter().flat_map(|own| &own.moduli).map(|own| own.0).collect();
@@ -145,15 +147,15 @@ impl<T: Real> GeometricRotation<T> {
             let weights = planes[0].weights.iter();
             let constants = |layer: &usize| {
                 Interval::both(|part| {
-                    let own = |plane: &&GeometricPlane| {
-                        plane.rotation(curvature[*layer], part * problem.step).map(T::of)
+                    let own = |plane: &&CurvatureRotation| {
+                        plane.rotation(curvature[*layer], part * problem.step).map(T::from_f64)
                     };
                     planes.iter().map(own).collect()
                 })
             };
             Plane {
                 velocity: planes[0].velocity * pitch,
-                weights: weights.map(|&(place, q)| (place * pitch, T::of(q))).collect(),
+                weights: weights.map(|&(place, q)| (place * pitch, T::from_f64(q))).collect(),
                 moduli: moduli.collect(),
                 constants: vec![[T::Lanes::ZERO; 4]; patterns.len()],
                 by_layer: layers.iter().map(constants).collect(),
@@ -186,14 +188,14 @@ impl<T: Real> GeometricRotation<T> {
 }
 
 /// Kernel: rotation by the curvature of rows in adjacent groups of a row.
-struct RotateGeometry<'a, T: Real> {
+struct RotateByCurvature<'a, T: Real> {
     /// Data from the first of the groups on.
     data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     planes: &'a [Plane<T>],
 }
 
-impl<T: Real> SimdKernel<T> for RotateGeometry<'_, T> {
+impl<T: Real> SimdKernel<T> for RotateByCurvature<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         for (index, &pattern) in self.patterns.iter().enumerate() {
@@ -206,7 +208,7 @@ impl<T: Real> SimdKernel<T> for RotateGeometry<'_, T> {
                     y = y + <V as Vector<T>>::all(*weight) * V::load(&group[*place]);
                 }
                 let v = V::load(&group[plane.velocity]);
-                let [v, strain] = rotated_by_geometry(constants, v, y);
+                let [v, strain] = rotated_by_curvature(constants, v, y);
                 v.store(&mut group[plane.velocity]);
                 for (place, moduli) in &plane.moduli {
                     let own = V::load(&group[*place]);
@@ -219,7 +221,7 @@ impl<T: Real> SimdKernel<T> for RotateGeometry<'_, T> {
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Rotates the state by the curvature of rows over `interval`; in the plane only, where layers are rows.
-    pub(super) fn rotate_geometry(
+    pub(super) fn rotate_by_curvature(
         &mut self,
         layers: &Range<usize>,
         tile: &RowSegment,
@@ -230,7 +232,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let (first, groups) = self.layout.groups_of(layer, tile);
             let patterns = &self.materials.patterns[groups];
             rotation.fill(layer, interval, patterns);
-            self.instructions.run::<T>(RotateGeometry {
+            self.instructions.run::<T>(RotateByCurvature {
                 data: &mut self.data[first..],
                 patterns,
                 planes: &rotation.planes,

@@ -99,7 +99,7 @@ pub(crate) struct Lines<'a, T: Real> {
     /// by multiples of `across`.
     pub(crate) path: &'a [GroupIndex],
     /// Group of the first line before the path; the first group of the path if there is none.
-    pub(crate) in_front: GroupIndex,
+    pub(crate) previous_group: GroupIndex,
     /// Distance between two lines.
     pub(crate) across: GroupIndex,
     /// Whether the path begins with the ghosts at the lower end, where no state is carried yet. The sweep overwrites
@@ -172,7 +172,7 @@ impl<T: Real> Lines<'_, T> {
         let offset = line * self.across.group;
         let pattern = |place: usize| self.patterns[self.path[place].group + offset];
         let own = pattern(0);
-        if self.patterns[self.in_front.group + offset] != own {
+        if self.patterns[self.previous_group.group + offset] != own {
             return None;
         }
         // The last groups may be ghosts, which `run_lengths` does not cover.
@@ -214,7 +214,7 @@ impl<T: Real> Lines<'_, T> {
 
     /// Returns the range of distances, from a group of the path, of the fields that a pair of waves prefetches into L2.
     #[inline(always)]
-    fn later_share(&self, index: usize) -> Range<usize> {
+    fn prefetch_l2_range(&self, index: usize) -> Range<usize> {
         let (behind, Range { start, end }) = self.later;
         let first = index * self.fields.div_ceil(self.waves.len());
         behind + (first + start) * self.pitch..behind + (first + end) * self.pitch
@@ -261,7 +261,7 @@ impl<T: Real> Lines<'_, T> {
             stress: wave.stress,
             passive_stresses: std::array::from_fn(|index| wave.passive_stresses[index]),
             extent,
-            later: self.later_share(index),
+            later: self.prefetch_l2_range(index),
         };
         // Checks the offsets once, not in every group.
         assert!(places.velocity < extent && places.stress < extent);
@@ -281,7 +281,7 @@ impl<T: Real> Lines<'_, T> {
             }
             let mut farther = pattern;
             if MIXED {
-                farther = patterns[self.in_front.group + offset.group];
+                farther = patterns[self.previous_group.group + offset.group];
                 pattern = patterns[path[0].group + offset.group];
                 cell = CellConstants::load(self.table.cell(pattern, wave));
             }

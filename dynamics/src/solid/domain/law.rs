@@ -12,7 +12,7 @@ use super::curvilinear::GeometricRotation;
 use super::materials::Materials;
 use super::plastic::Sets;
 use super::relaxation::Relaxations;
-use super::whole_stress::{InitialStress, WholeStressSets, blocks_of_group, initial_blocks};
+use super::total_stress::{InitialStress, TotalStressSets, blocks_per_group, initial_blocks};
 use crate::simd::{Group, Real};
 use crate::solid::cell_laws::{self, Interval, SpinStressRotation, spin_stress_rotation};
 use crate::solid::problem::{PlasticStep, Problem};
@@ -37,7 +37,7 @@ pub(super) struct LocalLaws<T: Real> {
     /// Initial stress by block of a row, if it varies along the first axis; else empty.
     pub(super) initial_blocks: Vec<InitialStress>,
     /// Yield sets in lanes for total stresses, for reflections, and for several kinds of sets.
-    pub(super) whole: WholeStressSets,
+    pub(super) whole: TotalStressSets,
     /// Rotation of the state by the curvature of rows; `None` for straight rows.
     pub(super) geometry: Option<GeometricRotation<T>>,
     /// Whether the return mapping of total stresses is scalar, cell by cell, and not in lanes; results do not depend on
@@ -80,7 +80,7 @@ impl<T: Real> LocalLaws<T> {
                     let own = |lane: usize| {
                         spin_stress_rotation(&media[usize::from(pattern[lane])], part, step)
                     };
-                    T::Lanes::by_lane(|lane| T::of(own(lane)[which]))
+                    T::Lanes::by_lane(|lane| T::from_f64(own(lane)[which]))
                 })
             })
         });
@@ -90,8 +90,8 @@ impl<T: Real> LocalLaws<T> {
         let needs_whole = is_plastic && (sets.is_none() || reflects || initial_stress.is_some());
         Self {
             whole: match needs_whole {
-                true => WholeStressSets::new(media, patterns, whole),
-                false => WholeStressSets::default(),
+                true => TotalStressSets::new(media, patterns, whole),
+                false => TotalStressSets::default(),
             },
             initial_blocks: match &initial_stress {
                 Some((0, layers)) if needs_whole => initial_blocks::<T>(layers, groups),
@@ -110,6 +110,6 @@ impl<T: Real> LocalLaws<T> {
 
     /// Whether the return mapping needs buffers in double precision, as for domains in single precision.
     pub(super) fn needs_wide_blocks(&self) -> bool {
-        blocks_of_group::<T>() > 1 && self.whole != WholeStressSets::default()
+        blocks_per_group::<T>() > 1 && self.whole != TotalStressSets::default()
     }
 }

@@ -4,7 +4,7 @@ use super::diagnostics::Diagnostics;
 use super::layout::RowSegment;
 use super::{Domain, MOST_FIELDS, SolverReal};
 use crate::exact_sum::ExactSum;
-use crate::simd::{Group, MOST_LANES, Real, SimdKernel, Vector};
+use crate::simd::{Group, MAX_LANES, Real, SimdKernel, Vector};
 use crate::solid::cell_laws::{
     Interval, SpinStressRotation, combined, flush_limit, rotated, stress_of,
 };
@@ -19,7 +19,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mut integrals = std::mem::take(&mut self.diagnostics.integrals);
         for (place, sums) in &mut integrals {
             for (sum, cell) in sums[cells.clone()].iter_mut().zip(cells.clone()) {
-                *sum += steps * self.step * self.at(cell, *place).wide();
+                *sum += steps * self.step * self.at(cell, *place).to_f64();
             }
         }
         self.diagnostics.integrals = integrals;
@@ -45,7 +45,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Returns the total stress in an own cell: the initial stress and the deviation from it.
-    pub fn whole_stress(&self, cell: usize) -> Stress {
+    pub fn total_stress(&self, cell: usize) -> Stress {
         let cell = self.layout.own_cell(cell);
         combined(&self.stress(cell), &self.initial_stress(cell), 1.0)
     }
@@ -199,18 +199,18 @@ impl<T: SolverReal, const D: usize> SimdKernel<T> for Energies<'_, T, D> {
             let factors = &terms.factors[patterns[index.group] as usize];
             let group = &data[index.data..];
             // Kinetic terms come first. Sums are in double precision.
-            let mut of_lanes = [[0.0f64; MOST_LANES]; 2];
+            let mut of_lanes = [[0.0f64; MAX_LANES]; 2];
             let kinds = [0..terms.kinetic, terms.kinetic..terms.places.len()];
             for (of_kind, kind) in of_lanes.iter_mut().zip(kinds) {
                 // A local array, not `of_lanes` itself, so that the sums stay in registers.
-                let mut sums = [0.0f64; MOST_LANES];
+                let mut sums = [0.0f64; MAX_LANES];
                 for (&[one, other], factor) in terms.places[kind.clone()].iter().zip(&factors[kind])
                 {
                     let lanes = factor.lanes().iter().zip(group[one].lanes());
                     for (sum, ((factor, one), other)) in
                         sums.iter_mut().zip(lanes.zip(group[other].lanes()))
                     {
-                        *sum += factor.wide() * one.wide() * other.wide();
+                        *sum += factor.to_f64() * one.to_f64() * other.to_f64();
                     }
                 }
                 *of_kind = sums;

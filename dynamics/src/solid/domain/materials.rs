@@ -181,7 +181,7 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
                 }
             }));
             let lanes = |ratio: &Vec<f64>| {
-                T::Lanes::by_lane(|lane| T::of(ratio[usize::from(pattern[lane])]))
+                T::Lanes::by_lane(|lane| T::from_f64(ratio[usize::from(pattern[lane])]))
             };
             table.ratios.extend(self.ratios.iter().map(lanes));
         }
@@ -266,8 +266,9 @@ impl<T: Real> EnergyTerms<T> {
     fn new(media: &[Medium], fields: &[Field], patterns: &[Vec<u16>], pitch: usize) -> Self {
         let (terms, kinetic) = energy_terms_of_all(media, fields);
         let factors = patterns.iter().map(|pattern| {
-            let of =
-                |term: &Vec<f64>| T::Lanes::by_lane(|lane| T::of(term[usize::from(pattern[lane])]));
+            let of = |term: &Vec<f64>| {
+                T::Lanes::by_lane(|lane| T::from_f64(term[usize::from(pattern[lane])]))
+            };
             terms.values().map(of).collect()
         });
         Self {

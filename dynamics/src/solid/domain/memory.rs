@@ -3,7 +3,7 @@
 use super::kernel::Carried;
 use super::layout::{GroupIndex, Layout};
 use super::schedule::CHUNK;
-use super::whole_stress::{Wide, blocks_of_group};
+use super::total_stress::{Wide, blocks_per_group};
 use crate::simd::{Number, Real};
 use crate::solid::reconstruction::GHOSTS;
 
@@ -41,7 +41,7 @@ impl<T: Real> Buffer<T> {
             let waves = pairs.get(axis).copied().unwrap_or(0);
             vec![vec![Carried::empty(); lines * waves]; halves]
         });
-        let blocks = layout.fields * layout.groups * blocks_of_group::<T>();
+        let blocks = layout.fields * layout.groups * blocks_per_group::<T>();
         Self {
             carried,
             path: Vec::with_capacity(longest),

@@ -11,7 +11,7 @@
 //! | `law`, `local`, `relaxation` | local operators between sweeps: rotation, relaxation, flush of subnormals |
 //! | `correct` | return mapping: dispatch |
 //! | `plastic` | return mapping without initial stress, for one kind of yield set |
-//! | `return_mapping`, `whole_stress` | Newton's method for total stresses, reflections and mixed sets; its constants |
+//! | `return_mapping`, `total_stress` | Newton's method for total stresses, reflections and mixed sets; its constants |
 //! | `cell_mapping` | return mapping in lanes of a single cell, for the reference solver |
 //! | `curvilinear` | cell length along rows by layer, rotation by the curvature of rows |
 //! | `sources`, `boundaries` | sources and gravity; boundary conditions |
@@ -69,7 +69,7 @@ mod sources;
 mod step;
 mod sweep;
 mod table;
-mod whole_stress;
+mod total_stress;
 
 pub(crate) use cell_mapping::CellMapping;
 pub(crate) use complete::BOUNDARY_LAYER;
@@ -193,7 +193,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns field and own cell of the first value that is not finite; for an interlayer the cell at its upper side.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let is_broken = |cell: &usize| {
-            self.places().find(|(_, place)| !self.at(*cell, *place).wide().is_finite())
+            self.places().find(|(_, place)| !self.at(*cell, *place).to_f64().is_finite())
         };
         let Some(cell) = self.layout.own_cells().find(|cell| is_broken(cell).is_some()) else {
             return self.first_non_finite_interlayer();

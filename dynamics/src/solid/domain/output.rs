@@ -15,7 +15,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let is_under_way = self.schedule.steps > 0;
         let cell = self.layout.own_cell(cell);
         self.diagnostics.integrals.iter().map(move |(place, sums)| match is_under_way {
-            true => sums[cell] - last * self.at(cell, *place).wide(),
+            true => sums[cell] - last * self.at(cell, *place).to_f64(),
             false => 0.0,
         })
     }
@@ -74,7 +74,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the first own cell whose total stress is not in its yield set.
     pub(crate) fn first_beyond_yield(&self) -> Option<usize> {
         (0..self.grid.count()).find(|&cell| {
-            let stress = self.whole_stress(cell);
+            let stress = self.total_stress(cell);
             self.medium(cell).project(&stress).stress != stress
         })
     }
@@ -124,7 +124,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let whole = combined(&stress, &self.initial_stress(of_all), 1.0);
         let stress = self.medium(cell).project(&whole).stress;
         for (&field, value) in self.fields().iter().zip(own) {
-            values.push(component(field, &stress).unwrap_or_else(|| value.wide()));
+            values.push(component(field, &stress).unwrap_or_else(|| value.to_f64()));
         }
         values.extend(self.integrals(cell));
     }

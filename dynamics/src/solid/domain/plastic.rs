@@ -178,7 +178,7 @@ fn half_spaces<T: Real>(
             let lanes = |value: &dyn Fn(&Condition) -> f64, other: f64| {
                 T::Lanes::by_lane(|lane| {
                     let own = conditions[usize::from(pattern[lane])].get(index);
-                    T::of(own.map_or(other, value))
+                    T::from_f64(own.map_or(other, value))
                 })
             };
             let normal = (0..fields.len())
@@ -205,7 +205,7 @@ impl<T: Real> Strengths<T> {
             .collect::<Option<_>>()?;
         let by_pattern = patterns.iter().map(|pattern| {
             let lanes = |value: &dyn Fn(&Strength<f64>) -> f64| {
-                T::Lanes::by_lane(|lane| T::of(value(&of_medium[usize::from(pattern[lane])])))
+                T::Lanes::by_lane(|lane| T::from_f64(value(&of_medium[usize::from(pattern[lane])])))
             };
             let parts = |value: &dyn Fn(&Strength<f64>) -> [f64; PARTS]| {
                 std::array::from_fn(|part| lanes(&|own| value(own)[part]))
@@ -290,7 +290,7 @@ impl<T: Real> Correct<'_, T> {
             if mapped != 0 {
                 let dissipated = &mut self.dissipated[index * lanes..][..lanes];
                 for (own, lost) in dissipated.iter_mut().zip(lost.lanes()) {
-                    let lost = lost.wide();
+                    let lost = lost.to_f64();
                     // NaN also enters the stress, where it is detected.
                     debug_assert!(lost.is_nan() || lost >= 0.0, "the correction adds energy");
                     *own += lost.max(0.0);

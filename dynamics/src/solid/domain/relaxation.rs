@@ -45,7 +45,7 @@ impl<T: Real> Relaxations<T> {
             let relaxing = (0..pattern.len()).map(relaxes).sum();
             (relaxing != 0).then(|| {
                 let lanes = |value: &dyn Fn(&Medium) -> f64| {
-                    T::Lanes::by_lane(|lane| T::of(value(medium(lane))))
+                    T::Lanes::by_lane(|lane| T::from_f64(value(medium(lane))))
                 };
                 (relaxing, Interval::both(|part| relaxation_over(lanes, part, step)))
             })
@@ -125,7 +125,7 @@ impl<T: Real> Relax<'_, T> {
             V::ZERO.with_lanes(*lanes, lost).store(&mut of_lanes);
             let sums = &mut self.dissipated[index * count..][..count];
             for (sum, own) in sums.iter_mut().zip(of_lanes.lanes()) {
-                *sum += own.wide();
+                *sum += own.to_f64();
             }
         }
     }

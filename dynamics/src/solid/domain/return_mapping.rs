@@ -15,8 +15,8 @@
 mod batch;
 
 use self::batch::{BATCH, Batch, Found, Pending};
-use super::whole_stress::{
-    Block, InitialStress, Tensors, WIDTH, WholeStressSets, Wide, load_cone, load_moduli,
+use super::total_stress::{
+    Block, InitialStress, Tensors, TotalStressSets, WIDTH, Wide, load_cone, load_moduli,
     load_tensors, tensors,
 };
 use crate::simd::{Group, Instructions, Number, SimdKernel, Vector};
@@ -29,7 +29,7 @@ use models::yield_set::return_mapping::{Cone, Mapped, PARTS, Parts, ROUNDING, su
 
 /// Kernel: return mapping of adjacent blocks of a row.
 pub(super) struct MapStresses<'a> {
-    pub(super) mapping: &'a WholeStressSets,
+    pub(super) mapping: &'a TotalStressSets,
     pub(super) media: &'a [Medium],
     /// Data from the first of the blocks on.
     pub(super) data: &'a mut [Wide],

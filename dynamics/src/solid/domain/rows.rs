@@ -293,11 +293,11 @@ impl<T: Real> Rows<'_, T> {
         let ghosts = &mut ghosts[start..][..(2 * GHOSTS - 1) * apart + 1];
         for depth in 0..GHOSTS {
             let own = V::load(&field[groups - 1 - depth]);
-            own.after(in_front[depth]).store(&mut ghosts[depth * apart]);
+            own.shift_in_low(in_front[depth]).store(&mut ghosts[depth * apart]);
             // With the ghosts after the last cell, which are stored in the row below.
             let own = V::load(&field[depth]).with_lanes(in_first[depth][0], beyond[0]);
             let own = own.with_lanes(in_first[depth][1], beyond[1]);
-            own.before(V::ZERO).store(&mut ghosts[(GHOSTS + depth) * apart]);
+            own.shift_in_high(V::ZERO).store(&mut ghosts[(GHOSTS + depth) * apart]);
         }
         for depth in 0..GHOSTS {
             let (group, lane) = behind[depth];

@@ -204,11 +204,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             // after them.
             let others = !self.law.rotated.is_empty() || self.law.relaxations.is_some();
             let interval = if others { Interval::HalfStep } else { Interval::Step };
-            self.rotate_geometry(layers, tile, interval);
+            self.rotate_by_curvature(layers, tile, interval);
             self.rotate_spins(layers, tile, Interval::Step);
             self.relax(layers, tile, Interval::Step);
             if others {
-                self.rotate_geometry(layers, tile, interval);
+                self.rotate_by_curvature(layers, tile, interval);
             }
         }
         self.apply_sources(layers, tile, first + 1);

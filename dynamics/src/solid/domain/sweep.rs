@@ -125,7 +125,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let works = |side: &BoundaryFaces<T>| matches!(side, BoundaryFaces::Physical(mirror) if mirror.does_work);
         if self.boundary.faces[half][0].iter().any(works) {
             self.fill_rows(bundle);
-            (0..2).for_each(|end| self.note_work(bundle, end));
+            (0..2).for_each(|end| self.accumulate_boundary_work(bundle, end));
         }
         self.walk(bundle, -1..self.layout.groups as isize + 1);
     }
@@ -194,7 +194,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.fill_end(bundle, end);
         }
         for end in (0..2).filter(|end| ends[*end]) {
-            self.note_work(bundle, end);
+            self.accumulate_boundary_work(bundle, end);
         }
         let start = ready.start as isize - 1;
         let end = if ends[1] { bundle.count as isize + 1 } else { ready.end as isize - 1 };
@@ -208,7 +208,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mut path = std::mem::take(&mut self.buffer.path);
         path.clear();
         let (first, end, count) = (places.start - 1, places.end + 1, bundle.count as isize);
-        let in_front = self.index_at(bundle, 0, (first - 1).max(-(GHOSTS as isize)));
+        let previous_group = self.index_at(bundle, 0, (first - 1).max(-(GHOSTS as isize)));
         path.extend((first..0).map(|place| self.index_at(bundle, 0, place)));
         path.extend((first.max(0)..end.min(count)).map(|place| bundle.index(place as usize)));
         path.extend((first.max(count)..end).map(|place| self.index_at(bundle, 0, place)));
@@ -236,7 +236,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             patterns: &self.materials.patterns,
             run_lengths: &self.materials.run_lengths[axis],
             path: &path,
-            in_front,
+            previous_group,
             across: bundle.across,
             begins: places.start < 0,
             next,
@@ -247,7 +247,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         match self.interfaces.lines(axis, bundle.face) {
             None => lines.walk(self.instructions),
             Some((laws, first, line)) => {
-                let step = T::of(self.time_of_sweep());
+                let step = T::from_f64(self.time_of_sweep());
                 let lines = InterlayerLines {
                     lines,
                     faces: &faces,
@@ -459,7 +459,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Adds the work at an end of lines in the sweep that follows.
-    fn note_work(&mut self, bundle: Bundle, end: usize) {
+    fn accumulate_boundary_work(&mut self, bundle: Bundle, end: usize) {
         let Bundle { axis, half, lines, .. } = bundle;
         if !matches!(&self.boundary.faces[half][axis][end], BoundaryFaces::Physical(mirror) if mirror.does_work)
         {

@@ -8,7 +8,7 @@ use crate::solid::cell_laws::{
 };
 use crate::solid::domain::{CellMapping, SolverReal};
 use crate::solid::medium::{Medium, component};
-use crate::solid::metric::{GeometricPlane, rotated_by_geometry};
+use crate::solid::metric::{CurvatureRotation, rotated_by_curvature};
 use crate::solid::problem::Problem;
 use models::rheology::relaxation::Relaxation;
 use models::solid::stress::Stress;
@@ -30,7 +30,7 @@ pub(super) struct LocalLaws<T: SolverReal> {
 }
 
 /// A rotation plane of the curvature, and its coefficients by layer over a whole and over half a step.
-type PlaneByLayer<T> = (GeometricPlane, Vec<[[T; 4]; 2]>);
+type PlaneByLayer<T> = (CurvatureRotation, Vec<[[T; 4]; 2]>);
 
 /// Constants of stress relaxation.
 #[derive(Clone)]
@@ -45,28 +45,30 @@ impl<T: SolverReal> LocalLaws<T> {
     pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[Field]) -> Self {
         let Problem { media, step, .. } = problem;
         let rotations = media.iter().map(|medium| {
-            Interval::both(|part| spin_stress_rotation(medium, part, *step).map(T::of))
+            Interval::both(|part| spin_stress_rotation(medium, part, *step).map(T::from_f64))
         });
         let relaxations = relaxed_fields(fields).map(|fields| Relaxations {
             fields,
             by_medium: media
                 .iter()
                 .map(|medium| {
-                    Interval::both(|part| relaxation_over(|of| T::of(of(medium)), part, *step))
+                    Interval::both(|part| {
+                        relaxation_over(|of| T::from_f64(of(medium)), part, *step)
+                    })
                 })
                 .collect(),
         });
         let curvature = problem.metric.as_ref().map_or(&[][..], |metric| &metric.curvature);
-        let plane = |plane: GeometricPlane| {
+        let plane = |plane: CurvatureRotation| {
             let of_layer = |curvature: &f64| {
-                Interval::both(|part| plane.rotation(*curvature, part * step).map(T::of))
+                Interval::both(|part| plane.rotation(*curvature, part * step).map(T::from_f64))
             };
             let by_layer = curvature.iter().map(of_layer).collect();
             (plane, by_layer)
         };
         let planes = |medium: &Medium| match curvature {
             [] => Vec::new(),
-            _ => GeometricPlane::of_medium(medium).into_iter().map(plane).collect(),
+            _ => CurvatureRotation::of_medium(medium).into_iter().map(plane).collect(),
         };
         Self {
             geometry: media.iter().map(planes).collect(),
@@ -167,21 +169,21 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Rotates the state by the curvature of rows.
-    pub(super) fn rotate_geometry(&mut self, interval: Interval) {
+    pub(super) fn rotate_by_curvature(&mut self, interval: Interval) {
         let length = self.problem.grid.cells[0];
         for (cell, medium) in self.problem.of_cell.iter().enumerate() {
             for (plane, by_layer) in &self.laws.geometry[usize::from(*medium)] {
                 let weights = plane.weights.iter();
                 let y = weights.fold(T::ZERO, |y, &(place, weight)| {
-                    y + T::of(weight) * self.fields[place][cell]
+                    y + T::from_f64(weight) * self.fields[place][cell]
                 });
                 let v = self.fields[plane.velocity][cell];
                 let [v, strain] =
-                    rotated_by_geometry(by_layer[cell / length][interval as usize], v, y);
+                    rotated_by_curvature(by_layer[cell / length][interval as usize], v, y);
                 self.fields[plane.velocity][cell] = v;
                 for &(place, modulus) in &plane.moduli {
                     let stress = &mut self.fields[place][cell];
-                    *stress = *stress - T::of(modulus) * strain;
+                    *stress = *stress - T::from_f64(modulus) * strain;
                 }
             }
         }
@@ -204,7 +206,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 }
                 _ => T::ZERO,
             };
-            self.dissipation.viscous[cell] += lost.wide();
+            self.dissipation.viscous[cell] += lost.to_f64();
         }
         self.laws.relaxations = Some(relaxations);
     }
@@ -271,7 +273,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.work.least_plastic = self.work.least_plastic.min(own.share);
         for (field, values) in self.problem.media[0].fields.iter().zip(&mut self.fields) {
             if let Some(value) = component(*field, &own.stress) {
-                values[cell] = T::of(value);
+                values[cell] = T::from_f64(value);
             }
         }
     }
@@ -289,7 +291,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     pub(super) fn accumulate_integrals(&mut self, steps: f64) {
         for (place, sums) in &mut self.integrals {
             for (sum, value) in sums.iter_mut().zip(&self.fields[*place]) {
-                *sum += steps * self.problem.step * value.wide();
+                *sum += steps * self.problem.step * value.to_f64();
             }
         }
     }

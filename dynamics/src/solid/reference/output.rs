@@ -27,7 +27,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Returns the total stress in a cell of the problem.
-    pub fn whole_stress(&self, cell: usize) -> Stress {
+    pub fn total_stress(&self, cell: usize) -> Stress {
         self.whole_stress_of(self.permutation.permuted_cell(cell))
     }
 
@@ -44,7 +44,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Returns field and cell of the first non-finite value; for interlayers, the cell above the face.
     pub fn first_non_finite(&self) -> Option<(Field, usize)> {
         let is_broken = |cell: &usize| {
-            let broken = self.fields.iter().position(|own| !own[*cell].wide().is_finite());
+            let broken = self.fields.iter().position(|own| !own[*cell].to_f64().is_finite());
             broken.map(|place| self.fields()[place])
         };
         let first = (0..self.problem.grid.count()).find(|cell| is_broken(cell).is_some());
@@ -114,12 +114,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let whole = combined(&stress_of(self.fields(), &state), &initial, 1.0);
         let stress = self.medium(cell).project(&whole).stress;
         for (&field, value) in self.fields().iter().zip(&state) {
-            values.push(component(field, &stress).unwrap_or_else(|| value.wide()));
+            values.push(component(field, &stress).unwrap_or_else(|| value.to_f64()));
         }
         // End correction of the trapezoidal rule; alternating sweeps use the midpoint rule.
         let last = if self.problem.scheme.alternates() { 0.0 } else { 0.5 * self.problem.step };
         for (place, sums) in &self.integrals {
-            let sum = sums[cell] - last * self.fields[*place][cell].wide();
+            let sum = sums[cell] - last * self.fields[*place][cell].to_f64();
             values.push(if self.steps > 0 { sum } else { 0.0 });
         }
     }
@@ -198,9 +198,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         for (cell, medium) in self.problem.of_cell.iter().enumerate() {
             let mut of_cell = [0.0; 2];
             for (term, ([one, other], factors)) in terms.iter().enumerate() {
-                let factor = T::of(factors[usize::from(*medium)]);
-                let [one, other] = [one, other].map(|place| self.fields[*place][cell].wide());
-                of_cell[usize::from(term >= kinetic)] += factor.wide() * one * other;
+                let factor = T::from_f64(factors[usize::from(*medium)]);
+                let [one, other] = [one, other].map(|place| self.fields[*place][cell].to_f64());
+                of_cell[usize::from(term >= kinetic)] += factor.to_f64() * one * other;
             }
             sums.kinetic.add(of_cell[0]);
             sums.stored.add(of_cell[1]);

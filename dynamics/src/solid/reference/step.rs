@@ -64,11 +64,11 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 // them.
                 let others = self.laws.is_any();
                 let interval = if others { Interval::HalfStep } else { Interval::Step };
-                self.rotate_geometry(interval);
+                self.rotate_by_curvature(interval);
                 self.rotate_spins(Interval::Step);
                 self.relax(Interval::Step);
                 if others {
-                    self.rotate_geometry(interval);
+                    self.rotate_by_curvature(interval);
                 }
             }
         }

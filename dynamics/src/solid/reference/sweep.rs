@@ -47,7 +47,7 @@ impl<T: Real> WavePair<T> {
         let passive = |index: usize| {
             let ratio = |own: &models::solid::waves::Pair| {
                 let found = own.passive_stresses.iter().find(|own| own.0 == fields[index]);
-                T::of(found.map_or(0.0, |own| own.1))
+                T::from_f64(found.map_or(0.0, |own| own.1))
             };
             (index, pairs().map(ratio).collect())
         };
@@ -162,7 +162,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             strip.accounts.resize(line.count, Account::default());
             let Strip { velocity, stress, cells, accounts } = strip;
             let mut interlayers = self.faces.of_line(pair, line);
-            let (own, time) = (&mut interlayers, T::of(time));
+            let (own, time) = (&mut interlayers, T::from_f64(time));
             let accounts = Some(accounts.as_mut_slice());
             let lost =
                 sweep_with_interlayers(velocity, stress, cells, self.slopes, own, time, accounts);

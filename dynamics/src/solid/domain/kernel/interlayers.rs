@@ -72,7 +72,7 @@ impl<T: Real> InterlayerLines<'_, T> {
         let (path, slot) = (self.lines.path, line * self.lines.waves.len() + index);
         let memories = self.first + line * self.line + MEMORY * index;
         let mut cells: [CellConstants<V>; 4] = [
-            self.cell(self.lines.in_front, line, wave),
+            self.cell(self.lines.previous_group, line, wave),
             self.cell(path[0], line, wave),
             self.cell(path[1], line, wave),
             self.cell(path[1], line, wave),

@@ -1,7 +1,7 @@
 //! Batch of blocks of trial stresses beyond their yield sets, for which Newton's method runs together.
 #![allow(clippy::needless_range_loop, reason = "indices are those of parts")]
 
-use super::super::whole_stress::Tensors;
+use super::super::total_stress::Tensors;
 use crate::simd::Number;
 use models::solid::stress::Shape;
 use models::yield_set::return_mapping::{Cone, Equation, Iterate, PARTS, Parts};

@@ -16,7 +16,7 @@ pub(super) type Wide = <f64 as Real>::Lanes;
 pub(super) const WIDTH: usize = 8;
 
 /// Returns the number of blocks of a group.
-pub(super) const fn blocks_of_group<T: Real>() -> usize {
+pub(super) const fn blocks_per_group<T: Real>() -> usize {
     T::Lanes::COUNT / WIDTH
 }
 
@@ -28,7 +28,7 @@ const UNBOUNDED: f64 = 1e120;
 
 /// Yield sets for total stresses, by lane pattern.
 #[derive(Clone, Default, PartialEq)]
-pub(super) struct WholeStressSets {
+pub(super) struct TotalStressSets {
     pub(super) shape: Shape,
     /// Field of each component of force and couple stress; one field stands for both ij and ji in classical solids.
     pub(super) places: Tensors<Option<usize>>,
@@ -57,7 +57,7 @@ pub(super) struct Block {
 /// Half-space n·s ≤ k in lanes.
 #[derive(Clone, PartialEq)]
 pub(super) struct HalfSpace {
-    /// Indices of components, as in [`WholeStressSets::places`], and components of n.
+    /// Indices of components, as in [`TotalStressSets::places`], and components of n.
     pub(super) normal: Vec<([usize; 3], Wide)>,
     pub(super) strength: Wide,
 }
@@ -94,7 +94,7 @@ impl InitialStress {
 /// Returns the initial stress by block of a row of `groups` groups, from the stress by layer across the first axis.
 pub(super) fn initial_blocks<T: Real>(layers: &[Stress], groups: usize) -> Vec<InitialStress> {
     let places =
-        (0..groups).flat_map(|group| (0..blocks_of_group::<T>()).map(move |half| (group, half)));
+        (0..groups).flat_map(|group| (0..blocks_per_group::<T>()).map(move |half| (group, half)));
     let at = |(group, half): (usize, usize)| {
         let cell = move |lane: usize| (half * WIDTH + lane) * groups + group;
         InitialStress::by_lane(|lane| layers.get(cell(lane)).copied().unwrap_or_default())
@@ -157,7 +157,7 @@ pub(super) fn tensors(stress: &Stress) -> Tensors<f64> {
     [stress.force, stress.couple]
 }
 
-impl WholeStressSets {
+impl TotalStressSets {
     /// Creates the yield sets of all lane patterns. The shape of the stresses depends on `media` and on all `initial`
     /// stresses.
     pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], initial: &[Stress]) -> Self {
