@@ -402,7 +402,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     }
 
     /// Returns the output quantities by cell (first axis fastest), see [`Domain::output_cell`].
-    pub fn shown(&self) -> Vec<Vec<f64>> {
+    pub fn output_fields(&self) -> Vec<Vec<f64>> {
         let of_part = |domain: &Domain<T, D>| {
             let mut fields = vec![Vec::new(); self.width()];
             let (sides, mut state) = (domain.closing_boundaries(), Vec::new());

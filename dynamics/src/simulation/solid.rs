@@ -339,7 +339,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn fields(&self) -> SolidFields {
-        SolidFields { values: self.solver.shown(), dissipated: self.solver.dissipated() }
+        SolidFields { values: self.solver.output_fields(), dissipated: self.solver.dissipated() }
     }
 
     fn fields_at(&self, time: f64) -> Result<SolidFields, SolidFault> {

@@ -70,7 +70,7 @@ pub(super) trait Solver<T: Real>: Send {
     /// Number of output quantities per cell.
     fn width(&self) -> usize;
     /// Output by quantity and cell.
-    fn shown(&self) -> Vec<Vec<f64>>;
+    fn output_fields(&self) -> Vec<Vec<f64>>;
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     fn dissipated(&self) -> Vec<f64>;
     /// Records these cells after each step.
@@ -128,8 +128,8 @@ macro_rules! solver {
                 self.width()
             }
 
-            fn shown(&self) -> Vec<Vec<f64>> {
-                self.shown()
+            fn output_fields(&self) -> Vec<Vec<f64>> {
+                self.output_fields()
             }
 
             fn dissipated(&self) -> Vec<f64> {

@@ -320,7 +320,7 @@ fn after<T: SolverReal, const D: usize>(
             }
         }
         split.advance(steps);
-        last = Some((split.snapshot(), split.shown(), split.energy()));
+        last = Some((split.snapshot(), split.output_fields(), split.energy()));
     }
     last.expect("a way")
 }
@@ -374,7 +374,7 @@ fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
                 assert!(values == bits(&found.fields), "{what}");
                 assert!(sums == bits(&found.sums), "{what}");
                 assert!(memory == bits(&numbers(&found.interlayers)), "{what}");
-                assert!(bits(&reference.shown()) == bits(&shown), "{what}");
+                assert!(bits(&reference.output_fields()) == bits(&shown), "{what}");
                 assert_eq!(expected.work[1], found.work[1], "{what}");
                 assert_eq!(expected.work[3], found.work[3], "{what}");
                 let inflow = inflow.get_or_insert_with(|| found.work[0].clone());

@@ -158,7 +158,7 @@ fn another_axis_first_is_the_body_rotated() {
         let place_of = |own: Field| inner.iter().position(|to| *to == field(own, frame));
         // By field and cell of the body: output values, solver values, records, dissipated energy.
         let cells: Vec<usize> = (0..count).map(|own| cell(place(own, OWN), frame)).collect();
-        let shown = split.shown();
+        let shown = split.output_fields();
         let records = split.records();
         let width = split.width();
         let mut all: Vec<Vec<f64>> = Vec::new();
@@ -202,7 +202,7 @@ fn another_axis_first_is_the_body_rotated() {
     split.advance(steps);
     reference.advance(steps);
     assert_eq!(split.records(), reference.records());
-    assert_eq!(bits(&split.shown()), bits(&reference.shown()));
+    assert_eq!(bits(&split.output_fields()), bits(&reference.output_fields()));
     assert_eq!(split.dissipated(), reference.dissipated());
     assert_eq!(split.snapshot().fields, reference.snapshot().fields);
     // Sweeps that start with the first axis give another result.
@@ -214,7 +214,7 @@ fn another_axis_first_is_the_body_rotated() {
 
 /// Verifies that the axis of reflecting boundaries is swept first by default, and that runs resume from a snapshot.
 #[test]
-fn sides_that_reflect_say_which() {
+fn reflecting_boundaries_select_the_first_axis() {
     let problem = problem(OWN);
     assert_eq!(problem.first_axis(), 2);
     assert_eq!(self::problem(ROTATED).first_axis(), 1);

@@ -207,7 +207,7 @@ fn orders(plastic_step: PlasticStep, strength: f64) -> Vec<f64> {
 /// Verifies the orders of both plastic steps, 1 and 2 where all layers slip at all times (high strength), and at least
 /// 0.8 where slip starts and stops (low strength).
 #[test]
-fn orders_of_both_placements() {
+fn orders_of_both_plastic_steps() {
     let steady =
         [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection].map(|p| orders(p, 10.0));
     assert!((0.9..1.2).contains(&steady[0][2]), "{steady:?}");

@@ -221,7 +221,7 @@ const COUNTS: [usize; 4] = [100, 200, 400, 800];
 /// Prints the table of BENCHMARKS.md: errors in % of the range, mean (maximum away from fronts), and the order of the
 /// mean from 100 to 800 cells.
 #[test]
-fn errors_of_both_corrections() {
+fn errors_of_both_plastic_steps() {
     for case in cases() {
         let tables =
             [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection].map(|plastic_step| {

@@ -103,7 +103,7 @@ fn error(cells: usize, lie: Lie, splitting: Splitting, slopes: Slopes) -> f64 {
         split.set(field, &values);
     }
     split.advance(steps as usize);
-    let (fields, shown) = (split.fields().to_vec(), split.shown());
+    let (fields, shown) = (split.fields().to_vec(), split.output_fields());
     let mut sums = [0.0; 2];
     for (field, values) in
         fields.iter().zip(&shown).filter(|own| matches!(own.0, Field::Velocity(_)))
@@ -144,7 +144,7 @@ fn plane_wave_error(cells: usize, slopes: Slopes) -> f64 {
     split.set(shear.unwrap(), &exact.iter().map(|v| -v).collect::<Vec<_>>());
     split.advance(steps as usize);
     let place = split.fields().iter().position(|own| *own == Field::Velocity(1)).unwrap();
-    let found = &split.shown()[place];
+    let found = &split.output_fields()[place];
     let square = |all: &mut dyn Iterator<Item = f64>| all.map(|x| x * x).sum::<f64>();
     (square(&mut found.iter().zip(&exact).map(|(a, b)| a - b)) / square(&mut exact.iter().copied()))
         .sqrt()

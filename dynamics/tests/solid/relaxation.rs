@@ -196,7 +196,7 @@ impl<const D: usize> PlaneWave<D> {
         let fields = split.fields().to_vec();
         let amplitude = |split: &DecomposedDomain<f64, D>| {
             let mut sum = Complex::ZERO;
-            for (field, values) in fields.iter().zip(split.shown()) {
+            for (field, values) in fields.iter().zip(split.output_fields()) {
                 let Field::Velocity(i) = field else { continue };
                 for (cell, value) in values.into_iter().enumerate() {
                     sum += phase(cell).conj() * (value * self.polarisation[*i]);

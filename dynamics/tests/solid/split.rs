@@ -32,15 +32,15 @@ fn solids_of(theory: Theory) -> [Isotropic; 2] {
     })
 }
 
-fn same<T: SolverReal, const D: usize>(
+fn check_bits<T: SolverReal, const D: usize>(
     sides: &[[Boundary; 2]; D],
     cells: [usize; D],
     plastic_step: PlasticStep,
 ) {
-    same_of::<T, D>(solids(), sides, cells, plastic_step);
+    check_bits_of::<T, D>(solids(), sides, cells, plastic_step);
 }
 
-fn same_of<T: SolverReal, const D: usize>(
+fn check_bits_of<T: SolverReal, const D: usize>(
     [soft, stiff]: [Isotropic; 2],
     sides: &[[Boundary; 2]; D],
     cells: [usize; D],
@@ -120,22 +120,26 @@ fn parts_have_the_bits_of_the_whole() {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
             // Row lengths that end before, within and after the last two lanes of a SIMD group.
             for length in [9, 14, 16, 23] {
-                same::<f64, 2>(&[pair(&Boundary::Free), pair(&last)], [length, 13], plastic_step);
+                check_bits::<f64, 2>(
+                    &[pair(&Boundary::Free), pair(&last)],
+                    [length, 13],
+                    plastic_step,
+                );
             }
             let sides = [pair(&Boundary::Periodic), pair(&Boundary::Fixed), pair(&last)];
-            same::<f64, 3>(&sides, [5, 4, 12], plastic_step);
+            check_bits::<f64, 3>(&sides, [5, 4, 12], plastic_step);
         }
     }
 }
 
 /// Verifies decomposition in each theory: halos contain the fields that sweeps along the last axis and rotation change.
 #[test]
-fn so_they_have_in_every_theory() {
+fn parts_have_the_bits_of_the_whole_in_every_theory() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let sides = [pair(&Boundary::Free), pair(&Boundary::Fixed), pair(&Boundary::Periodic)];
     for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
-            same_of::<f64, 3>(solids_of(theory), &sides, [9, 5, 12], plastic_step);
+            check_bits_of::<f64, 3>(solids_of(theory), &sides, [9, 5, 12], plastic_step);
         }
     }
 }
@@ -143,17 +147,17 @@ fn so_they_have_in_every_theory() {
 /// Verifies decomposition with layers wider than a tile, and with more layers than are processed at once in a
 /// subdomain.
 #[test]
-fn so_they_have_where_layers_are_wide() {
+fn parts_have_the_bits_of_the_whole_in_wide_layers() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let sides = [pair(&Boundary::Free), pair(&Boundary::Periodic)];
-    same::<f64, 2>(&sides, [300, 27], PlasticStep::ReturnMapping);
+    check_bits::<f64, 2>(&sides, [300, 27], PlasticStep::ReturnMapping);
     for middle in [Boundary::Periodic, Boundary::NonReflecting] {
         let sides = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
-        same::<f64, 3>(&sides, [9, 19, 20], PlasticStep::ReturnMapping);
+        check_bits::<f64, 3>(&sides, [9, 19, 20], PlasticStep::ReturnMapping);
     }
     // Work at the ends of rows and layers that are processed in blocks.
     let open = pair(&Boundary::NonReflecting);
-    same::<f64, 3>(
+    check_bits::<f64, 3>(
         &[open.clone(), open.clone(), open.clone()],
         [9, 25, 13],
         PlasticStep::ReturnMapping,
@@ -161,13 +165,13 @@ fn so_they_have_where_layers_are_wide() {
     // All layers are processed in blocks of rows, the last of which has fewer rows than the lag of a sweep.
     for last in [Boundary::Periodic, Boundary::NonReflecting] {
         let sides = [open.clone(), pair(&Boundary::Free), pair(&last)];
-        same::<f64, 3>(&sides, [66, 41, 12], PlasticStep::MidpointReflection);
+        check_bits::<f64, 3>(&sides, [66, 41, 12], PlasticStep::MidpointReflection);
     }
 }
 
 /// Verifies a single cell of another medium at positions around the largest run length of groups of equal media.
 #[test]
-fn so_they_have_where_media_change_once() {
+fn parts_have_the_bits_of_the_whole_where_media_change_once() {
     fn check<const D: usize>(cells: [usize; D], odd: usize) {
         let media = solids().map(|solid| Medium::new(solid, D));
         let count = cells.iter().product();
@@ -205,13 +209,13 @@ fn so_they_have_where_media_change_once() {
 
 /// Verifies single precision, in which groups have twice as many lanes.
 #[test]
-fn so_they_have_in_single_precision() {
+fn parts_have_the_bits_of_the_whole_in_single_precision() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
     let sides = [pair(&Boundary::Fixed), pair(&Boundary::NonReflecting)];
     for length in [9, 30, 31, 32, 40] {
         // Small subdomains, and subdomains that make several steps per pass.
-        same::<f32, 2>(&sides, [length, 13], PlasticStep::MidpointReflection);
-        same::<f32, 2>(&sides, [length, 26], PlasticStep::MidpointReflection);
+        check_bits::<f32, 2>(&sides, [length, 13], PlasticStep::MidpointReflection);
+        check_bits::<f32, 2>(&sides, [length, 26], PlasticStep::MidpointReflection);
     }
 }
 
@@ -403,17 +407,17 @@ fn single_steps<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
 /// in all decompositions, instruction sets and solvers; the other values agree with double precision, where nothing of
 /// this magnitude is flushed.
 #[test]
-fn traces_are_forgotten() {
+fn small_values_are_flushed_in_all_parts() {
     // Thirteen subdomains are nine layers long: for all widths some of the small values are in a halo.
-    (0..9).step_by(2).for_each(|flat| forget_traces([20, 121], 0, flat, Boundary::Free));
-    forget_traces([9, 7, 121], 0, 0, Boundary::Free);
+    (0..9).step_by(2).for_each(|flat| check_flush([20, 121], 0, flat, Boundary::Free));
+    check_flush([9, 7, 121], 0, 0, Boundary::Free);
     // Periodic: small values wrap around where a subdomain is its own neighbour.
-    forget_traces([20, 146], 73, 0, Boundary::Periodic);
+    check_flush([20, 146], 73, 0, Boundary::Periodic);
 }
 
 /// Verifies flushing with initial values of order one within `flat` layers of the layer `from` that decay exponentially
 /// beyond.
-fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, last: Boundary) {
+fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last: Boundary) {
     const LIMIT: f64 = 1.29e-26;
     let [soft, stiff] = solids().map(|solid| Medium::new(solid, D));
     let step = 1.9 * 0.1 / stiff.greatest_speed();
@@ -488,7 +492,7 @@ fn forget_traces<const D: usize>(cells: [usize; D], from: usize, flat: usize, la
 /// Verifies that a panic of one thread, as user signals may cause, does not leave the other threads waiting.
 #[test]
 #[should_panic(expected = "a scoped thread panicked")]
-fn whoever_panics_is_not_waited_for() {
+fn a_panic_does_not_deadlock() {
     let medium = Medium::new(solids()[0], 2);
     let step = 1.9 * 0.1 / medium.greatest_speed();
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);

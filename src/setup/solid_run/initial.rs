@@ -114,12 +114,12 @@ impl Place<'_> {
         axis: usize,
     ) -> Result<(), Error> {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        let alphas = self.alphas(case)?;
+        let antisymmetric_moduli = self.antisymmetric_moduli(case)?;
         let of_cell = self.dynamics.media_of_cells()?;
         for (field, sign) in [(Field::Stress(i, j), 1.0), (Field::Stress(j, i), -1.0)] {
             let mut cell = 0;
             sums.add(field, |x| {
-                let alpha = alphas[usize::from(of_cell[cell])];
+                let alpha = antisymmetric_moduli[usize::from(of_cell[cell])];
                 cell += 1;
                 match shape.contains(x) {
                     true => sign * 2.0 * alpha * angle_deg.to_radians(),
@@ -131,7 +131,7 @@ impl Place<'_> {
     }
 
     /// Returns the antisymmetric modulus α of each medium, Pa.
-    fn alphas(&self, case: &Case) -> Result<Vec<f64>, Error> {
+    fn antisymmetric_moduli(&self, case: &Case) -> Result<Vec<f64>, Error> {
         let alpha = |own: &Material| -> Result<f64, Error> {
             let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
             Ok(elastic.antisymmetric_modulus())

@@ -89,7 +89,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
     /// Returns the output quantities by cell (first axis fastest) at the time of the solver: all fields, with total
     /// stresses projected onto their yield sets, then the time integrals.
-    pub fn shown(&self) -> Vec<Vec<f64>> {
+    pub fn output_fields(&self) -> Vec<Vec<f64>> {
         let mut fields = vec![Vec::new(); self.width()];
         let (mut state, sides) = (Vec::new(), self.closing_sides());
         let length = self.problem.grid.cells[0];
