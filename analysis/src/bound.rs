@@ -60,7 +60,8 @@ pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<
             .map(|root| root.re)
             .fold(f64::NEG_INFINITY, f64::max)
     };
-    // Coordinates (log k, position): a direction, or an offset from a degenerate direction.
+    // Search coordinates (log k, position): the position is the direction θ, or asinh(k(θ − θ_c)) around a degenerate
+    // direction θ_c.
     let mut centres = vec![None];
     centres.extend(assessment.degenerate.iter().map(|d| Some(d.angle)));
     let mut best: Option<(f64, f64, f64)> = None;

@@ -1,9 +1,9 @@
 //! Characteristic directions of the steady equations: real and complex roots of det(ξ₁ B̃¹ + ξ₂ B̃²) with
 //! B̃ⁱ = Bⁱ + Vᵢ A.
 //!
-//! The determinant is the product over the irreducible blocks of the matrix's pattern of non-zero
-//! entries; each block is a group of unknowns, so each factor belongs to a family of
-//! characteristics, and roots shared by two families are simple roots of each: well-conditioned.
+//! The determinant is the product of the determinants of the irreducible blocks of the matrix's pattern of non-zero
+//! entries. Each block groups the unknowns of one family of characteristics; roots shared by two families are simple
+//! roots of each factor, hence well-conditioned.
 
 use crate::form::Form;
 use crate::{polynomial, roots};
@@ -15,8 +15,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// A real characteristic direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Characteristic {
-    /// Angle of the characteristic curve from x₁, rad, in [0, π). (The wave vector that the
-    /// determinant belongs to stands at right angles to it.)
+    /// Angle of the characteristic curve from x₁, rad, in [0, π); perpendicular to the wave vector (ξ₁, ξ₂) at which
+    /// the determinant vanishes.
     pub angle: f64,
     /// Bound on the error of the angle, rad.
     pub bound: f64,
@@ -123,8 +123,8 @@ fn steady(system: &LinearisedSystem<2>) -> Vec<Vec<[Rounded; 2]>> {
 fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, Vec<usize>)>> {
     let n = matrix.len();
     let present = |i: usize, j: usize| matrix[i][j].iter().any(|x| !x.is_structural_zero());
-    // Convected fields in a material at rest have an empty row or column; match them last, with
-    // themselves, so that the other families are still found.
+    // Convected fields in a material at rest have an empty row or column; these are matched last, with each other, so
+    // that the other families are still found.
     let mut row_of = vec![usize::MAX; n];
     fn augment(
         row: usize,
@@ -188,7 +188,7 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
     Some(blocks)
 }
 
-/// Determinant of a block as a binary form in (ξ₁, ξ₂), up to a positive factor.
+/// Determinant of a block as a binary form in (ξ₁, ξ₂), up to a positive factor; `None` if a coefficient is not finite.
 fn determinant(matrix: &[Vec<[Rounded; 2]>], rows: &[usize], columns: &[usize]) -> Option<Form> {
     let entry = |i: usize, j: usize| {
         let [first, second] = matrix[rows[i]][columns[j]];
@@ -205,6 +205,7 @@ fn family(system: &LinearisedSystem<2>, columns: &[usize]) -> String {
     names.join(" and ")
 }
 
+/// Adds a characteristic to `list`, or its multiplicity and family to a known one at the same angle within the bounds.
 fn merge(
     list: &mut Vec<Characteristic>,
     angle: f64,
@@ -264,7 +265,7 @@ fn complex_roots(form: &Form, count: usize) -> Vec<Complex64> {
         polynomial.pop();
     }
     let mut found = roots::solve(&polynomial);
-    // Distance of a complex direction from the real ones: the imaginary part of the angle.
+    // Distance of a complex direction from the real directions: imaginary part of the angle.
     let off_real = |t: &Complex64| t.im.abs() / (1.0 + t.norm_sqr());
     found.sort_by(|a, b| off_real(b).total_cmp(&off_real(a)));
     found.truncate(count);

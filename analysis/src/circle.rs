@@ -7,9 +7,9 @@
 //! Γ(θ) = cos²θ Γ₁₁ + cos θ sin θ (Γ₁₂ + Γ₂₁) + sin²θ Γ₂₂,    Γᵢⱼ = M^(−½) Gⁱᵀ D Gʲ M^(−½).
 //! ```
 //!
-//! The matrix has two or three rows, its eigenvalues cost less than a microsecond, and the circle is sampled every half
-//! degree. Narrower sectors of flutter are found if a hint lies in them: the caller passes the directions of the
-//! verdict from the exact dispersion polynomial.
+//! The matrix has two or three rows and its eigenvalues cost less than a microsecond, so the circle is sampled every
+//! half degree. Narrower sectors of flutter are found only if a hint lies in them: the caller passes the directions
+//! found by the verdict from the exact dispersion polynomial.
 
 use crate::search::{bisect, place_of_maximum, sectors};
 use crate::sphere::{Extremes, Flutter, Slowest};
@@ -67,8 +67,8 @@ impl AcousticTensor2 {
         Self { size: moving.len(), terms, unit }
     }
 
-    /// Squared characteristic speeds c² with the wave normal (cos θ, sin θ), m²/s², by descending real
-    /// part: as many as velocities carry waves.
+    /// Squared characteristic speeds c² with the wave normal (cos θ, sin θ), m²/s², by descending real part; one for
+    /// each velocity that carries waves.
     pub fn squared_speeds(&self, theta: f64) -> Vec<Complex64> {
         let (values, size) = self.eigenvalues(theta);
         let mut values = values[..size].to_vec();
@@ -158,7 +158,7 @@ impl AcousticTensor2 {
             return Vec::new();
         }
         let step = PI / DIRECTIONS as f64;
-        // Half a step aside: symmetric solids have their zeros at round angles.
+        // Offset the samples by half a step: zeros of symmetric solids lie at multiples of the step.
         let angles: Vec<f64> = angles().map(|theta| theta + 0.5 * step).collect();
         let value = |theta: f64| self.least(theta);
         let tolerance = NO_SPEED * self.unit;
@@ -167,7 +167,7 @@ impl AcousticTensor2 {
             let [before, here, after] = [theta - step, theta, theta + step].map(value);
             if (here > 0.0) != (after > 0.0) && here.is_finite() && after.is_finite() {
                 let [low, high] = bisect([theta, theta + step], STEPS, |theta| value(theta) > 0.0);
-                // A jump is where a pair becomes complex: no zero.
+                // A jump marks the end of a sector of flutter, where a pair becomes complex; it is no zero.
                 if value(low).abs().max(value(high).abs()) <= 1e3 * tolerance {
                     found.push(0.5 * (low + high));
                 }
@@ -193,6 +193,7 @@ impl AcousticTensor2 {
     }
 }
 
+/// Uniform grid of directions in [0, π), rad.
 fn angles() -> impl Iterator<Item = f64> {
     (0..DIRECTIONS).map(|i| PI * i as f64 / DIRECTIONS as f64)
 }

@@ -25,7 +25,7 @@ pub(crate) fn eigenvalues(mut matrix: DMatrix<Complex64>) -> Option<Vec<Complex6
 mod tests {
     use super::*;
 
-    /// Else the iteration would take all of its steps on numbers that are none.
+    /// Verifies that an overflowing norm returns `None` at once; the QR iteration on NaN would run to its step limit.
     #[test]
     fn a_norm_that_overflows_has_no_eigenvalues() {
         let matrix = |entry: f64| DMatrix::from_element(15, 15, Complex64::from(entry));

@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Number of sampled directions, and of decades of wave numbers on both sides of the given one.
+/// Number of sampled directions, and number of decades of wave numbers below and above the given one.
 const DIRECTIONS: usize = 40;
 const DECADES: i32 = 2;
 
@@ -66,12 +66,12 @@ pub fn energy<const D: usize>(
     };
     let q = symmetrised(&system.c);
     let symmetriser = symmetrised(&system.a);
-    // In units in which its diagonal is one.
+    // Scale the symmetriser to unit diagonal.
     let scale = symmetriser.diagonal().map(|x| x.sqrt().recip());
     let scaled =
         DMatrix::from_fn(nv + ns, nv + ns, |i, j| symmetriser[(i, j)] * scale[i] * scale[j]);
-    // R with RᵀR the symmetriser: R L R⁻¹ is skew-Hermitian where energy is conserved, and its
-    // eigenvalues come out to rounding.
+    // Cholesky factor R with RᵀR the symmetriser: R L R⁻¹ is skew-Hermitian if energy is conserved, so its eigenvalues
+    // are accurate to rounding.
     let factor = symmetriser.clone().cholesky().map(|found| found.l().transpose());
     let growth = |rates: &RateEquations<D>| match &factor {
         Some(factor) => greatest_growth(rates, factor, number),
@@ -123,14 +123,14 @@ fn greatest_growth<const D: usize>(
     worst
 }
 
-/// Unit vectors spread evenly over half the circle or sphere.
+/// Unit vector number `index` of `DIRECTIONS` spread evenly over half the circle or half the sphere.
 fn spread<const D: usize>(index: usize) -> [f64; D] {
     let share = (index as f64 + 0.5) / DIRECTIONS as f64;
     let mut normal = [0.0; D];
     if D == 2 {
         (normal[0], normal[1]) = ((PI * share).cr_cos(), (PI * share).cr_sin());
     } else {
-        // A spiral of equal areas, turning by the golden angle.
+        // Fibonacci spiral: equal areas, azimuth in steps of the golden angle.
         let angle = PI * (3.0 - 5f64.sqrt()) * index as f64;
         let radius = (1.0 - share * share).sqrt();
         (normal[0], normal[1], normal[2]) =

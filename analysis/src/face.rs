@@ -18,14 +18,14 @@ use std::f64::consts::PI;
 /// A face polynomial E(c, α) = Σ cⁱ Σ `coefficients[i][l]` cos^(r−l) α sin^l α.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FacePolynomial {
-    /// By ascending power of c; empty where there is none.
+    /// Coefficient forms by ascending power of c; empty for powers that do not occur.
     pub(crate) coefficients: List<List<Value>>,
     collisions: OnceCell<List<f64>>,
 }
 
 /// Angles closer than this (rad) to a zero of a coefficient belong to the layer around that zero.
 const APART: f64 = 1e-7;
-/// Sectors between collisions closer than this (rad) to a zero of a coefficient belong to its layer.
+/// Sectors between collisions closer than this (rad) to a zero of a coefficient belong to the layer around that zero.
 const BESIDE: f64 = 1e-4;
 /// Distance from the unit circle, or of an angle from the real axis, within which a root is considered.
 const NEAR_CIRCLE: f64 = 1e-3;
@@ -45,7 +45,7 @@ impl FacePolynomial {
         self.coefficients.len() - 1
     }
 
-    /// Coefficients of the powers of c at an angle.
+    /// Coefficients of the powers of c at `angle` (rad), with rounding bounds.
     pub(crate) fn at(&self, angle: f64) -> List<Value> {
         let (sin, cos) = angle.cr_sin_cos();
         let evaluate = |form: &List<Value>| {
@@ -97,7 +97,8 @@ impl FacePolynomial {
     ///
     /// Level-set method of the H∞ norm (Boyd & Balakrishnan 1990; Bruinsma & Steinbuch 1990): the angles at which some
     /// root has Re c = s are zeros of a trigonometric polynomial, the resultant of E(c) and of its conjugate reflected
-    /// in that line. Above the supremum there are none; below, the midpoints between neighbouring zeros increase s.
+    /// in the line Re c = s. Above the supremum it has no zeros; below, midpoints between neighbouring zeros give a
+    /// larger s.
     pub(crate) fn supremum(&self, avoided: &[f64]) -> Option<(f64, f64)> {
         let nodes = self.degree() * self.width() + 1;
         let is_apart = |angle: f64, least: f64| {
@@ -119,7 +120,7 @@ impl FacePolynomial {
             }
             better
         };
-        // One angle in each sector between zeros, and some more all round.
+        // Sample one angle in each sector between avoided angles, and a uniform grid over [0, π).
         let mut edges: List<f64> = List::from_slice(avoided);
         edges.sort_by(f64::total_cmp);
         for (index, &left) in edges.iter().enumerate() {
@@ -136,7 +137,7 @@ impl FacePolynomial {
             for (index, &left) in collisions.iter().enumerate() {
                 let right = collisions.get(index + 1).copied().unwrap_or(collisions[0] + PI);
                 let middle = 0.5 * (left + right);
-                // Angles close to a zero of a coefficient are left to its layer.
+                // Angles close to a zero of a coefficient are searched in the layer around that zero.
                 if is_apart(middle, BESIDE) {
                     consider(middle, &mut best);
                 }
@@ -166,7 +167,8 @@ impl FacePolynomial {
         None
     }
 
-    /// Local maximum of Re c over the angle uphill from `start`: a zero of its derivative by bisection and secants.
+    /// Climbs from `start` to a local maximum of Re c over the angle, a zero of the derivative, by bisection and secant
+    /// steps; returns Re c and the angle.
     fn climb(&self, start: f64) -> (f64, f64) {
         let slope = |angle: f64| -> (f64, f64) {
             let Some(root) = self
@@ -187,12 +189,12 @@ impl FacePolynomial {
         let (mut a, mut fa) = (start, rise);
         let mut step = 1e-3;
         let mut bracket = None;
-        // Upwards until the slope turns.
+        // Step uphill until the derivative changes sign.
         for _ in 0..40 {
             let b = a + sign * step;
             let (found, fb) = slope(b);
             if found < value && fb * rise > 0.0 {
-                // Another branch: the top lies in between, where two branches meet.
+                // The largest root is on another branch now: the maximum is a kink between a and b.
                 bracket = None;
                 break;
             }
@@ -227,7 +229,7 @@ impl FacePolynomial {
         (slope(top).0, top)
     }
 
-    /// Derivative of a root with respect to the angle by implicit differentiation, E_α/E_c = −dc/dα.
+    /// Ratio E_α/E_c = −dc/dα: negative derivative of a root with respect to the angle, by implicit differentiation.
     fn slope(&self, angle: f64, c: Complex64) -> Complex64 {
         let (sin, cos) = angle.cr_sin_cos();
         let (mut by_angle, mut by_root) = (Complex64::ZERO, Complex64::ZERO);
@@ -260,8 +262,8 @@ impl FacePolynomial {
         self.coefficients.iter().rev().fold(0.0, |total, form| total * modulus + sum(form))
     }
 
-    /// Coefficients of the powers of x up to `count` in E(c + x) at a complex angle, and their first
-    /// and second derivatives by the angle.
+    /// Coefficients of the powers of x up to `count` in E(c + x) at a complex angle, and their first and second
+    /// derivatives with respect to the angle.
     pub(crate) fn by_powers(
         &self,
         angle: Complex64,
@@ -316,8 +318,8 @@ impl FacePolynomial {
         })
     }
 
-    /// The face polynomial in the variable c^g with the largest possible g: else g roots would collide together and all
-    /// zeros of the discriminant would be multiple.
+    /// The face polynomial in the variable c^g with the largest possible g. Otherwise g roots would collide together
+    /// and all zeros of the discriminant would be multiple.
     fn folded(&self) -> FacePolynomial {
         let present = |form: &List<Value>| form.iter().any(|f| !f.is_zero());
         let powers = || self.coefficients.iter().enumerate().filter(|(_, f)| present(f));
@@ -333,7 +335,7 @@ impl FacePolynomial {
         if distinct < 2 {
             return List::new();
         }
-        // As a polynomial in the coefficients it has the degree 2·distinct − 2.
+        // The discriminant has degree 2·distinct − 2 in the coefficients.
         let nodes = (2 * distinct - 2) * self.width() + 1;
         circle_zeros(nodes, |angle| {
             let p = self.at(angle);
@@ -406,7 +408,7 @@ fn reflected_resultant(p: &[Complex64], level: f64) -> Complex64 {
 /// Zeros in [0, π) of a trigonometric polynomial of period π, up to a factor exp(iNθ), with at most `terms` powers of
 /// z = exp 2iθ, by interpolation from its values at `terms` angles.
 fn circle_zeros(terms: usize, f: impl Fn(f64) -> Complex64) -> List<f64> {
-    // A power of exp iθ makes all exponents of z run from 0. The angles stay off the axes, where
+    // The factor exp(i(terms − 1)θ) shifts the exponents of z to 0, 1, …. Sample angles avoid the axes, where
     // coefficients often vanish.
     let half = (terms - 1) as f64;
     let angle = |n: usize| PI * (n as f64 + OFF_AXES) / terms as f64;

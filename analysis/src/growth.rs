@@ -90,8 +90,8 @@ pub struct DegenerateDirection {
 pub struct Assessment {
     /// The verdict.
     pub verdict: Verdict,
-    /// The Newton polygon in a general direction: (order, number of roots) of the growing or
-    /// decaying roots, largest order first; orders ≤ 0 are bounded and left out.
+    /// The Newton polygon in a general direction: (order, number of roots) of the growing or decaying roots, largest
+    /// order first; orders ≤ 0, which are bounded, are omitted.
     pub orders: List<(Order, usize)>,
     /// Degenerate directions, ascending.
     pub degenerate: List<DegenerateDirection>,
@@ -125,7 +125,7 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         .map(|e| (e.order, e.terms[0].time - e.terms[e.terms.len() - 1].time))
         .collect();
 
-    // A form that is zero within rounding but would lie above the polygon leaves the verdict open.
+    // A form that is zero within rounding but would lie above the polygon makes the verdict marginal.
     if let Some(term) = doubtful.iter().find(|term| stands_above(term, &corners)) {
         let worst =
             |f: &Form| f.coefficients.iter().copied().max_by(|a, b| a.bound.total_cmp(&b.bound));
@@ -180,7 +180,7 @@ pub fn assess(pencil: &Pencil) -> Assessment {
     assessment
 }
 
-/// Power of ς and degree of the form.
+/// Power of ς and degree of the form of a term.
 fn powers(term: &Term) -> (i64, i64) {
     (term.time as i64, term.form.degree() as i64)
 }
@@ -202,7 +202,7 @@ fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)])
         let is_close = zeros.iter().any(|z| !z.crosses)
             || sectors(&zeros).iter().any(|(left, right)| right - left < CLOSE);
         if is_close && (is_growing(&steeper) || is_growing(&flatter)) {
-            // An m strictly between the two slopes at which no other powers compete.
+            // A slope m strictly between the slopes of the two edges, at which the corner alone is of leading order.
             let low = flatter.unwrap_or([0, 1]);
             let high = steeper.unwrap_or([low[0] + low[1], low[1]]);
             let between = [6 * low[0] * high[1] + 5 * high[0] * low[1], 11 * low[1] * high[1]];
@@ -262,7 +262,7 @@ fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bo
     let zeros = match tops[..] {
         [only] => only.form.zeros(),
         _ => {
-            // Real and imaginary part at one wave number, as forms of one degree each.
+            // Real and imaginary part of the coefficient at the wave number GENERAL, each as a form of a single degree.
             let part = |parity: usize| {
                 let own = || tops.iter().filter(move |t| t.form.degree() % 2 == parity);
                 let degree = own().map(|t| t.form.degree()).max()?;
@@ -292,7 +292,7 @@ fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bo
         if !leads_to_infinity(certain, highest, &zero) {
             continue;
         }
-        // Where it is approached as k → ∞.
+        // Limit of the direction as k → ∞.
         let direction = tops
             .iter()
             .max_by_key(|t| t.form.degree())
@@ -343,12 +343,12 @@ impl Edge<'_> {
         if self.terms.len() > 2 {
             return true;
         }
-        // A simple neutral root of order 1 goes on with order 0.
+        // A simple neutral root of order 1 continues with a term of order 0, which is bounded.
         let both = [1.0, -1.0].map(|sign| self.greatest_cosine(sign));
         self.order.value() > 1.0 && both.contains(&0.0)
     }
 
-    /// Powers of ς and κ at the ends.
+    /// Powers of ς and κ of the first and of the last term.
     fn ends(&self) -> [(usize, usize); 2] {
         let end = |t: &Term| (t.time, t.form.degree());
         [end(self.terms[0]), end(self.terms[self.terms.len() - 1])]
@@ -362,7 +362,7 @@ impl Edge<'_> {
         (0..r)
             .map(|n| {
                 let cosine = (turn + 2.0 * PI * n as f64 / r as f64).cr_cos();
-                // Multiples of a right angle are exact here.
+                // Cosines of odd multiples of π/2 are exactly zero.
                 if cosine.abs() < 1e-12 { 0.0 } else { cosine }
             })
             .fold(-1.0, f64::max)
@@ -383,7 +383,7 @@ impl Edge<'_> {
 
 /// Sectors between degenerate directions: (left, right), rad.
 fn sectors(zeros: &[Zero]) -> List<(f64, f64)> {
-    // Any sector all round, if no extremum lies at its ends.
+    // Without zeros: one sector of length π whose ends are at no special angle, so that no extremum lies there.
     let Some(first) = zeros.first() else { return list![(-0.123_4, PI - 0.123_4)] };
     zeros
         .iter()
@@ -413,13 +413,13 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
         }
         return;
     };
-    // c^r = −F₀/F₁ up to a power of i: extrema of |F₀/F₁|.
+    // c^r = −F₀/F₁ up to a power of i: |c| is extremal where |F₀/F₁| is.
     let mut extrema = None;
     let power = 1.0 / (first.time - last.time) as f64;
     for (left, right) in sectors(angles) {
         let ratio = |angle: f64| {
             let [upper, lower] = [&last.form, &first.form].map(|f| f.at_angle(angle));
-            // At a common zero nothing is left of the ratio.
+            // At a common zero the ratio is lost to rounding.
             let edge = (angle - left).min(right - angle) < 1e-9f64.min(1e-3 * (right - left));
             let lost = edge || lower.bound > 1e-2 * lower.value.abs();
             if lost { 0.0 } else { (upper.value / lower.value).abs().cr_powf(power) }
@@ -456,7 +456,7 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
             }
         }
         if is_thin {
-            // Too thin for the roots of a polynomial to fall into it.
+            // The sector is too thin to be resolved by the roots of the polynomial.
             let angle = form::maximum_of_ratio(&last.form, &first.form, left, right);
             if ratio(angle) > best.0 {
                 best = (ratio(angle), angle);
@@ -466,10 +466,11 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     }
 }
 
-/// Number of sample directions between degenerate directions for roots that are neutral to leading order.
+/// Number of sample directions in each sector between degenerate directions for roots that are neutral to leading
+/// order.
 const SAMPLES: usize = 12;
 
-/// Width (rad) below which sectors are not distinguished from branches that nearly touch.
+/// Minimum width (rad) of a sector of growth; in narrower ones growth may be an effect of branches that nearly touch.
 const WIDTH: f64 = 0.1;
 
 /// Searches lower-order growth of roots that are neutral to leading order in whole sectors, by Puiseux series.
@@ -496,7 +497,8 @@ fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
                 worst.takes(found, angle);
                 continue;
             };
-            // Next to a collision roots may pass for multiple ones; growth of a sector goes on beside.
+            // Next to a collision distinct roots may appear multiple; growth of a whole sector also appears at
+            // neighbouring angles.
             let goes_on = [0.4, -0.4].into_iter().any(|offset| {
                 let beside = at(angle + offset * step.max(WIDTH));
                 beside.growth.is_some_and(|(beside, _)| beside == order)
@@ -530,7 +532,7 @@ fn search_collisions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Wo
     let face = edge.face();
     for &angle in face.collisions() {
         for Collision { angle, root, is_sharp } in collisions_at(face, angle) {
-            // Degenerate directions have been looked at.
+            // Degenerate directions are searched by `search_layer`.
             if !root.is_neutral() || zeros.iter().any(|z| apart(z.angle, angle) < 1e-9) {
                 continue;
             }
@@ -538,7 +540,7 @@ fn search_collisions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Wo
                 worst.doubts_contact(edge.order, angle);
                 continue;
             }
-            // Not reduced to [0, π): half a turn on the roots are others.
+            // The angle is not reduced to [0, π): the roots c at α + π differ from those at α.
             let zero = Zero { angle, bound: 4e-15, crosses: true };
             search_collision(terms, &zero, edge.order, &root, worst);
         }

@@ -57,7 +57,7 @@ impl Evolution {
             let [b1, b2] = system.b.each_ref().map(|b| b[(row, column)].value);
             i * (rate[0] * b1 + rate[1] * b2)
         };
-        // Rates of what evolves, then the other unknowns: left × them = right × what evolves.
+        // Solve left (ż, w) = right z for the rates of the evolving unknowns z and the other unknowns w.
         let mut left = DMatrix::from_element(size, size, Complex64::ZERO);
         let mut right = DMatrix::from_element(size, evolving.len(), Complex64::ZERO);
         let mut constraints = Vec::new();
@@ -80,7 +80,7 @@ impl Evolution {
                 constraints.push(row);
             }
         }
-        // In units in which all rows and columns are of comparable size.
+        // Scale the largest entry of each row to one.
         let scale = |matrix: &mut DMatrix<Complex64>, row: usize, factor: f64| {
             matrix.row_mut(row).iter_mut().for_each(|entry| *entry *= factor);
         };
@@ -110,7 +110,7 @@ impl Evolution {
         let mut rates = crate::dense::eigenvalues(reduced.clone()).unwrap_or_default();
         rates.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
         let vector = |rate: Complex64| {
-            // What the shifted matrix all but annihilates.
+            // Eigenvector: right singular vector of the smallest singular value of G − ςI.
             let shifted = &reduced - DMatrix::identity(size, size) * rate;
             let decomposition = shifted.svd(false, true);
             let least = decomposition.singular_values.imin();
@@ -150,7 +150,7 @@ pub fn course(
     let mut state = nalgebra::DVector::from_column_slice(start);
     let mut all = vec![start.to_vec()];
     for index in 0..count * steps {
-        // zᵢ = z + h Σ wᵢⱼ G(tⱼ) zⱼ, the last of which is the next z.
+        // Stages zᵢ = z + h Σ wᵢⱼ G(tⱼ) zⱼ; the last stage is the next z.
         let mut left = DMatrix::<Complex64>::identity(3 * size, 3 * size);
         for (j, time) in times.into_iter().enumerate() {
             let time = (index as f64 + time) * step;
@@ -170,9 +170,9 @@ pub fn course(
     Some(all)
 }
 
-/// Balances a square matrix (Parlett & Reinsch 1969): returns D⁻¹AD/u, D and u, with powers of two in D and u, such that
-/// rows and columns have comparable norms and the largest entry is about one. So units of the unknowns do not affect
-/// the bits of results.
+/// Balances a square matrix (Parlett & Reinsch 1969): returns D⁻¹AD/u, D and u, with powers of two in D and u, such
+/// that rows and columns have comparable norms and the largest entry is about one. Hence units of the unknowns do not
+/// affect the bits of results.
 fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f64) {
     const ROUNDS: usize = 100;
     let size = matrix.nrows();
@@ -183,7 +183,7 @@ fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f6
             let others = || (0..size).filter(|j| *j != i);
             let column = others().map(|j| matrix[(j, i)].norm()).fold(0.0, f64::max);
             let row = others().map(|j| matrix[(i, j)].norm()).fold(0.0, f64::max);
-            // Where one of them is zero, the other becomes as great as the diagonal.
+            // If one of the norms is zero, scale the other to the largest diagonal entry.
             let diagonal = (0..size).map(|j| matrix[(j, j)].norm()).fold(0.0, f64::max).cr_log2();
             let power = match (row.cr_log2(), column.cr_log2()) {
                 (row, f64::NEG_INFINITY) => row - diagonal,
@@ -229,7 +229,8 @@ fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> Option<D
             }
         }
         let norm = vector.norm();
-        // Of unit vectors no more than are needed: those that constraints have not used up.
+        // Accept only unit vectors that are not nearly in the span of the accepted vectors: as many as the dimension
+        // requires.
         if norm > 0.5 / (size as f64).sqrt() || is_constraint {
             vector.unscale_mut(norm);
             taken.push(vector.clone());

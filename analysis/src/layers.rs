@@ -22,17 +22,17 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Maximum depth of nested charts.
 const DEPTH: usize = 4;
 
-/// A point of a chart.
+/// A monomial `value` xⁱ yˡ k^j of a chart.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     x: usize,
     y: usize,
-    /// Power of k times the chart's unit.
+    /// Power of k, in units of 1/`Chart::unit`.
     power: i64,
     value: Value,
 }
 
-/// Location of a chart, for reports.
+/// Location of a chart, for reports, and remaining depth of nested charts.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
     /// The degenerate direction, rad.
@@ -40,7 +40,7 @@ pub(crate) struct Place {
     depth: usize,
 }
 
-/// A polynomial in local coordinates (x, y) and k; see the module.
+/// A polynomial in local coordinates (x, y) and k; see the module comment.
 struct Chart {
     points: List<Point, 64>,
     /// Common denominator of the powers of k.
@@ -119,9 +119,9 @@ impl Chart {
         for p in &self.points {
             for x in 0..=p.x {
                 let power = scaled(p) + slope * (p.x - x) as i64;
-                // At a root of multiplicity n that stays neutral all around, branches cross and do
-                // not fold: x = O(y), as any other power would take x off the imaginary axis on one
-                // side. Terms of the leading part that stand in the way are rounding.
+                // Around a root of multiplicity n that stays neutral on both sides, branches cross and do not fold: x =
+                // O(y), since any other power would move x off the imaginary axis on one side. Leading terms xⁱ yˡ with
+                // i + l < n contradict this and are rounding.
                 if x + p.y < root.multiplicity && weight(x, p.y, power) == greatest {
                     continue;
                 }
@@ -234,7 +234,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
             .iter()
             .any(|z| [1e-3, -1e-3, 0.3, -0.3].iter().any(|offset| face.rate(z + offset) > 0.0))
         {
-            // Growth unbounded in this layer belongs to a neighbouring or an inner layer.
+            // Growth that is unbounded in this layer is found in a neighbouring or an inner layer.
             worst.expects(facet.order);
         }
     }
@@ -253,7 +253,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     if !worst.may_improve_below(facet.order) {
         return;
     }
-    // Neutral roots: on from a general offset, and from where they collide.
+    // Continue neutral roots from general offsets, and from the offsets at which they collide.
     let mut sides: List<f64> = special
         .iter()
         .enumerate()
@@ -264,7 +264,7 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
         let d = angle.cr_tan();
         let terms = at_offset(chart, facet.offset, d);
         let mut growth = puiseux::growth(&terms.0, terms.1, chart.below);
-        // Growth of this facet itself is known more accurately.
+        // Growth of the order of this facet has been computed more accurately above.
         growth.growth = growth.growth.filter(|(order, _)| *order < facet.order);
         if let Some((order, coefficient)) = growth.growth {
             worst.grows_in_layer(order, coefficient, place.angle);
@@ -306,7 +306,7 @@ fn triangle(facet: &Facet) -> Option<(Triangle, f64)> {
         Some((p.x - x, p.y - y, n))
     };
     let normal = Triangle([quarter(p)?, quarter(q)?, quarter(r)?]);
-    // x log c + y log d + log |value| is to be the same for all three.
+    // x log c + y log d + log |value| must be equal at all three points.
     let log = |p: Point| p.value.value.norm().cr_ln();
     let row = |s: Point| [s.x as f64 - p.x as f64, s.y as f64 - p.y as f64, log(p) - log(s)];
     let ([a, b, e], [c, d, f]) = (row(q), row(r));
@@ -340,6 +340,7 @@ impl Triangle {
     }
 }
 
+/// Error bound of an offset tan `angle`, for an angle accurate to rounding.
 fn offset_bound(angle: f64) -> f64 {
     1e-14 * (1.0 + angle.cr_tan().powi(2))
 }
@@ -366,7 +367,7 @@ fn at_offset(chart: &Chart, tau: Order, d: f64) -> (List<Monomial, 32>, i64) {
 pub(crate) struct Collision {
     pub(crate) angle: f64,
     pub(crate) root: Root,
-    /// Whether the angle is known to rounding: it is not where branches touch.
+    /// Whether the angle is accurate to rounding; false where branches touch.
     pub(crate) is_sharp: bool,
 }
 
@@ -401,7 +402,7 @@ pub(crate) fn collisions_at(face: &FacePolynomial, angle: f64) -> List<Collision
     let roots = face.roots(angle);
     let mut is_settled: List<bool> = list![false; roots.len()];
     for first in &roots {
-        // Groups of one root and its neighbours, the greatest first.
+        // Groups of one root and its neighbours, the largest group first.
         let mut near: List<(f64, usize)> =
             roots.iter().enumerate().map(|(i, r)| ((r.value - first.value).norm(), i)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -409,7 +410,7 @@ pub(crate) fn collisions_at(face: &FacePolynomial, angle: f64) -> List<Collision
         for end in (0..near.len()).rev() {
             let members = &near[..=end];
             let count = members.iter().map(|(_, i)| roots[*i].multiplicity).sum::<usize>();
-            // Some of those that cross do not cross by themselves.
+            // Skip single roots and groups with a root of a crossing already found.
             if count < 2 || members.iter().any(|(_, i)| is_settled[*i]) {
                 continue;
             }
@@ -453,14 +454,14 @@ fn crossing(
         root -= step[1];
         *last = step[0].norm() + step[1].norm() / root.norm();
     }
-    // A single small step may be chance.
+    // Require several small steps: a single one may be accidental.
     let is_sharp = steps[NEWTON_STEPS - 3..].iter().all(|&step| step < 1e-12);
     let last = steps[NEWTON_STEPS - 1];
     let is_close = (place - angle).norm() < 1e-2 && (root - c).norm() < 0.2 * c.norm();
     if last > 1e-3 || !is_close || place.im.abs() > 1e-3 * last + 1e-9 {
         return None;
     }
-    // The equations hold where branches only come near each other, too.
+    // f = g = 0 also where branches only approach each other: E itself must vanish.
     let [value, ..] = face.by_powers(place.re.into(), root, 2);
     let tolerance = if is_sharp { 1e-13 } else { 1e-10 };
     let holds = value[0].norm() <= tolerance * face.size(root.norm());
@@ -479,7 +480,7 @@ fn comes_apart(face: &FacePolynomial, angle: f64, root: &Root) -> bool {
 
 /// Facets of the Newton polytope with normal (m, τ, 1), m > 0 and τ within the limits of the chart.
 fn facets(chart: &Chart) -> List<Facet> {
-    // Of all points with equal x and y the one with the greatest power dominates.
+    // Among points with equal x and y the one with the largest power dominates.
     let mut points: List<&Point, 64> = List::new();
     for p in &chart.points {
         match points.iter_mut().find(|own| (own.x, own.y) == (p.x, p.y)) {
@@ -492,7 +493,7 @@ fn facets(chart: &Chart) -> List<Facet> {
     for (a, p) in points.iter().enumerate() {
         for (b, q) in points.iter().enumerate().skip(a + 1) {
             for r in &points[b + 1..] {
-                // m Δx + τ Δy = −Δpower for both differences, times the determinant.
+                // Solve m Δx + τ Δy = −Δpower for both differences; all components are multiplied by the determinant.
                 let difference = |s: &Point| {
                     [p.x as i64 - s.x as i64, p.y as i64 - s.y as i64, p.power - s.power]
                 };

@@ -1,9 +1,9 @@
 //! Factorisation of the corner coefficients of the Newton polygon.
 //!
-//! With ς = O(k^m) for an m between the slopes that meet in a corner, every entry of
-//! ςA + κ₁B¹ + κ₂B² + C has a leading part, and the corner coefficient is the determinant of the leading entries that
-//! lie on a transversal of maximal order. Their pattern decomposes into blocks, and the determinant into the product of
-//! the block determinants: for a granular flow, one of the stresses and one of the velocities.
+//! With ς = O(k^m) for an m between the slopes that meet in a corner, every entry of ςA + κ₁B¹ + κ₂B² + C has a leading
+//! part, and the corner coefficient is the determinant of the leading entries that lie on a transversal of maximal
+//! order. Their pattern decomposes into blocks, and the determinant into the product of the block determinants: for a
+//! granular flow, a block of the stresses and a block of the velocities.
 
 use crate::form::Form;
 use crate::list::{List, list};
@@ -17,7 +17,7 @@ pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> List<Form, 4> {
     let system = &scaled.system;
     let n = system.equations.len();
     let [time, space] = slope;
-    // Order in k (times the slope's denominator) of the leading part of an entry, and that part.
+    // Order in k of the leading part of an entry, times the denominator of `slope`, and that part.
     let leading = |i: usize, j: usize| -> Option<(i64, [Rounded; 4])> {
         let at = (i, j);
         let (a, b, c) = (system.a[at], [system.b[0][at], system.b[1][at]], system.c[at]);
@@ -36,8 +36,8 @@ pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> List<Form, 4> {
     let entries: List<List<_, 8>, 8> =
         (0..n).map(|i| (0..n).map(|j| leading(i, j)).collect()).collect();
 
-    // Greatest order of a transversal of the first rows with a set of columns, and of the last rows
-    // with the others.
+    // Largest order of a transversal of the first rows and a column set (`first`), and of the remaining rows and
+    // columns (`last`).
     const NONE: i64 = i64::MIN / 4;
     let mut first: List<i64, 64> = smallvec![NONE; 1 << n];
     let mut last = first.clone();
@@ -64,7 +64,7 @@ pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> List<Form, 4> {
         return List::new();
     }
 
-    // Entries of the greatest transversals connect rows and columns into blocks.
+    // Entries on transversals of the largest order connect rows and columns into blocks.
     let mut block: List<usize, 32> = (0..2 * n).collect();
     let mut takes_part = list![list![false; n]; n];
     for set in 0..(1usize << n) - 1 {

@@ -44,13 +44,13 @@ impl PartialOrd for Order {
 /// Newton polygon: corners of the upper hull of points (i, j), by descending i.
 pub(crate) fn corners_of(points: impl Iterator<Item = (i64, i64)>) -> List<(i64, i64)> {
     let mut sorted: List<_, 64> = points.collect();
-    // Of equal i only the greatest j counts.
+    // Among points with equal i only the largest j matters.
     sorted.sort_by_key(|&(i, j)| (std::cmp::Reverse(i), std::cmp::Reverse(j)));
     sorted.dedup_by_key(|point| point.0);
     let mut corners: List<(i64, i64)> = List::new();
     for (i, j) in sorted {
         while let [.., a, b] = corners[..] {
-            // b below or on the chord from a to the new point goes.
+            // Remove b if it lies below or on the chord from a to the new point.
             if (b.1 - a.1) * (a.0 - i) > (j - a.1) * (a.0 - b.0) {
                 break;
             }

@@ -1,4 +1,4 @@
-//! The roots ς of det(ςA + ik(cos θ B¹ + sin θ B²) + C) at a given wave.
+//! The roots ς of det(ςA + ik(cos θ B¹ + sin θ B²) + C) at a given wave vector.
 //!
 //! The pencil is equilibrated and its generalised eigenvalues are computed by the QZ algorithm;
 //! the number of finite eigenvalues follows from the degree of the exact polynomial, not from a
@@ -116,13 +116,13 @@ impl Pencil {
         Roots::Regular { infinite: size - finite.len(), finite }
     }
 
-    /// The finite generalised eigenvalues ς, 1/s, of the equilibrated pencil; none where QZ does not
-    /// converge.
+    /// The finite generalised eigenvalues ς, 1/s, of the equilibrated pencil; empty if QZ does not converge.
     pub fn generalised_eigenvalues(&self, k: f64, direction: f64) -> Vec<Complex64> {
         self.generalised_eigenvalues_in(&mut Qz::default(), k, direction).to_vec()
     }
 
-    /// As [`generalised_eigenvalues`](Self::generalised_eigenvalues), in the memory of `qz`, without allocation.
+    /// Computes the [`generalised_eigenvalues`](Self::generalised_eigenvalues) in the workspace `qz`, without
+    /// allocation.
     pub fn generalised_eigenvalues_in<'q>(
         &self,
         qz: &'q mut Qz,
@@ -140,8 +140,8 @@ impl Pencil {
         values
     }
 
-    /// Puts the pencil −(i k̂ (cos θ B̂¹ + sin θ B̂²) + Ĉ) − ς̂ Â, of the scaled system and in the
-    /// frame of the material, into `qz`.
+    /// Loads the pencil −(i k̂ (cos θ B̂¹ + sin θ B̂²) + Ĉ) − ς̂ Â of the scaled system, in the frame of the material,
+    /// into `qz` and equilibrates it.
     pub fn equilibrate(&self, qz: &mut Qz, k: f64, direction: f64) {
         let s = &self.scaled.system;
         let size = s.equations.len().min(s.unknowns.len());

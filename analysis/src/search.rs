@@ -2,7 +2,7 @@
 
 const RATIO: f64 = 0.618_033_988_749_894_9;
 
-/// An interval around a maximum, after golden sections.
+/// Bracketing interval of a maximum after golden-section search.
 pub(crate) struct Bracket {
     ends: [f64; 2],
     /// The two inner points: [value, position].
@@ -22,8 +22,8 @@ impl Bracket {
     }
 }
 
-/// Narrows [a, b] around the maximum of a function that has one there, at most `steps` times, and until the
-/// interval is below `tolerance` relative to its ends.
+/// Golden-section search: narrows [a, b] around the maximum of a unimodal function in at most `steps` steps, or until b
+/// − a ≤ `tolerance` (|a| + |b|).
 pub(crate) fn golden_section(
     f: impl Fn(f64) -> f64,
     [mut a, mut b]: [f64; 2],
@@ -54,7 +54,7 @@ pub(crate) fn place_of_maximum(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     golden_section(f, [a, b], STEPS, Some(1e-12)).middle()
 }
 
-/// Bisects [low, high] `steps` times around a point where `holds` changes.
+/// Bisects [low, high] `steps` times around a point at which `holds` changes.
 pub(crate) fn bisect(
     [mut low, mut high]: [f64; 2],
     steps: usize,
@@ -68,8 +68,8 @@ pub(crate) fn bisect(
     [low, high]
 }
 
-/// Sectors of a period in which a predicate holds, as first and last angle; ends by bisection between `samples` and the
-/// samples a `step` later. The whole period if the predicate holds at all samples.
+/// Sectors of a period in which a predicate holds, as first and last angle; ends are refined by `bisections` bisections
+/// between each of the `samples` and the angle a `step` later. The whole period if the predicate holds everywhere.
 pub(crate) fn sectors(
     samples: impl Iterator<Item = f64>,
     step: f64,

@@ -129,7 +129,7 @@ fn directions(assessment: &Assessment) -> Vec<f64> {
     for degenerate in &assessment.degenerate {
         directions.extend(around(degenerate.angle, COARSE_LAYER));
     }
-    // The verdict's own direction, lest a narrow sector is missed.
+    // Include the direction of the verdict, so that a narrow sector is not missed.
     if let Verdict::IllPosed { direction, .. } = assessment.verdict {
         directions.push(direction);
     }
@@ -147,8 +147,8 @@ fn around(centre: f64, (first, step, number): (f64, f64, usize)) -> impl Iterato
     offsets.flat_map(move |offset| [centre - offset, centre + offset]).chain([centre])
 }
 
-/// Maximum and its position of a function of period π: the highest of the ascending `samples`, refined between their
-/// neighbours.
+/// Maximum and its position of a function of period π: the highest peaks of the ascending `samples`, refined by golden
+/// sections between their neighbours.
 fn greatest(f: impl Fn(f64) -> f64, samples: &[f64]) -> [f64; 2] {
     let values: Vec<f64> = samples.iter().map(|&x| f(x)).collect();
     let count = samples.len();
@@ -185,7 +185,7 @@ pub fn fitted_order(curve: &[AtWaveNumber]) -> Option<FittedOrder> {
     };
     let mut abscissae = logarithms(|at| at.number);
     let ordinates = logarithms(|at| at.greatest);
-    // Centred and scaled to [−1, 1]: the fit is by monomials as they stand.
+    // Centre and scale the abscissae to [−1, 1]: `polyfit` fits unscaled monomials.
     let [low, high] = numbers.map(Elementary::cr_log10);
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
     if half <= 0.0 {
@@ -218,8 +218,8 @@ mod tests {
             assert!((fit.order - order).abs() < 1e-12, "{} for {order}", fit.order);
             assert!((fit.numbers[0] / 1e6 - 1.0).abs() < 1e-9 && fit.numbers[1] == 1e8);
         }
-        // Before the asymptote is reached: d log(k^m + a)/d log k = m/(1 + a k^−m), between its
-        // values at both ends.
+        // Not yet asymptotic, growth k^m + a: the fitted order lies between the local orders m/(1 + a k^−m) at both
+        // ends.
         let slope = |k: f64| 0.4 / (1.0 + 50.0 * k.powf(-0.4));
         let fit = fitted_order(&curve(|k| k.powf(0.4) + 50.0)).unwrap();
         assert!((slope(1e6)..slope(1e8)).contains(&fit.order), "{}", fit.order);
@@ -241,7 +241,7 @@ mod tests {
         samples.extend(around(at, COARSE_LAYER));
         samples.sort_by(f64::total_cmp);
         for width in [1e-8, 3e-6, 2e-3, 0.05] {
-            // A layer beside the direction, over a broad lower hill.
+            // A narrow peak at the distance `width` from the degenerate direction, over a broad lower maximum.
             let f = |x: f64| {
                 let offset = (x - at) / width;
                 0.9 * (x - 2.0).cos().powi(2) + 2.0 * offset / (1.0 + offset * offset)
@@ -250,7 +250,7 @@ mod tests {
             assert!((place - at - width).abs() < 0.5 * width, "{place} at {width}");
             assert!(value >= f(at + width) * (1.0 - 1e-6), "{value}");
         }
-        // Across the ends of the period.
+        // A maximum next to the end of the period.
         let [value, place] = greatest(|x| (2.0 * (x - 3.13)).cos(), &samples);
         assert!(value > 1.0 - 1e-9 && (place - 3.13).abs() < 1e-4);
     }

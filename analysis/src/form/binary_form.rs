@@ -10,9 +10,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub struct Form {
     /// Coefficients; entry l multiplies κ₁^(d−l) κ₂^l.
     pub coefficients: List<Rounded>,
-    /// Known factorisation of the form: factors resolve close zeros that the expanded coefficients do not. The
-    /// coefficients of one factor after the other, with their ends.
+    /// Coefficients of the known factors of the form, one factor after the other; factors resolve close zeros that the
+    /// expanded coefficients do not.
     pub(super) factors: List<Rounded>,
+    /// End of each factor in `factors`.
     pub(super) ends: List<usize, 4>,
 }
 
@@ -37,7 +38,7 @@ impl Form {
     pub fn factorise(&mut self, factors: &[Form]) {
         let product =
             |angle: f64| factors.iter().map(|f| f.at_angle(angle)).fold(Rounded::ONE, |a, b| a * b);
-        // Where the form is large: the ratio must be the same constant.
+        // Compare where the form is largest: the ratio of form and product must be constant.
         let mut samples: List<(f64, f64), 32> = (0..4 * factors.len() + 8)
             .map(|i| 0.1 + 0.37 * i as f64)
             .map(|angle| (self.at_angle(angle).value, product(angle).value))
@@ -107,7 +108,7 @@ impl Form {
             || (angle - FRAC_PI_2).abs() < 1e-15 && zero(self.coefficients.last())
     }
 
-    /// dF/dθ at an angle, without its rounding.
+    /// dF/dθ at an angle, without rounding bound.
     pub(super) fn derivative_at(&self, angle: f64) -> f64 {
         let (sin, cos) = angle.cr_sin_cos();
         let d = self.degree() as i32;
@@ -125,7 +126,7 @@ impl Form {
         self.coefficients.iter().enumerate().map(term).sum()
     }
 
-    /// dF/dθ along (cos θ, sin θ): again a form of degree d.
+    /// Derivative dF(cos θ, sin θ)/dθ, again a form of degree d.
     pub fn derivative(&self) -> Self {
         let d = self.degree();
         let mut result = Self::zero(d);
@@ -154,7 +155,7 @@ impl Form {
             product
         };
         let mut result = Self::zero(d);
-        // Factor by factor, as small values near a common zero lose less.
+        // Rotate factor by factor: small values near a common zero lose less to cancellation.
         let turned = self.factors().map(|f| Self::from_coefficients(f).rotated(cos, sin));
         let product = turned.map(|f| f.coefficients).reduce(|p, q| {
             let mut product = list![Rounded::ZERO; p.len() + q.len() - 1];
@@ -189,7 +190,7 @@ impl Form {
     }
 }
 
-/// Horner's scheme in cos, with powers of sin.
+/// Evaluates a form by Horner's scheme in cos, with powers of sin.
 fn evaluate(coefficients: &[Rounded], cos: Rounded, sin: Rounded) -> Rounded {
     let mut value = coefficients[0];
     let mut power = Rounded::ONE;

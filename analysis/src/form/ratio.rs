@@ -6,7 +6,7 @@ use models::common::elementary::cr_arg;
 use std::f64::consts::PI;
 
 impl Form {
-    /// d log|F|/dθ
+    /// Logarithmic derivative d log|F|/dθ, summed over the factors if known.
     fn logarithmic_derivative(&self, angle: f64) -> f64 {
         let own = |f: &Form| f.derivative_at(angle) / f.at_angle(angle).value;
         match self.ends.len() {
@@ -16,7 +16,7 @@ impl Form {
     }
 }
 
-/// Angles in [0, π) among which are all extrema of |a/b|: zeros of a′b − ab′.
+/// Candidate angles in [0, π) for the extrema of |a/b|: zeros of a′b − ab′.
 pub fn extrema_of_ratio(a: &Form, b: &Form) -> List<f64> {
     let product = |p: &Form, q: &Form, sign: f64, sum: &mut Form| {
         for (i, x) in p.coefficients.iter().enumerate() {
@@ -35,7 +35,7 @@ pub fn extrema_of_ratio(a: &Form, b: &Form) -> List<f64> {
         .collect()
 }
 
-/// A maximum of |a/b| between two angles at which it vanishes or is lower, by bisection of its
+/// Position of a maximum of |a/b| between `left` and `right` (rad), at which the ratio is lower, by bisection of its
 /// logarithmic derivative.
 pub fn maximum_of_ratio(a: &Form, b: &Form, mut left: f64, mut right: f64) -> f64 {
     for _ in 0..60 {

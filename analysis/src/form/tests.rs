@@ -40,7 +40,7 @@ fn zeros_of_products_are_found_with_their_kind() {
     }
 }
 
-/// The curvature of a fourfold zero is rounding: it says nothing of the zero's place.
+/// Verifies position and bound of zeros of multiplicity 4 and 6, whose curvature is rounding and cannot locate them.
 #[test]
 fn places_of_multiple_zeros_are_known() {
     for (angles, wanted) in [([0.7; 4].as_slice(), 0.7), ([0.7; 6].as_slice(), 0.7)] {
@@ -52,7 +52,7 @@ fn places_of_multiple_zeros_are_known() {
         assert!((multiple[0].angle - wanted).abs() <= multiple[0].bound, "{zeros:?}");
         assert!(multiple[0].bound < 1e-12, "{zeros:?}");
     }
-    // On an axis, with rounding where the exact coefficients vanish.
+    // A multiple zero on an axis, with rounding noise in coefficients that vanish exactly.
     let noise = |value: f64| Rounded { value, bound: 6e-12 };
     let coefficients = list![
         noise(-1.6e-14),
@@ -69,7 +69,7 @@ fn places_of_multiple_zeros_are_known() {
 
 #[test]
 fn thin_sectors_are_not_missed() {
-    // The form inside the sector is about width²/4 deep: seen while that is above rounding.
+    // Inside the sector |F| is about width²/4 times the form of the other zeros, detectable while above rounding.
     for width in [1e-2, 1e-5, 1e-6] {
         let zeros = with_zeros(&[1.1, 1.1 + width, 2.0, 0.4]).zeros();
         let angles: Vec<_> = zeros.iter().map(|z| z.angle).collect();
@@ -92,7 +92,7 @@ fn factors_tell_zeros_apart_that_their_product_cannot() {
         let outside = f.at_angle(zeros[1].angle - width);
         assert_eq!(inside.sign().unwrap(), -outside.sign().unwrap());
     }
-    // What is no factorisation is not taken for one.
+    // A product that is not proportional to the form is rejected.
     let mut f = with_zeros(&[0.3, 1.2]);
     f.factorise(&[with_zeros(&[0.3]), with_zeros(&[1.21])]);
     assert!(f.ends.is_empty());

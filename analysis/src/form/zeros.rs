@@ -44,7 +44,7 @@ impl Form {
         angles
     }
 
-    /// Roots in z = exp 2iθ: with w = exp iθ the form is w^(−d) times a polynomial in w².
+    /// Roots z = exp 2iθ of the form: with w = exp iθ the form is w^(−d) times a polynomial in w².
     pub(super) fn roots_on_the_circle(&self) -> impl Iterator<Item = Complex64> {
         let d = self.degree();
         let mut polynomial = list![Complex64::ZERO; d + 1];
@@ -65,7 +65,7 @@ impl Form {
                 *p += t;
             }
         }
-        // A top coefficient of rounding size is a root at infinity, which is no direction.
+        // A leading coefficient of rounding size gives a root at infinity, which corresponds to no direction.
         let size = polynomial.iter().map(|c| c.norm()).fold(0.0, f64::max);
         while polynomial.last().is_some_and(|c| c.norm() <= 1e-14 * size) {
             polynomial.pop();
@@ -98,7 +98,7 @@ impl Form {
         if self.degree() % 2 == 1 && extrema.is_empty() {
             return zeros;
         }
-        // Value at an extremum; none where it may be zero, as its own place is uncertain by about a
+        // Value at an extremum; `None` if it may be zero, given that the angle of the extremum is uncertain by about a
         // unit in the last place.
         let sign_at = |angle: f64| {
             let value = self.at_angle(angle);
@@ -108,10 +108,10 @@ impl Form {
         };
         for (index, &left) in extrema.iter().enumerate() {
             let Some(start) = sign_at(left) else {
-                // A touching zero: its place is that of the extremum.
+                // The form touches zero at this extremum.
                 let (angle, bound) = touching(self, left);
                 let angle = angle.rem_euclid(PI);
-                // The extrema inside a multiple zero all lead to it.
+                // All extrema inside a split multiple zero lead to the same zero.
                 let is_known = |z: &Zero| (z.angle - angle).abs() <= 2.0 * (z.bound + bound);
                 if !zeros.iter().any(is_known) {
                     zeros.push(Zero { angle, bound, crosses: false });
@@ -157,8 +157,8 @@ impl Form {
         Some(zeros)
     }
 
-    /// The zero between two angles with values of different signs, by regula falsi after Illinois, and
-    /// bisection where that is slow.
+    /// Zero between two angles with values of opposite sign, by the Illinois variant of regula falsi, with bisection in
+    /// every fourth round.
     fn bracketed_zero(&self, (mut a, mut fa): (f64, f64), (mut b, mut fb): (f64, f64)) -> f64 {
         for round in 0..120 {
             let secant = b - fb * (b - a) / (fb - fa);
@@ -185,9 +185,9 @@ impl Form {
 
 /// Position and rounding bound of a multiple zero near the extremum at `angle`.
 ///
-/// Rounding splits a zero of multiplicity m by the m-th root of the rounding, and the extrema between the parts as
-/// well. The parts are one zero if all derivatives of order below m vanish within rounding at a nearby point: a simple
-/// zero of derivative m − 1, which is well-conditioned.
+/// Rounding splits a zero of multiplicity m by the m-th root of the rounding, with extrema between the resulting zeros.
+/// They are one zero if all derivatives of order below m vanish within rounding at a nearby point: a simple zero of
+/// derivative m − 1, which is well-conditioned.
 fn touching(form: &Form, angle: f64) -> (f64, f64) {
     const NEAR: f64 = 0.03;
     let mut derivatives = list![form.clone()];
@@ -199,7 +199,7 @@ fn touching(form: &Form, angle: f64) -> (f64, f64) {
         let mut place = angle;
         for _ in 0..4 {
             let step = last.at_angle(place).value / change.at_angle(place).value;
-            // The first derivative's own zero is the angle already.
+            // For m = 2 the zero of the first derivative is `angle` already.
             if m > 2 {
                 place -= step;
             }
@@ -219,8 +219,8 @@ fn touching(form: &Form, angle: f64) -> (f64, f64) {
     (angle, (slope / curvature).min(1.0) + f64::EPSILON)
 }
 
-/// Sorts the zeros of several factors and merges those that agree within their bounds; a merged zero crosses if an odd
-/// number of its parts does.
+/// Sorts the zeros of several factors and merges zeros that agree within their bounds; a merged zero crosses if an odd
+/// number of its constituents does.
 pub fn merge(zeros: &mut List<Zero>) {
     zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
     let near = |a: &Zero, b: &Zero, turn: f64| {
