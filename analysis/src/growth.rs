@@ -310,8 +310,8 @@ fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bo
     doubt
 }
 
-/// Whether, at a generic wave number, roots ς with positive real part tend to infinity as the wave vector approaches the
-/// direction `zero`.
+/// Whether, at a generic wave number, roots ς with positive real part tend to infinity as the wave vector approaches
+/// the direction `zero`.
 fn leads_to_infinity(certain: &[Term], highest: usize, zero: &Zero) -> bool {
     [1.0, -1.0].into_iter().any(|side: f64| {
         let mut terms = List::new();

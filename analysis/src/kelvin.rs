@@ -35,8 +35,8 @@ pub fn wave_vector_rate(gradient: [[f64; 2]; 2], wave: [f64; 2]) -> [f64; 2] {
 }
 
 impl Evolution {
-    /// Evolution of a wave with wave vector k (1/m) that changes at the `rate` k̇ (1/(m·s)). With k̇ = 0 the eigenvalues
-    /// of [`reduced`](Self::reduced) are the finite roots of the frozen pencil without −ik·V.
+    /// Evolution of a wave with wave vector k (1/m) that changes at the `rate` k̇ (1/(m·s)). With k̇ = 0 the
+    /// eigenvalues of [`reduced`](Self::reduced) are the finite roots of the frozen pencil without −ik·V.
     ///
     /// `None` if the equations do not determine the evolution.
     pub fn new(system: &LinearisedSystem<2>, wave: [f64; 2], rate: [f64; 2]) -> Option<Self> {
@@ -123,9 +123,9 @@ impl Evolution {
     }
 }
 
-/// Integrates a Kelvin wave with initial wave vector `wave` (1/m) in v = Γx: values of the evolving unknowns at the ends
-/// of `count` equal time intervals, and at the beginning. Radau IIA collocation of fifth order (Hairer & Wanner 1996,
-/// IV.5), L-stable, with `steps` steps per interval.
+/// Integrates a Kelvin wave with initial wave vector `wave` (1/m) in v = Γx; returns the evolving unknowns at the
+/// beginning and at the ends of `count` equal time intervals. Radau IIA collocation of fifth order (Hairer & Wanner
+/// 1996, IV.5), L-stable, with `steps` steps per interval.
 ///
 /// `system` returns the linearised equations at a time (s), so the uniform mean flow may depend on time. Coefficients
 /// of constraints, as in k·v = 0, must not.

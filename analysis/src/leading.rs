@@ -12,7 +12,7 @@ use crate::scaling::ScaledSystem;
 use models::Rounded;
 use smallvec::smallvec;
 
-/// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; empty if the pattern is irreducible.
+/// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; empty for an irreducible pattern.
 pub(crate) fn factors(scaled: &ScaledSystem, slope: [i64; 2]) -> List<Form, 4> {
     let system = &scaled.system;
     let n = system.equations.len();

@@ -37,11 +37,12 @@ impl Coefficient {
         self.bound * 1.000_001 + self.expansion
     }
 
-    /// Exact entries that cancel exactly leave a structural zero.
+    /// Whether the coefficient is exactly zero, also by exact cancellation of exact entries.
     fn is_structural_zero(&self) -> bool {
         self.value.high == 0.0 && self.bound == 0.0
     }
 
+    /// Adds ± `other` × `entry`, with error bounds.
     fn add_product(&mut self, other: &Self, entry: Rounded, negative: bool) {
         let factor = Extended::from(if negative { -entry.value } else { entry.value });
         self.value = self.value + other.value * factor;
@@ -57,9 +58,9 @@ impl Coefficient {
 #[derive(Clone, Debug, Default)]
 struct Monomials {
     exponents: Vec<[u8; 3]>,
-    /// Index of the monomial times ς, κ₁, κ₂.
+    /// Index of the product of each monomial with ς, κ₁, κ₂.
     times: Vec<[u16; 3]>,
-    /// Number of monomials of total degree ≤ d, by d.
+    /// Entry d is the number of monomials of total degree ≤ d.
     up_to: Vec<usize>,
 }
 
@@ -92,10 +93,11 @@ impl Monomials {
 pub struct DispersionPolynomial {
     size: usize,
     monomials: Monomials,
-    /// Partial determinants, one block of coefficients per set of columns; the last is the whole.
+    /// Partial determinants, one block of coefficients per set of columns; the last block is the full determinant.
     partial: Vec<Coefficient>,
     /// Whether a subset of columns has a transversal in the rows used so far.
     is_reached: Vec<bool>,
+    /// Rows in the order of expansion.
     order: Vec<usize>,
     /// Unit of ς, 1/s.
     pub rate: f64,
@@ -140,7 +142,7 @@ impl DispersionPolynomial {
 
         self.partial[..block].fill(Coefficient::default());
         self.is_reached[0] = true;
-        // The whole may not be reached at all.
+        // The full determinant may not be reached.
         self.partial[((1 << n) - 1) * block..].fill(Coefficient::default());
         self.partial[0] = Coefficient { value: Extended::from(1.0), ..Coefficient::default() };
         for set in 0usize..(1 << n) - 1 {
@@ -159,7 +161,7 @@ impl DispersionPolynomial {
                 if form.iter().all(|x| x.is_structural_zero()) {
                     continue;
                 }
-                // Laplace sign: the columns of the set that stand to the right.
+                // Laplace sign: parity of the number of columns of the set to the right of `column`.
                 let negative = (set >> column).count_ones() % 2 == 1;
                 let with = set | 1 << column;
                 let target = &mut after[(with - set - 1) * block..][..block];
@@ -187,6 +189,7 @@ impl DispersionPolynomial {
         Ok(())
     }
 
+    /// Monomials and coefficients of the full determinant.
     fn coefficients(&self) -> impl Iterator<Item = ([u8; 3], &Coefficient)> {
         let block = self.monomials.exponents.len();
         let whole = &self.partial[self.partial.len() - block..];
@@ -218,9 +221,9 @@ impl DispersionPolynomial {
         terms
     }
 
-    /// Coefficients of the powers of ς − (−ik·V) at the wave vector k = `k` (cos θ, sin θ), scaled:
-    /// entry i belongs to ς̂ⁱ. Its degree is the number of finite roots; powers whose coefficient is
-    /// zero within its rounding bound at the top are left out.
+    /// Coefficients of the powers of ς − (−ik·V) at the wave vector k = `k` (cos θ, sin θ), scaled: entry i belongs to
+    /// ς̂ⁱ. Leading coefficients that are zero within their rounding bound are omitted, so the degree is the number of
+    /// finite roots.
     pub fn at_wave(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
         let (sin, cos) = direction.cr_sin_cos();
         let k_scaled = k / self.wave_number;
@@ -231,7 +234,7 @@ impl DispersionPolynomial {
             }
             list
         };
-        // Products in twice the working precision of the doubles k̂ cos θ, k̂ sin θ.
+        // Powers of the doubles k̂ cos θ, k̂ sin θ in twice the working precision.
         let (first, second) = (powers(k_scaled * cos), powers(k_scaled * sin));
         let mut result = vec![ExtendedComplex::default(); self.size + 1];
         let mut bounds = vec![0.0f64; self.size + 1];
@@ -244,7 +247,7 @@ impl DispersionPolynomial {
             let term = coefficient.value * factor;
             bounds[a] += coefficient.total_bound() * factor.high.abs();
             let slot = &mut result[a];
-            // iʲ
+            // Factor iʲ.
             match (b + c) % 4 {
                 0 => slot.re = slot.re + term,
                 1 => slot.im = slot.im + term,

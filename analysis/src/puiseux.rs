@@ -25,11 +25,12 @@ pub(crate) struct Root {
 }
 
 impl Root {
-    /// Whether its real part may be zero.
+    /// Whether the real part of the root may be zero.
     pub(crate) fn is_neutral(&self) -> bool {
         self.value.re.abs() <= self.bound
     }
 
+    /// Whether the real part of the root is positive beyond its error bound.
     pub(crate) fn grows(&self) -> bool {
         self.value.re > self.bound
     }
@@ -70,7 +71,7 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     if end <= first + 1 {
         return List::new();
     }
-    // Coefficients that may be zero count as zero, and as errors of the others.
+    // Low-order coefficients that may be zero are dropped; `lost` bounds the error this makes in the others.
     let lost = |x: Complex64| {
         let part =
             |(i, c): (usize, &Value)| (c.size() + c.bound) * x.norm().powi(i as i32 - first as i32);
@@ -89,8 +90,8 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
             let count = members.len().max(1);
             let mean = members.iter().sum::<Complex64>() / count as f64;
             if let Some(mut root) = multiple_root(polynomial, lost, mean, count) {
-                // |p/p′| is the distance of a root where others are far. Near others only deg p times as much is
-                // (Henrici 1974): a cluster that is neither one root nor resolved.
+                // |p/p′| approximates the distance to a root if other roots are far. With others near, only deg p times
+                // |p/p′| bounds it (Henrici 1974): a cluster that is neither merged into one root nor resolved.
                 let degree = (polynomial.len() - 1) as f64;
                 let is_crowded = |other: &&Complex64| {
                     (**other - root.value).norm() <= degree * root.bound && !near(other)
@@ -103,7 +104,7 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
                 break;
             }
             if count == 1 {
-                // Taken as it is, with a bound as wide as itself.
+                // Accept the root with a bound equal to its modulus.
                 open.remove(0);
                 found.push(Root { value: root, multiplicity: 1, bound: root.norm() });
                 break;
@@ -122,7 +123,7 @@ fn multiple_root(
     near: Complex64,
     multiplicity: usize,
 ) -> Option<Root> {
-    // n-th derivative over n!, and the sum of the moduli of what its error comes from.
+    // n-th derivative over n!, and a bound on its error.
     let derivative = |x: Complex64, n: usize| {
         let (mut value, mut uncertainty) = (Complex64::ZERO, 0.0);
         for (i, c) in polynomial.iter().enumerate().rev().take(polynomial.len() - n) {
@@ -172,13 +173,15 @@ pub(crate) fn collect(terms: &mut List<Monomial, 32>) {
     terms.retain(|t| !t.value.is_zero());
 }
 
-/// Growth of the roots of Σ `terms` as k → ∞, restricted to roots of order below `limit` (times D).
+/// Growth of the roots of Σ `terms` as k → ∞, restricted to roots of order below `limit`; `unit` is the denominator D.
 pub(crate) fn growth(terms: &[Monomial], unit: i64, limit: Option<Order>) -> RootGrowth {
     let mut result = RootGrowth::default();
     follow(terms, unit, limit, TERMS, &mut result);
     result
 }
 
+/// Continues the roots on all edges of the Newton polygon to the next term of their Puiseux series, up to `depth`
+/// terms.
 fn follow(
     terms: &[Monomial],
     unit: i64,
@@ -245,7 +248,7 @@ fn shift(terms: &[Monomial], unit: i64, order: Order, root: &Root) -> (List<Mono
     for t in terms {
         for i in 0..=t.x {
             let power = t.power * (unit_after / unit) + slope * (t.x - i) as i64;
-            // The root is one of the edge by construction.
+            // These terms vanish exactly: c is a root of the edge polynomial.
             if i < root.multiplicity && power + slope * i as i64 == top {
                 continue;
             }

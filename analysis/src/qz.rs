@@ -1,16 +1,14 @@
 //! QZ algorithm: finite generalised eigenvalues λ of a small dense pencil, L x = λ R x, without allocation.
 //!
-//! Rows, columns and the unit of λ are scaled by powers of two first, as in
-//! [`scaling`](crate::scaling). Then three steps, of permutations and unitary rotations only, so
-//! that each eigenvalue is exact for a pencil that differs from the scaled one by a modest multiple
-//! of ε‖L‖, ε‖R‖:
+//! Rows, columns and the unit of λ are first scaled by powers of two, as in [`scaling`](crate::scaling). Three steps
+//! follow, with permutations and unitary rotations only, so each eigenvalue is exact for a pencil that differs from the
+//! scaled one by a modest multiple of ε‖L‖, ε‖R‖:
 //!
-//! 1. infinite eigenvalues that show as exact zeros of R are split off, by the staircase of P. Van
-//!    Dooren (Linear Algebra and its Applications 27, 1979, 103–140): algebraic equations;
-//! 2. the rest is brought to Hessenberg–triangular form;
-//! 3. the single-shift QZ iteration triangularises it (C. B. Moler & G. W. Stewart, SIAM Journal
-//!    on Numerical Analysis 10, 1973, 241–256; G. H. Golub & C. F. Van Loan, Matrix Computations,
-//!    section 7.7).
+//! 1. infinite eigenvalues that appear as exact zeros of R are deflated by the staircase of P. Van Dooren (Linear
+//!    Algebra and its Applications 27, 1979, 103–140); they belong to algebraic equations;
+//! 2. the remaining pencil is reduced to Hessenberg–triangular form;
+//! 3. the single-shift QZ iteration triangularises it (C. B. Moler & G. W. Stewart, SIAM Journal on Numerical Analysis
+//!    10, 1973, 241–256; G. H. Golub & C. F. Van Loan, Matrix Computations, section 7.7).
 
 use crate::polynomial::MAX_SIZE;
 use num_complex::Complex64;
@@ -24,9 +22,9 @@ const EPSILON: f64 = f64::EPSILON;
 const ZERO: f64 = 1e-75;
 /// Maximum number of QZ steps per eigenvalue; two or three are typical.
 const STEPS: usize = 40;
-/// Sweeps of the equilibration.
+/// Number of sweeps of the equilibration.
 const SWEEPS: usize = 6;
-/// Stands for the logarithm of zero.
+/// Placeholder for the logarithm of zero.
 const ABSENT: f64 = -1e6;
 
 /// Workspace of the QZ algorithm: a pencil and its eigenvalues. Keep one per thread.
@@ -54,7 +52,7 @@ struct GivensRotation {
 }
 
 impl GivensRotation {
-    /// The rotation that annihilates g, and r: c = |f|/h, s = (f/|f|) ḡ/h, r = (f/|f|) h with h² = |f|² + |g|².
+    /// Rotation that annihilates g, and r: c = |f|/h, s = (f/|f|) ḡ/h, r = (f/|f|) h with h² = |f|² + |g|².
     #[inline(always)]
     fn annihilating(f: Complex64, g: Complex64) -> (Self, Complex64) {
         let (f2, g2) = (f.norm_sqr(), g.norm_sqr());
@@ -73,7 +71,7 @@ impl GivensRotation {
     /// (x, y) ← (c x + s y, c y − s̄ x).
     #[inline(always)]
     fn apply(self, x: &mut Complex64, y: &mut Complex64) {
-        // Real and imaginary parts as the same sums of products: they run side by side.
+        // Real and imaginary parts have the same sequence of operations, so that the compiler can vectorise them.
         let (c, re, im) = (self.c, self.s.re, self.s.im);
         let (minus_re, minus_im) = (0.0 - re, 0.0 - im);
         (*x, *y) = (
@@ -109,8 +107,7 @@ impl GivensRotation {
 }
 
 impl Qz {
-    /// Takes the pencil L − λR of `size` ≤ [`MAX_SIZE`] rows (of more, the leading block) and
-    /// equilibrates it.
+    /// Loads the pencil L − λR of `size` ≤ [`MAX_SIZE`] rows (the leading block of a larger one) and equilibrates it.
     #[inline]
     pub fn equilibrate(
         &mut self,
@@ -124,7 +121,7 @@ impl Qz {
                 (self.left[i][j], self.right[i][j]) = (left(i, j), right(i, j));
             }
         }
-        // The sizes of the models, with loops of constant length.
+        // Specialised for the sizes of the models, with loops of constant length.
         match self.size {
             4 => self.scale::<4>(),
             5 => self.scale::<5>(),
@@ -133,8 +130,8 @@ impl Qz {
         }
     }
 
-    /// Minimises Σ (log |Lᵢⱼ| + rᵢ + cⱼ)² + Σ (log |Rᵢⱼ| + rᵢ + cⱼ + g)² over the non-zero entries
-    /// by sweeps through rᵢ, cⱼ and g (all in binary logarithms); then greatest entries near one.
+    /// Minimises Σ (log |Lᵢⱼ| + rᵢ + cⱼ)² + Σ (log |Rᵢⱼ| + rᵢ + cⱼ + g)² over the non-zero entries by sweeps through
+    /// rᵢ, cⱼ and g (all in binary logarithms), then scales L and R to largest entries near one.
     fn scale<const N: usize>(&mut self) {
         let n = if N < MAX_SIZE { N } else { self.size };
         let mut logs = [[[f64::NEG_INFINITY; N]; N]; 2];
@@ -184,7 +181,7 @@ impl Qz {
             g = -right_sum * right_weight;
         }
         let (r, c) = (r.map(whole), c.map(whole));
-        // The greatest entries, to be brought near one as well.
+        // Logarithms of the largest entries of L and R.
         let mut tops = [ABSENT; 2];
         for (logs, top) in logs.iter().zip(&mut tops) {
             for i in 0..n {
@@ -215,8 +212,8 @@ impl Qz {
         self.rate
     }
 
-    /// The finite eigenvalues λ in their unit before the scaling; `None` where an entry is not
-    /// finite or the iteration does not converge.
+    /// The finite eigenvalues λ in the unit before scaling; `None` if an entry is not finite or the iteration does not
+    /// converge.
     pub fn solve(&mut self) -> Option<&mut [Complex64]> {
         let norms = [frobenius(&self.left, self.size), frobenius(&self.right, self.size)];
         if !norms.iter().all(|norm| norm.is_finite()) {
@@ -244,8 +241,8 @@ impl Qz {
     ///         (L₂),           ( 0),   R₁ of r rows.
     /// ```
     ///
-    /// A unitary Z makes L₂ Z = (0 U) with a triangular U, to which infinite eigenvalues belong; the
-    /// others are those of the first r columns of L₁ Z and R₁ Z.
+    /// A unitary Z makes L₂ Z = (0 U) with a triangular U, which carries infinite eigenvalues; the other eigenvalues
+    /// are those of the first r columns of L₁ Z and R₁ Z.
     fn deflate_infinite(&mut self) -> usize {
         let mut size = self.size;
         loop {
@@ -302,7 +299,7 @@ impl Qz {
         size
     }
 
-    /// L to Hessenberg form, with R kept triangular (Golub & Van Loan, algorithm 7.7.1).
+    /// Reduces L to Hessenberg form while R stays triangular (Golub & Van Loan, algorithm 7.7.1).
     fn reduce(&mut self, size: usize) {
         let (left, right) = (&mut self.left, &mut self.right);
         for j in 0..size.saturating_sub(2) {
@@ -324,11 +321,11 @@ impl Qz {
         let (left, right) = (&mut self.left, &mut self.right);
         let (mut end, mut steps, mut exceptional) = (size, 0, Complex64::ZERO);
         while end > 1 {
-            // At first only entries small relative to their neighbours are deflated, and none in R: stricter
-            // than ε‖L‖, ε‖R‖, and more accurate for eigenvalues far from the others.
+            // In the first steps only entries small relative to their neighbours are deflated, and none in R: stricter
+            // than thresholds ε‖L‖, ε‖R‖, and more accurate for eigenvalues far from the others.
             let share = if steps < 10 { EPSILON * EPSILON } else { EPSILON };
             let (floor, singular) = ((share * left_norm).max(2.0 * ZERO), share * right_norm);
-            // The last block without a zero on the subdiagonal: first..end.
+            // Active block first..end: the last block with a non-zero subdiagonal.
             let mut first = end - 1;
             while first > 0 {
                 let diagonal = l1(left[first - 1][first - 1]) + l1(left[first][first]);
@@ -342,7 +339,7 @@ impl Qz {
                 (end, steps, exceptional) = (first, 0, Complex64::ZERO);
                 continue;
             }
-            // An infinite eigenvalue at the end, up to rounding.
+            // Deflate an eigenvalue at the end that is infinite up to rounding.
             let (k, last) = (end - 2, end - 1);
             if l1(right[last][last]) <= singular {
                 right[last][last] = Complex64::ZERO;
@@ -356,19 +353,20 @@ impl Qz {
             if steps > STEPS {
                 return None;
             }
-            // Every tenth shift is arbitrary, to leave a cycle.
+            // Every tenth step uses an exceptional shift, to break cycles.
             let mut shift = if steps % 10 == 0 {
                 exceptional += left[end - 1][end - 2] / right[end - 2][end - 2];
                 exceptional
             } else {
                 wilkinson(left, right, end - 2)
             };
-            // An infinite eigenvalue inside the block: with another shift it moves up and out.
+            // An infinite eigenvalue inside the block: with a zero shift the iteration moves it up and out of the
+            // block.
             if !shift.is_finite() || l1(shift) * singular > left_norm {
                 shift = Complex64::ZERO;
             }
-            // The rotation that takes the first column of (L − σR) R⁻¹ to a multiple of e₁ makes L
-            // and R deviate from their forms; rotations from both sides chase that out.
+            // The first rotation maps the first column of (L − σR) R⁻¹ to a multiple of e₁ and creates a bulge in L and
+            // R; rotations from both sides chase the bulge out at the bottom.
             let x = left[first][first] - shift * right[first][first];
             let mut next = GivensRotation::annihilating(x, left[first + 1][first]);
             for k in first..end - 1 {
@@ -391,8 +389,7 @@ impl Qz {
     }
 }
 
-/// Wilkinson's shift: that eigenvalue of rows and columns k, k + 1 which is nearest to the last
-/// entry of their
+/// Wilkinson's shift: the eigenvalue of rows and columns k, k + 1 nearest to the last entry of the matrix
 ///
 /// ```text
 /// (a b) (p q)⁻¹   (a/p  (b − q a/p)/s)
@@ -407,7 +404,7 @@ fn wilkinson(left: &Matrix, right: &Matrix, k: usize) -> Complex64 {
     let half = 0.5 * (upper - last);
     let product = corner * lower;
     let root = square_root(half * half + product);
-    // The sum that does not cancel.
+    // Sign of the square root that avoids cancellation.
     let sum = if half.re * root.re + half.im * root.im < 0.0 { half - root } else { half + root };
     if sum == Complex64::ZERO { last } else { last - product / sum }
 }
@@ -426,7 +423,7 @@ fn square_root(z: Complex64) -> Complex64 {
     }
 }
 
-/// √Σ|entry|² of the leading block.
+/// Frobenius norm √Σ|entry|² of the leading block.
 fn frobenius(matrix: &Matrix, size: usize) -> f64 {
     let entries = matrix[..size].iter().flat_map(|row| &row[..size]);
     entries.map(|entry| entry.norm_sqr()).sum::<f64>().sqrt()
@@ -443,7 +440,7 @@ fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// log₂ of the greater part, within 0.09; [`ABSENT`] of zero.
+/// Base-two logarithm of the larger of |Re z| and |Im z|, within 0.09; [`ABSENT`] for zero.
 #[inline(always)]
 fn log2(z: Complex64) -> f64 {
     const BITS: f64 = (1u64 << 52) as f64;
@@ -467,7 +464,7 @@ fn times_power(z: Complex64, e: i32) -> Complex64 {
     if (-1022..=1023).contains(&e) {
         z * power(e)
     } else {
-        // 2^e itself is out of range, but not its half.
+        // The factor 2^e is out of range, but its square root is not.
         let e = e.clamp(-2044, 2044);
         z * power(e / 2) * power(e - e / 2)
     }

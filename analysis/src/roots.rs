@@ -13,7 +13,7 @@ pub fn solve(coefficients: &[Complex64]) -> List<Complex64> {
         [] | [_] => List::new(),
         [c0, c1] => list![-c0 / c1],
         [c0, c1, c2] => {
-            // Larger root first, the other from the product: no cancellation.
+            // The larger root first, the other from their product, to avoid cancellation.
             let root = (c1 * c1 - 4.0 * c2 * c0).sqrt();
             let sign = if (c1.conj() * root).re < 0.0 { -1.0 } else { 1.0 };
             let sum = -(c1 + sign * root) / 2.0;
@@ -28,11 +28,11 @@ pub fn solve(coefficients: &[Complex64]) -> List<Complex64> {
 }
 
 /// All roots of a polynomial with double-double coefficients, so that even ill-conditioned roots are accurate to nearly
-/// working precision; `guesses` are used if there is one for each root.
+/// working precision; `guesses` are used if their number is the degree.
 pub fn solve_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -> List<Complex64> {
     let rounded: List<_> =
         coefficients.iter().map(|c| Complex64::new(c.re.high, c.im.high)).collect();
-    // Roots that are exactly zero are split off: nothing is left to iterate on.
+    // Split off roots that are exactly zero.
     let zeros = rounded.iter().take_while(|c| **c == Complex64::ZERO).count();
     if zeros + 1 >= rounded.len() {
         return list![Complex64::ZERO; zeros.min(rounded.len().saturating_sub(1))];
@@ -53,6 +53,7 @@ pub fn solve_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -
     roots
 }
 
+/// Value and derivative of the polynomial at x, by Horner's scheme.
 fn evaluate(coefficients: &[Complex64], x: Complex64) -> (Complex64, Complex64) {
     let (mut value, mut slope) = (Complex64::ZERO, Complex64::ZERO);
     for c in coefficients.iter().rev() {
@@ -62,12 +63,13 @@ fn evaluate(coefficients: &[Complex64], x: Complex64) -> (Complex64, Complex64) 
     (value, slope)
 }
 
-/// Starting points on circles whose radii are the slopes of the Newton polygon of the moduli.
+/// Starting points: the finite `guesses` if there is one per root, else points on circles whose radii are the slopes of
+/// the Newton polygon of the moduli.
 fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64> {
     let degree = coefficients.len() - 1;
     let usable = guesses.len() == degree && guesses.iter().all(|g| g.is_finite());
     if usable {
-        // Equal guesses would divide by zero.
+        // Perturb the guesses: equal ones would divide by zero.
         return guesses
             .iter()
             .enumerate()
@@ -92,7 +94,7 @@ fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64>
         let count = pair[1] - pair[0];
         let radius = ((log(pair[0]) - log(pair[1])) / count as f64).cr_exp2();
         for i in 0..count {
-            // Circles of almost equal radii must not share their points.
+            // Different phases keep points on circles of almost equal radii apart.
             let angle = std::f64::consts::TAU * (i as f64 / count as f64) + 0.7 + pair[0] as f64;
             start.push(cr_from_polar(radius, angle));
         }
@@ -100,6 +102,7 @@ fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64>
     start
 }
 
+/// Aberth–Ehrlich iteration from the starting points `roots`; `evaluate` returns value and derivative.
 fn iterate(
     coefficients: &[Complex64],
     roots: &mut [Complex64],
@@ -124,12 +127,12 @@ fn iterate(
                 .sum();
             let step = newton / (1.0 - newton * others);
             if !step.is_finite() {
-                // The others cancel the correction: anywhere else is better.
+                // The sum over the other roots cancels the correction: continue from a nearby point.
                 roots[i] *= cr_from_polar(1.001, 0.01);
                 continue;
             }
             roots[i] -= step;
-            // A step may also be small because another root is in the way.
+            // A step may also be small because another iterate is close: test the Newton correction too.
             let size = roots[i].norm();
             settled[i] = step.norm() <= 1e-16 * size && newton.norm() <= 1e-3 * size;
         }

@@ -44,7 +44,7 @@ pub(crate) struct Scales {
 
 const SWEEPS: usize = 6;
 
-/// Minimises Σ (log + row + column + group)² by sweeps; the scales returned are powers of two.
+/// Minimises Σ (log + row + column + group)² by sweeps of coordinate descent; the scales returned are powers of two.
 pub(crate) fn balance(entries: &[Entry], rows: usize, columns: usize, groups: usize) -> Scales {
     let offsets = [0, rows, rows + columns];
     let mut logs: List<f64, 32> = smallvec![0.0; rows + columns + groups];
@@ -85,7 +85,7 @@ impl ScaledSystem {
     /// Scales `system` into `self`.
     ///
     /// # Errors
-    /// [`AnalysisError::NotFinite`] if a coefficient is.
+    /// [`AnalysisError::NotFinite`] if a coefficient is not finite, before or after scaling.
     pub fn update(&mut self, system: &LinearisedSystem<2>) -> Result<(), AnalysisError> {
         let own = &mut self.system;
         own.reset(system.unknowns, system.equations, system.velocity);
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn balances_a_matrix_of_rank_one_in_logarithms_to_ones() {
-        // |entry| = 2^(rᵢ + cⱼ + g): the scales must undo all of it.
+        // |entry| = 2^(rᵢ + cⱼ + g): the scales must compensate all three exponents.
         let (r, c, g) = ([10.0, -7.0, 33.0], [4.0, 0.0, -21.0], [0.0, 50.0]);
         let mut entries = Vec::new();
         for (row, r) in r.iter().enumerate() {

@@ -6,11 +6,10 @@
 //! ς² M v̂ = −H* D H v̂,    M^(−½) H*DH M^(−½) = k²Γ + kN₁ + N₀,    ω² = −ς²:
 //! ```
 //!
-//! as many branches ω(k) of the dispersion relation as velocities; the other roots of the rate equations are ς = 0,
-//! self-equilibrated stresses. Γ is the acoustic tensor: its eigenvalues are the squared characteristic
-//! speeds c². For symmetric D the matrices are Hermitian and every ω² is real; otherwise
-//! c² may be complex (flutter) or negative (divergence). The relaxation R, of lower order, is included in
-//! [`roots`] only.
+//! with one branch ω(k) of the dispersion relation for each velocity; the other roots of the rate equations are ς = 0,
+//! self-equilibrated stresses. Γ is the acoustic tensor: its eigenvalues are the squared characteristic speeds c². For
+//! symmetric D the matrices are Hermitian and every ω² is real; otherwise c² may be complex (flutter) or negative
+//! (divergence). The relaxation R, of lower order, is included in [`roots`] only.
 
 use crate::dense;
 use crate::qz::Qz;
@@ -35,7 +34,7 @@ pub struct Waves {
 pub struct Family {
     /// Polarisation of the family.
     pub polarisation: Polarisation,
-    /// Γ, N₁, N₀ of the family: [k², k, 1].
+    /// Coefficients Γ, N₁, N₀ of k², k and 1.
     by_power: [Matrix; 3],
     is_hermitian: bool,
 }
@@ -73,7 +72,7 @@ impl Polarisation {
 pub struct Mode {
     /// Squared frequency ω², rad²/s².
     pub squared_frequency: Complex64,
-    /// dω²/dk along the direction of the wave vector, rad²·m/s²; for group speeds dω/dk = this/2ω.
+    /// Slope dω²/dk along the direction of the wave vector, rad²·m/s²; the group speed is dω/dk = slope/(2ω).
     pub slope: Complex64,
 }
 
@@ -86,7 +85,7 @@ pub struct ForbiddenBand {
     pub to: f64,
 }
 
-/// A velocity in the basis (n, t₁, t₂).
+/// Kind of a velocity in the basis (n, t₁, t₂).
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Motion {
     Along,
@@ -119,7 +118,7 @@ pub fn roots<const D: usize>(
     let mut system = LinearisedSystem::default();
     equations.linearise(&mut system);
     let (nv, ns) = (equations.velocities(), equations.stresses());
-    // Velocities in units in which M is one and stresses in units of the stiffness: A is diagonal.
+    // Scale velocities by M^(−½) and stresses by the square root of the largest stiffness; A is diagonal.
     let largest = equations.stiffness_values().amax().sqrt();
     let unit = |i: usize| match i < nv {
         true => system.a[(i, i)].value.sqrt().recip(),
@@ -180,7 +179,7 @@ impl Waves {
     }
 }
 
-/// Columns: the velocities along (n, t₁, t₂), then the spins along the same axes.
+/// Basis of the velocities, in columns: translations along (n, t₁, t₂), then spins about these axes, with their kinds.
 fn basis<const D: usize>(
     equations: &RateEquations<D>,
     normal: [f64; D],
@@ -190,7 +189,7 @@ fn basis<const D: usize>(
     let mut basis = DMatrix::zeros(size, size);
     for (row, column) in (0..D).flat_map(|i| (0..D).map(move |j| (i, j))) {
         basis[(row, column)] = axes[column][row];
-        // In the plane the one spin is about the third axis, whatever the direction.
+        // In the plane the only spin is about the third axis, for every wave normal.
         if size == 2 * D {
             basis[(D + row, D + column)] = axes[column][row];
         }
@@ -215,8 +214,7 @@ fn axes<const D: usize>(normal: [f64; D]) -> [[f64; D]; D] {
         axes[1][1] = normal[0];
         return axes;
     }
-    // Two of the three cross products with the coordinate axes are long; the axis farthest from n
-    // gives the longest.
+    // t₁ is the cross product of n with the coordinate axis farthest from n, which is the longest of the three.
     let least = (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs())).unwrap_or(0);
     let (i, j) = ((least + 1) % 3, (least + 2) % 3);
     let length = normal[i].root_sum_square(normal[j]);
@@ -251,6 +249,7 @@ fn components(by_power: &[Matrix; 3]) -> Vec<Vec<usize>> {
     sets
 }
 
+/// Polarisation of a family with these kinds of velocities.
 fn polarisation(motions: &[Motion]) -> Polarisation {
     use Motion::{Across, Along, SpinAcross, SpinAlong};
     match motions {
@@ -333,7 +332,7 @@ impl Family {
     /// ω² → eig P (N₀ − N₁ Γ⁺ N₁) P.
     /// ```
     ///
-    /// Empty where nothing has speed zero, or Γ is not Hermitian.
+    /// P is the projector onto the null space. Empty if no speed is zero, or Γ is not Hermitian.
     pub fn squared_short_wave_limits(&self) -> Vec<f64> {
         if !self.is_hermitian {
             return Vec::new();
@@ -359,17 +358,17 @@ impl Family {
         limits
     }
 
-    /// Frequencies between 0 and infinity at which no wave of the family propagates, ascending; for
-    /// real ω² alone. Branches are monotonic in k, which those of two velocities are: with ω² = λ,
-    /// (λ − ak²)(λ − d) = c²k² and ad ≥ c² give dλ/dk² ≥ 0 on both. They begin at a cut-off and end at a
-    /// short-wave limit, or nowhere; larger families have a branch from zero to infinity.
+    /// Frequency intervals in which no wave of the family propagates, ascending; empty unless every ω² is real. Assumes
+    /// branches monotonic in k, as for two velocities: with ω² = λ, (λ − ak²)(λ − d) = c²k² and ad ≥ c² give dλ/dk² ≥ 0
+    /// on both branches. Each branch begins at a cut-off and ends at a short-wave limit or at infinity; larger families
+    /// have a branch from zero to infinity.
     pub fn forbidden_bands(&self) -> Vec<ForbiddenBand> {
         if !self.is_hermitian {
             return Vec::new();
         }
         let frequency = |square: f64| square.max(0.0).sqrt();
         let starts = self.squared_cut_offs();
-        // Ascending: the branches of zero speed lie lowest at short waves.
+        // Both lists ascend: branches of zero speed are the lowest at short waves.
         let limits = self.squared_short_wave_limits();
         let largest = starts.iter().map(|s| s.re).chain(limits.iter().copied()).fold(0.0, f64::max);
         let cleaned = |square: f64| if square <= 1e-12 * largest { 0.0 } else { square };
@@ -396,7 +395,7 @@ impl Family {
     }
 }
 
-/// By descending real part.
+/// Eigenvalues of a matrix by descending real part; NaN if the QZ iteration does not converge.
 fn eigenvalues(matrix: &Matrix, is_hermitian: bool) -> Vec<Complex64> {
     let size = matrix.nrows();
     let mut values: Vec<Complex64> = match size {
@@ -419,7 +418,7 @@ fn eigenvalues(matrix: &Matrix, is_hermitian: bool) -> Vec<Complex64> {
     values
 }
 
-/// Eigenvalues of a 2 × 2 matrix: m ± √(d² + bc).
+/// Eigenvalues of a 2 × 2 matrix: m ± √(h² + bc) with half sum m and half difference h of the diagonal.
 fn pair(matrix: &Matrix) -> [Complex64; 2] {
     let (a, d) = (matrix[(0, 0)], matrix[(1, 1)]);
     let (middle, half) = ((a + d) * 0.5, (a - d) * 0.5);
@@ -427,16 +426,16 @@ fn pair(matrix: &Matrix) -> [Complex64; 2] {
     [middle + root, middle - root]
 }
 
-/// Frequencies (rad/s, positive, descending) and amplitudes of the plane waves of an elastic solid with the
-/// wave vector κ, 1/m: U = Re û exp(i(κ·x − ωt)), unknowns in their order.
+/// Frequencies (rad/s, positive, descending) and amplitudes of the plane waves of an elastic solid with the wave vector
+/// κ, 1/m: U = Re û exp(i(κ·x − ωt)), in the order of the unknowns.
 ///
-/// From L⁻¹(iκB + Q)L⁻ᵀ y = −iω y with A = LLᵀ, whose matrix is skew: û = L⁻ᵀy. Empty where the equations have
-/// no symmetric form.
+/// Solves L⁻¹(iκB + Q)L⁻ᵀ y = −iω y with A = LLᵀ and a skew-Hermitian matrix; û = L⁻ᵀy. Empty if the equations have no
+/// symmetric form.
 pub fn plane_waves<const D: usize>(
     equations: &RateEquations<D>,
     wave: [f64; D],
 ) -> Vec<(f64, DVector<Complex64>)> {
-    /// Frequencies below this part of the greatest are zero.
+    /// Frequencies below this fraction of the largest count as zero.
     const STILL: f64 = 1e-9;
     let Some(form) = equations.symmetric() else { return Vec::new() };
     let inverse = form.a.cholesky().and_then(|factor| factor.l().try_inverse());
@@ -446,7 +445,7 @@ pub fn plane_waves<const D: usize>(
     for (b, k) in form.b.iter().zip(wave) {
         symbol += scaled(b).map(|x| Complex64::new(-k * x, 0.0));
     }
-    // Hermitian but for rounding.
+    // The symbol is Hermitian up to rounding; symmetrise it.
     let eigen = (&symbol + symbol.adjoint()).scale(0.5).symmetric_eigen();
     let greatest = eigen.eigenvalues.amax();
     let back = inverse.transpose().map(Complex64::from);

@@ -4,17 +4,18 @@ use crate::newton::Order;
 use crate::puiseux::RootGrowth;
 use std::f64::consts::PI;
 
-/// Factor by which the coefficient of a layer must exceed that of the neighbouring sectors at equal order, as it usually
-/// repeats theirs.
+/// Factor by which the coefficient of a layer must exceed the largest known coefficient of the same order: a layer
+/// usually repeats the coefficient of the neighbouring sectors.
 const LAYER_EXCESS: f64 = 1.0 + 1e-6;
 
 /// Largest growth so far, and the first undecided quantity.
 #[derive(Default)]
 pub(crate) struct Worst {
-    /// (order, scaled coefficient, direction)
+    /// Largest order of growth, its scaled coefficient, and the direction, rad.
     pub(crate) growth: Option<(Order, f64, f64)>,
+    /// First undecided quantity, its value and its rounding bound.
     pub(crate) doubt: Option<(String, f64, f64)>,
-    /// Growth of a larger order than this must still be found.
+    /// Order that growth still to be found must exceed.
     expected: Option<Order>,
 }
 

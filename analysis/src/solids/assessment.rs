@@ -103,7 +103,7 @@ pub struct SolidAssessment {
 }
 
 impl SolidAssessment {
-    /// Directions of the fastest growth, degrees in the plane and above it.
+    /// Direction of the fastest growth: azimuth in the plane of x₁ and x₂ and elevation above it, degrees.
     pub fn direction_deg(&self) -> Option<[f64; 2]> {
         self.normal.map(angles_deg)
     }
@@ -114,15 +114,15 @@ impl SolidAssessment {
     }
 }
 
-/// Cache of acoustic tensors of the last elastic solids in space, shared by all threads: each takes 0.1 s to compute and
-/// serves every yield set and stress.
+/// Cache of acoustic tensors of the last elastic solids in space, shared by all threads: each takes 0.1 s to compute
+/// and serves every yield set and stress.
 #[derive(Default)]
 pub struct AcousticTensorCache {
     latest: Mutex<VecDeque<(ElasticLaw, Arc<AcousticTensor3>)>>,
 }
 
 impl AcousticTensorCache {
-    /// Number of cached tensors: a map over a modulus uses one after the other, threads several at once.
+    /// Number of cached tensors: a map over a modulus needs one per value, and threads use several at once.
     const KEPT: usize = 4;
 
     fn get(
@@ -147,17 +147,17 @@ pub struct SolidAssessor<'a> {
     /// The linearised equations of the plane solid assessed last.
     pub plane: Workspace,
     cache: &'a AcousticTensorCache,
-    /// The last elastic solid in space.
+    /// Elastic law, acoustic tensor and workspace of the last solid in space.
     space: Option<(ElasticLaw, Arc<AcousticTensor3>, sphere::Workspace)>,
 }
 
 impl<'a> SolidAssessor<'a> {
-    /// An assessor that shares the acoustic tensors in `cache`.
+    /// Creates an assessor that shares the acoustic tensors in `cache`.
     pub fn new(cache: &'a AcousticTensorCache) -> Self {
         Self { plane: Workspace::default(), cache, space: None }
     }
 
-    /// Verdict on a solid, and the assessment by the dispersion polynomial if that decided.
+    /// Verdict on a solid, and the assessment by the dispersion polynomial if that was used.
     ///
     /// # Errors
     /// The rate response is not defined, or numbers overflow.
@@ -190,8 +190,8 @@ impl<'a> SolidAssessor<'a> {
         let extremes = AcousticTensor2::new(&rates).search(worst.as_slice());
         let hyperbolicity = Hyperbolicity::from_extremes(&extremes);
         let mut normal = worst.map(|angle| [angle.cr_cos(), angle.cr_sin(), 0.0]);
-        // What the polynomial leaves open in one direction is decided by complex or imaginary speeds in
-        // another: no growth is of higher order than k.
+        // If the polynomial is undecided in one direction, complex or imaginary speeds in another decide: no growth is
+        // of a higher order than k.
         let is_open = matches!(assessment.verdict, Verdict::Marginal { .. });
         if is_open && hyperbolicity != Hyperbolicity::Hyperbolic {
             (assessment.verdict, normal) = grows(&extremes);
@@ -266,7 +266,7 @@ fn grows(extremes: &Extremes) -> (Verdict, Option<[f64; 3]>) {
 
 /// Verdict on a solid that conserves or dissipates energy (symmetric-hyperbolic).
 fn energetic(mut extremes: Extremes) -> SolidAssessment {
-    // Every c² is real and not negative: what is below zero is rounding.
+    // Every c² is real and nonnegative; values below zero are rounding.
     extremes.flutter = None;
     extremes.slowest.speed_squared = extremes.slowest.speed_squared.max(0.0);
     SolidAssessment {

@@ -12,18 +12,18 @@ const SAMPLES: usize = 600;
 /// Families of plane waves with the same dispersion relation.
 #[derive(Clone, Debug)]
 pub struct BranchGroup {
-    /// One of the families.
+    /// Representative family of the group.
     pub family: Family,
     /// Number of families with this dispersion relation.
     pub count: usize,
     /// Forbidden bands: frequency intervals in which no wave of the group propagates.
     pub bands: Vec<ForbiddenBand>,
-    /// Whether ω² below zero is rounding.
+    /// Whether energy is conserved or dissipated, so that negative ω² is rounding.
     keeps_energy: bool,
 }
 
-/// A branch at one wave number, exp(ςt + ikx) with ς = −iω. With the conjugate of a complex ω² one of the four ς grows
-/// as |Im ω|.
+/// A branch at one wave number, exp(ςt + ikx) with ς = −iω. A complex ω² comes with its conjugate, so one of the four
+/// roots ς grows at the rate |Im ω|.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BranchPoint {
     /// Wave number k, 1/m.
@@ -73,6 +73,7 @@ pub fn branches(
     Ok(groups)
 }
 
+/// Wave numbers of a dispersion curve up to `greatest`, 1/m.
 fn numbers(greatest: f64) -> impl Iterator<Item = f64> {
     (1..=SAMPLES).map(move |i| greatest * i as f64 / SAMPLES as f64)
 }

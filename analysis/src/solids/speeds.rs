@@ -14,29 +14,29 @@ use num_complex::Complex64;
 const DIRECTIONS: usize = 721;
 /// Bisection steps for the end of a sector.
 const BISECTIONS: usize = 45;
-/// Thresholds of zero relative to the largest c²: for real parts, and for imaginary parts, which a double root has by
-/// the square root of the rounding.
+/// Thresholds of zero relative to the largest c²: for real parts, and for imaginary parts, since a double root is
+/// perturbed by the square root of the rounding.
 const ZERO: f64 = 1e-12;
 const REAL: f64 = 1e-6;
 
 /// Squared speeds in one direction, m²/s², by descending real part.
 type Speeds = Vec<Complex64>;
 
-/// Elastic squared speeds and those while yielding, at an angle in degrees.
+/// Squared speeds of the elastic and of the yielding solid, at an angle in degrees.
 type Responses = dyn Fn(f64) -> (Speeds, Speeds);
 
 /// Squared characteristic speeds over half a turn in the plane of x₁ and x₂, or on a cone about x₃, with the sectors of
 /// flutter, imaginary and vanishing speeds.
 #[derive(Clone, Debug)]
 pub struct DirectionalSpeeds {
-    /// Directions, degrees, with the squared speeds of the elastic solid and of the yielding one, m²/s², by
-    /// descending real part.
+    /// Direction (degrees) with the squared speeds of the elastic and of the yielding solid, m²/s², by descending real
+    /// part.
     pub curves: Vec<(f64, Vec<Complex64>, Vec<Complex64>)>,
     /// Sectors of complex speeds (flutter), degrees.
     pub flutter: Vec<[f64; 2]>,
     /// Sectors of imaginary speeds, c² < 0, degrees.
     pub imaginary: Vec<[f64; 2]>,
-    /// Directions in which a speed vanishes, degrees, and its cause.
+    /// Directions in which a speed vanishes, degrees, with the cause.
     pub vanishing: Vec<(f64, ZeroSpeed)>,
     /// Whether a speed vanishes in all directions.
     pub is_always_stationary: bool,
@@ -64,15 +64,15 @@ impl ZeroSpeed {
 }
 
 impl DirectionalSpeeds {
-    /// The number of directions of the [`curves`](Self::curves).
+    /// Number of directions of the [`curves`](Self::curves).
     pub const DIRECTIONS: usize = DIRECTIONS;
 
-    /// Speeds of a solid; in space for normals of `elevation` (rad) above the plane of x₁ and x₂.
+    /// Computes the speeds of a solid; in space, for wave normals at `elevation` (rad) above the plane of x₁ and x₂.
     ///
     /// # Errors
     /// The rate response of the yielding solid is not defined.
     pub fn new(solid: &Solid, elevation: f64) -> Result<Self, NoResponse> {
-        // Both responses at an angle in degrees.
+        // Elastic and yielding squared speeds at an angle in degrees.
         let (at, circle): (Box<Responses>, _) = if solid.dimensions == 2 {
             let (elastic, circle) = (
                 AcousticTensor2::new(&solid.elastic_rates()),
@@ -120,7 +120,7 @@ impl DirectionalSpeeds {
                 let angles = circle.vanishing().into_iter();
                 angles.map(|angle| (angle.to_degrees(), cause(solid, angle))).collect()
             }
-            // Between real and imaginary speeds.
+            // In space: the ends of the sectors of imaginary speeds.
             None => {
                 let ends = imaginary.iter().flatten().map(|end| end.rem_euclid(180.0));
                 ends.map(|end| (end, ZeroSpeed::StationaryDiscontinuity)).collect()
@@ -147,11 +147,11 @@ fn is_complex(c: &Complex64, largest: f64) -> bool {
 
 /// Cause of a vanishing speed whose wave normal has the angle `angle` (rad).
 fn cause(solid: &Solid, angle: f64) -> ZeroSpeed {
-    const NEAR: f64 = 1e-5; // a zero that is touched is known to the square root of the rounding
+    const NEAR: f64 = 1e-5; // a double zero is located to the square root of the rounding
     let active = solid.plastic.iter().flat_map(|plastic| &plastic.active);
     let (sin, cos) = angle.cr_sin_cos();
     let slips = |normal: &Stress| {
-        // The layers normal to x₁ slip where σ₂₁ is limited, those normal to x₂ where σ₁₂ is.
+        // Layers normal to x₁ slip if the condition limits σ₂₁, layers normal to x₂ if it limits σ₁₂.
         let sheared = |i: usize, j: usize| normal.force[i][j] != 0.0 || normal.couple[2][j] != 0.0;
         (sin.abs() < NEAR && sheared(1, 0)) || (cos.abs() < NEAR && sheared(0, 1))
     };
@@ -163,8 +163,7 @@ fn cause(solid: &Solid, angle: f64) -> ZeroSpeed {
     }
 }
 
-/// The speed of the slowest wave that travels along the unit vector `normal`, m/s; NaN where some c² is
-/// complex or negative.
+/// Speed of the slowest wave that travels along the unit vector `normal`, m/s; NaN if some c² is complex or negative.
 pub fn slowest_speed(equations: &RateEquations<3>, normal: [f64; 3]) -> f64 {
     let squares = squared_speeds(equations, normal);
     let largest = squares.iter().map(|c| c.norm()).fold(0.0, f64::max);

@@ -19,6 +19,7 @@ pub(super) struct Change {
 }
 
 impl Change {
+    /// Secular equation in the direction `normal`, from the eigenvectors and the grouped eigenvalues of Γₑ there.
     pub(super) fn at(&self, normal: &[f64; 3], basis: &Basis, groups: &Groups) -> Secular {
         let product = |row: &[f64; 3]| row[0] * normal[0] + row[1] * normal[1] + row[2] * normal[2];
         let (mut alpha, mut beta) = ([0.0; SIZE], [0.0; SIZE]);
@@ -40,6 +41,7 @@ impl Change {
 }
 
 impl AcousticTensor3 {
+    /// Projects the update to α and β as functions of the wave normal.
     pub(super) fn change(&self, update: &RankOne) -> Result<Change, SphereError> {
         for vector in [&update.image, &update.covector] {
             if vector.len() != self.stresses {
@@ -67,7 +69,7 @@ impl AcousticTensor3 {
         if !largest.is_finite() {
             return Err(SphereError::NotFinite);
         }
-        // Only the product matters.
+        // Balance |α| and |β|: only the product αβᵀ matters.
         if largest > 0.0 {
             let balanced = (second / first).sqrt();
             alpha.iter_mut().flatten().for_each(|x| *x *= balanced);

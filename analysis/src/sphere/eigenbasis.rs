@@ -16,7 +16,7 @@ pub(super) struct Groups {
     pub(super) of: [u8; SIZE],
 }
 
-/// Eigenvectors of Γₑ in a direction.
+/// Eigenvectors of Γₑ in a direction, in columns.
 pub(super) type Basis = [[f64; SIZE]; SIZE];
 
 impl Groups {

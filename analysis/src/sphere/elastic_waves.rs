@@ -20,13 +20,13 @@ pub struct AcousticTensor3 {
     /// Squared speed of the fastest elastic wave, m²/s².
     pub(super) unit: f64,
     pub(super) stresses: usize,
-    /// Number of velocities that carry waves, ordered by decoupled blocks.
+    /// Number of velocities that carry waves; they are ordered by decoupled blocks.
     pub(super) size: usize,
-    /// First velocity and size of the blocks.
+    /// First velocity and size of each block.
     pub(super) blocks: Vec<(usize, usize)>,
-    /// M^(−½) Gⁱᵀ by the three axes: velocities × stresses, in units of √unit.
+    /// M^(−½) Gⁱᵀ for each of the three axes i: velocities × stresses, in units of √unit.
     pub(super) balance: [DMatrix<f64>; 3],
-    /// Γₑ(n) = Σ over pairs of axes nᵢnⱼ T: 11, 22, 33, 23, 13, 12.
+    /// Tensors T of Γₑ(n) = Σ nᵢnⱼ T over the pairs of axes 11, 22, 33, 23, 13, 12.
     acoustic: [[[f64; SIZE]; SIZE]; 6],
     /// Wave normals.
     pub(super) normals: Vec<[f64; 3]>,
@@ -40,10 +40,11 @@ pub struct AcousticTensor3 {
     pub(super) neighbours: Vec<[u32; NEIGHBOURS]>,
     /// Eigenvalues in chunks of directions, as structure of arrays.
     pub(super) chunks: Vec<Chunk>,
-    /// Eigenvectors of each chunk, block after block: by velocity, then by eigenvalue.
+    /// Eigenvectors of each chunk, block by block, with the velocity as slow and the eigenvalue as fast index.
     pub(super) bases: Vec<[f64; LANES]>,
 }
 
+/// Wave normals and elastic eigenvalues of `LANES` directions.
 #[derive(Clone, Debug)]
 pub(super) struct Chunk {
     pub(super) normal: [[f64; LANES]; 3],
@@ -51,7 +52,8 @@ pub(super) struct Chunk {
 }
 
 impl AcousticTensor3 {
-    /// No direction is farther than this from a starting point or its opposite, rad: 0.9°.
+    /// Covering radius of the grid, rad (0.9°): largest distance of a direction to the nearest grid point or its
+    /// opposite.
     pub const COVERING_RADIUS: f64 = 0.9 * std::f64::consts::PI / 180.0;
 
     /// Computes the elastic acoustic tensor and its eigenbases on the grid, in about 0.1 s.
@@ -112,7 +114,7 @@ impl AcousticTensor3 {
         Ok(sphere)
     }
 
-    /// Fills `groups`, `chunks` and `bases`, and makes the fastest wave the unit.
+    /// Fills `groups`, `chunks` and `bases`, and normalises by the fastest wave.
     fn compute_waves(&mut self) -> Result<(), SphereError> {
         let count = self.normals.len();
         let mut fastest: f64 = 0.0;
@@ -146,7 +148,7 @@ impl AcousticTensor3 {
             let first = self.bases.len();
             self.bases.resize(first + entries, [0.0; LANES]);
             for lane in 0..LANES {
-                // The last chunk is filled up with the last direction.
+                // Pad the last chunk with the last direction.
                 let place = (start + lane).min(count - 1);
                 let (values, basis) = &waves[place];
                 for axis in 0..3 {
@@ -205,7 +207,7 @@ impl AcousticTensor3 {
         (std::array::from_fn(|k| matrix[k][k]), basis)
     }
 
-    /// Γₑ's eigenvectors at a starting direction.
+    /// Eigenvectors of Γₑ at the grid point `place`.
     pub(super) fn basis(&self, place: usize) -> Basis {
         let mut basis = [[0.0; SIZE]; SIZE];
         let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
@@ -250,7 +252,7 @@ fn coupled_blocks(all: &[[DMatrix<f64>; 3]; 3], size: usize) -> (Vec<usize>, Vec
     (order, blocks)
 }
 
-/// The symmetric matrices T by which Γₑ is quadratic in the normal: 11, 22, 33, 23, 13, 12.
+/// Symmetric tensors T of the quadratic form Γₑ(n) = Σ nᵢnⱼ T: 11, 22, 33, 23, 13, 12.
 fn acoustic_tensors(sorted: &[[DMatrix<f64>; 3]; 3], size: usize) -> [[[f64; SIZE]; SIZE]; 6] {
     let mut acoustic = [[[0.0; SIZE]; SIZE]; 6];
     for (tensor, (i, j)) in

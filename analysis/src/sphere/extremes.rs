@@ -5,9 +5,9 @@ use num_complex::Complex64;
 /// The strongest flutter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flutter {
-    /// Supremum of |Im c| over the directions with complex c², m/s: short waves grow as this times k.
+    /// Supremum of |Im c| over the directions with complex c², m/s: short waves grow at the rate `growth` · k.
     pub growth: f64,
-    /// Squared speed c² of the strongest flutter, m²/s²; its conjugate is the other of the pair.
+    /// Squared speed c² of the strongest flutter, m²/s²; the other root of the pair is its conjugate.
     pub speed_squared: Complex64,
     /// The wave normal.
     pub normal: [f64; 3],
@@ -16,8 +16,8 @@ pub struct Flutter {
 /// The slowest wave among those with real c².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slowest {
-    /// Least real c², m²/s². Zero is a stationary discontinuity, the onset of a shear band; below, waves
-    /// grow as √(−c²) k. Infinite if no direction has a real c².
+    /// Smallest real c², m²/s². Zero is a stationary discontinuity, the onset of a shear band; if it is negative, waves
+    /// grow at the rate √(−c²) k. Infinite if no direction has a real c².
     pub speed_squared: f64,
     /// The wave normal, which is the normal of the band.
     pub normal: [f64; 3],
@@ -28,7 +28,7 @@ pub struct Slowest {
 /// Strongest flutter and slowest wave over all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremes {
-    /// Flutter, if there is any.
+    /// Strongest flutter; `None` if no speed is complex.
     pub flutter: Option<Flutter>,
     /// Wave of the smallest real c².
     pub slowest: Slowest,

@@ -3,7 +3,7 @@
 use super::unit_vectors::{dot, unit};
 use std::collections::HashMap;
 
-/// Subdivisions of an edge of the icosahedron of the fine grid, and of the coarse grid on which all roots are computed.
+/// Number of subdivisions of an edge of the icosahedron: fine grid, and coarse grid, on which all roots are computed.
 pub(super) const FINE: usize = 51;
 pub(super) const COARSE: usize = 17;
 /// Neighbours of a point of the geodesic grid.
@@ -38,7 +38,7 @@ fn geodesic(frequency: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
                     let w = (frequency - i - j) as f64 / divisions;
                     let mut point: [f64; 3] =
                         std::array::from_fn(|axis| u * p[axis] + v * q[axis] + w * r[axis]);
-                    // One of n and −n: the first component that does not vanish is positive.
+                    // One of n and −n: the last non-zero component is positive.
                     let leading = point.iter().rev().find(|x| x.abs() > 1e-9).copied();
                     if leading.is_some_and(|x| x < 0.0) {
                         point = point.map(|x| -x);
@@ -66,7 +66,8 @@ fn geodesic(frequency: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
 
 type Grids = (Vec<[f64; 3]>, Vec<u32>, Vec<[u32; NEIGHBOURS]>, Vec<u32>);
 
-/// The fine grid; the coarse one by places in it; neighbours in the coarse one; nearest in the coarse one.
+/// Returns the fine grid, the coarse grid as indices into the fine grid, the neighbours of each coarse point, and the
+/// nearest coarse point of each fine point.
 pub(super) fn grids() -> Grids {
     let (fine, _) = geodesic(FINE);
     let (coarse, triangles) = geodesic(COARSE);

@@ -51,7 +51,7 @@ pub(super) fn minimise(
             step = step.map(|x| shortened * x);
             let (point, value) = at(step[0], step[1]);
             if value <= middle + 4.0 * f64::EPSILON * middle.abs() {
-                // Rounding may put a point of the stencil a little below.
+                // Rounding may make a stencil point slightly lower than the Newton point; prefer the Newton point.
                 if best.1 >= value - 4.0 * f64::EPSILON * middle.abs() || length < h {
                     best = (point, value);
                 }
@@ -63,7 +63,8 @@ pub(super) fn minimise(
             }
         }
         if !is_lower && best.1 >= middle {
-            // Nothing lower at this distance: nearer by there is not much either.
+            // No stencil point is lower: points closer to the centre cannot be lower by more than about the rise over
+            // the stencil.
             let around = [east, west, north, south, both, neither];
             let rise = around.iter().filter(|value| value.is_finite());
             let rise = rise.fold(0.0, |rise: f64, value| rise.max(value - middle));

@@ -9,19 +9,19 @@
 //! α = M^(−½) G(n)ᵀ a,   β = M^(−½) G(n)ᵀ b,   G(n) = Σ nᵢ Gⁱ.
 //! ```
 //!
-//! Γₑ is symmetric. In its eigenbasis, with equal eigenvalues λ_g put together, an eigenvalue of
-//! multiplicity m stays m − 1 times, and the others solve the secular equation
+//! Γₑ is symmetric. In its eigenbasis, with equal eigenvalues grouped as λ_g, an eigenvalue of multiplicity m remains
+//! an eigenvalue m − 1 times; the other eigenvalues solve the secular equation
 //!
 //! ```text
 //! 1 = Σ w_g/(λ_g − λ),   w_g = the part of α·β that lies in the eigenspace of λ_g.
 //! ```
 //!
-//! Write the signs of the w_g in the order of the λ_g between a + in front and a − behind. Between two
-//! equal signs next to each other the two sides of the equation cross at least once, so that with only
-//! one change of sign all eigenvalues are real. **Flutter takes a negative weight on a slower wave and a
-//! positive one on a faster wave.** Under associated flow all w_g ≥ 0. An isotropic classical solid whose
-//! m and n differ by an isotropic tensor alone (Drucker–Prager) has w ≥ 0 on the shear waves, which are
-//! the slower ones: no flutter either (Loret, Prevost & Harireche 1990).
+//! List the signs of the w_g in the order of the λ_g, preceded by + and followed by −. Between two equal signs next to
+//! each other the two sides of the equation cross at least once, so that with a single change of sign all eigenvalues
+//! are real. **Flutter requires a negative weight on a slower wave and a positive weight on a faster wave.** Under
+//! associated flow all w_g ≥ 0. An isotropic classical solid whose m and n differ by an isotropic tensor only
+//! (Drucker–Prager) has w ≥ 0 on the shear waves, which are the slower ones: no flutter either (Loret, Prevost &
+//! Harireche 1990).
 //!
 //! The search starts on a geodesic grid ([`AcousticTensor3::COVERING_RADIUS`]), on which the eigenbases of Γₑ are
 //! computed once per elastic solid, and ends with Newton's method in the tangent plane. Short waves grow

@@ -6,15 +6,15 @@ use models::common::rates::RateEquations;
 /// Rank-one update −a bᵀ of the stiffness while one yield condition is active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankOne {
-    /// a = D m/(H + n·Dm), dimensionless where the gradients of the condition are.
+    /// a = D m/(H + n·Dm), dimensionless if the gradients of the condition are.
     pub image: Vec<f64>,
     /// b = D n, in the units of the stiffness.
     pub covector: Vec<f64>,
 }
 
 impl RankOne {
-    /// Update of a condition with normal n and flow direction m, both in the stress components of `elastic`, and plastic
-    /// modulus H, Pa.
+    /// Computes the update for a condition with normal n and flow direction m, both in the stress components of
+    /// `elastic`, and plastic modulus H, Pa.
     ///
     /// # Errors
     /// A vector has the wrong length, or H + n·Dm is not positive.

@@ -20,7 +20,7 @@ pub struct Workspace {
 }
 
 impl AcousticTensor3 {
-    /// Memory for [`search`](Self::search); use one per thread.
+    /// Creates a workspace for [`search`](Self::search); use one per thread.
     pub fn workspace(&self) -> Workspace {
         let none = SecularRoots { least: f64::INFINITY, pair: None, is_complex: false };
         Workspace {
@@ -69,8 +69,8 @@ impl AcousticTensor3 {
         }
         for place in 0..coarse.len() {
             let around = &self.neighbours[place];
-            // Half the distance to the neighbours is within reach: a quarter of the difference for a
-            // quadratic; eight times as much is allowed for.
+            // Between a grid point and half the distance to its neighbours a quadratic changes by a quarter of the
+            // difference; eight times as much is allowed for.
             let own = coarse[place].least;
             let (lowest, highest) = bounds(around.iter().map(|&i| coarse[i as usize].least));
             if place != least && own <= lowest && own - 2.0 * (highest - own) < best.slowest.1 {
@@ -115,8 +115,8 @@ impl AcousticTensor3 {
         for (index, chunk) in self.chunks.iter().enumerate() {
             let target = best.slowest.1 - 1e-12;
             self.products(change, index, &mut products, &mut tiny);
-            // Below all λ_g the sides of the secular equation at the least c² so far tell whether there
-            // is a lower one.
+            // At the smallest c² so far, if it is below all λ_g, a negative 1 − Σ w_g/(λ_g − λ) proves that a smaller
+            // root exists.
             let mut sides = [1.0; LANES];
             let mut lowest = [0.0_f64; LANES];
             let mut is_above = [false; LANES];

@@ -9,7 +9,7 @@ pub(super) struct Secular {
     pub(super) count: usize,
     pub(super) pole: [f64; SIZE],
     pub(super) weight: [f64; SIZE],
-    /// Eigenvalues unchanged by the update.
+    /// Eigenvalues that the update does not change.
     pub(super) kept: [f64; SIZE],
     pub(super) kept_count: usize,
 }
@@ -28,6 +28,7 @@ impl Secular {
         (product + sum, product_slope + sum_slope)
     }
 
+    /// As `polynomial`, at a complex point.
     pub(super) fn complex_polynomial(&self, x: Complex64) -> (Complex64, Complex64) {
         let [zero, one] = [Complex64::new(0.0, 0.0), Complex64::new(1.0, 0.0)];
         let (mut product, mut product_slope, mut sum, mut sum_slope) = (one, zero, zero, zero);
@@ -41,7 +42,8 @@ impl Secular {
         (product + sum, product_slope + sum_slope)
     }
 
-    /// Changes of sign of +, w₁ … w_g, −: with one, all eigenvalues are real; with three, all but two.
+    /// Number of sign changes in the sequence +, w₁ … w_g, −: with one change all eigenvalues are real, with three all
+    /// but at most two.
     pub(super) fn changes(&self) -> usize {
         let (mut changes, mut positive) = (0, true);
         for &weight in &self.weight[..self.count] {
@@ -59,7 +61,8 @@ impl Secular {
         all.fold(0.0, |largest: f64, x| largest.max(x.abs()))
     }
 
-    /// The interval below pole `index`, with bounds on the roots outside the poles.
+    /// Interval between pole `index` − 1 and pole `index`; below the first and above the last pole, a bound on the
+    /// roots is the other end.
     fn interval(&self, index: usize) -> (f64, f64) {
         let part = |sign: f64| {
             self.weight[..self.count].iter().fold(0.0, |sum, w| sum + (sign * w).max(0.0))
@@ -79,7 +82,7 @@ impl Secular {
 
     /// The sign of q at the upper end of the interval below pole `index`.
     pub(super) fn sign_above(&self, index: usize) -> f64 {
-        // Σ w_g Π(λ_index − λ_h): one factor is negative for each pole above.
+        // There q = w_index Π(λ_index − λ_h), with one negative factor for each pole above.
         if index == self.count {
             return 1.0;
         }
@@ -87,13 +90,13 @@ impl Secular {
         if (self.weight[index] > 0.0) == flips { -1.0 } else { 1.0 }
     }
 
-    /// A step from `x` towards the root of the interval below pole `index`: the zero of
-    /// c + a/(λ_below − y) + b/(λ_above − y) that has the values and slopes of the sums over the poles
-    /// below and above (R.-C. Li 1993, "Solving secular equations stably and efficiently"). NaN if it has
-    /// no zero.
+    /// A step from `x` towards the root of the interval below pole `index`: the zero of the interpolant
+    /// c + a/(λ_below − y) + b/(λ_above − y) that matches the value of the secular function and the slopes of its sums
+    /// over the poles below and above (R.-C. Li 1993, "Solving secular equations stably and efficiently"). NaN if the
+    /// interpolant has no zero.
     fn rational_step(&self, index: usize, x: f64) -> f64 {
         let (mut value, mut below, mut above) = (1.0, 0.0, 0.0);
-        // Over all, with weights of zero beyond the last pole: as many divisions at a time as there are.
+        // Loop over all SIZE poles, with zero weights beyond the last one, so that the divisions are vectorised.
         let (mut parts, mut slopes) = ([0.0; SIZE], [0.0; SIZE]);
         for g in 0..SIZE {
             let inverse = 1.0 / (self.pole[g] - x);
@@ -120,7 +123,7 @@ impl Secular {
         let linear = constant * (left + right) + a + b;
         let last = value * left * right;
         let root = (linear * linear - 4.0 * constant * last).sqrt();
-        // Of the two the one that vanishes with the value.
+        // Root of the quadratic that vanishes with `value`.
         2.0 * last / (linear + root.copysign(linear))
     }
 
@@ -130,7 +133,7 @@ impl Secular {
         let (mut low, mut high) = self.interval(index);
         let sign = self.sign_above(index);
         let is_inner = 0 < index && index < self.count;
-        // Newton's method from below all roots comes to the least of them in one direction.
+        // From below all roots Newton's method converges monotonically to the smallest one.
         let mut x = if index == 0 { low } else { 0.5 * (low + high) };
         if is_inner || is_simple {
             let mut from = x;
@@ -152,7 +155,7 @@ impl Secular {
         for _ in 0..120 {
             let (value, slope) = self.polynomial(x);
             let step = value / slope;
-            // Where the step is rounding the sign of q says no more.
+            // If the step is at rounding level, the sign of q is meaningless.
             if value == 0.0 || step.abs() <= rounding {
                 return if value == 0.0 { x } else { (x - step).clamp(low, high) };
             }

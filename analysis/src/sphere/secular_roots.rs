@@ -31,15 +31,15 @@ pub(super) struct SecularRoots {
 }
 
 impl RootPair {
-    /// (Im c)² = (|λ| − Re λ)/2, and its analytic continuation to real pairs of positive middle, where
-    /// it is negative. Real pairs of negative middle do not flutter: negative too.
+    /// (Im c)² = (|λ| − Re λ)/2, and its analytic continuation to real pairs of positive `middle`, where it is
+    /// negative. Real pairs of negative `middle` do not flutter: −`square` is returned.
     pub(super) fn growth_squared(&self) -> f64 {
         if self.square >= 0.0 && self.middle <= 0.0 {
             return -self.square;
         }
         let modulus = (self.middle * self.middle - self.square).max(0.0).sqrt();
         if self.middle > 0.0 {
-            // Without cancellation.
+            // Equivalent form without cancellation.
             -0.5 * self.square / (modulus + self.middle)
         } else {
             0.5 * (modulus - self.middle)
@@ -48,7 +48,7 @@ impl RootPair {
 }
 
 impl Secular {
-    /// The two roots that the equation of two poles has.
+    /// Roots of a secular equation with two poles.
     pub(super) fn quadratic(&self) -> RootPair {
         let [first, second] = [self.pole[0] - self.weight[0], self.pole[1] - self.weight[1]];
         let half = 0.5 * (first - second);
@@ -76,7 +76,7 @@ impl Secular {
             let size = self.size();
             is_complex = pair.square < -NO_FLUTTER * size * size;
             if !is_complex {
-                // With two roots of one sign the smaller comes from their product.
+                // Smaller root of the real pair.
                 let root = pair.square.max(0.0).sqrt();
                 least = least.min(pair.middle - root);
             }
@@ -94,7 +94,7 @@ impl Secular {
         if self.weight[..self.count].iter().all(|w| w.abs() > slight) {
             least = least.min(self.root(least_index, size, true));
         } else {
-            // The sign of a slight weight may change next to here.
+            // The sign of a slight weight may change in a neighbouring direction.
             let is_slight = |pole: usize| {
                 self.weight[..self.count].get(pole).is_some_and(|w| w.abs() <= slight)
             };
@@ -123,7 +123,7 @@ impl Secular {
         least = found.iter().fold(least, |least, &x| least.min(x));
         let mut pair = Some(rest);
         if rest.square >= 0.0 {
-            // Of three roots in one interval any two may be the last.
+            // If one interval has three roots, any two of them may form the pair.
             let root = rest.square.sqrt();
             least = least.min(rest.middle - root);
             let last = [rest.middle - root, rest.middle + root];
@@ -156,8 +156,8 @@ impl Secular {
         (least, pair)
     }
 
-    /// Two real roots without a pole of more than slight weight between them, if they are nearer to
-    /// becoming complex than `pair`.
+    /// The pair of real roots x, y if no pole of more than slight weight lies between them and they are closer to
+    /// becoming complex than `pair`; else `pair`.
     fn nearer(&self, pair: Option<RootPair>, x: f64, y: f64) -> Option<RootPair> {
         let half = 0.5 * (x - y);
         let own = RootPair { middle: 0.5 * (x + y), square: half * half };
@@ -169,8 +169,8 @@ impl Secular {
         if is_far { pair } else { Some(own) }
     }
 
-    /// One root of each interval that must have one, and the other two by their sum and by q:
-    /// −¼(difference)² = q(x)/Π(x − found) in the middle x between them.
+    /// One root of each interval with an odd number of roots; the remaining two by their sum and by q: −¼(difference)²
+    /// = q(x)/Π(x − found) at the midpoint x between them.
     pub(super) fn last_two(&self) -> ([f64; SIZE], RootPair) {
         let (mut found, mut count) = ([0.0; SIZE], 0);
         let mut sum = 0.0;
@@ -186,7 +186,7 @@ impl Secular {
             }
         }
         let mut middle = 0.5 * sum;
-        // In the middle of three roots q says nothing: then beside it.
+        // If the midpoint is close to a found root, evaluate q at a shifted point.
         let is_near = |x: f64| found[..count].iter().any(|f| (x - f).abs() <= 1e-7 * size);
         let mut shift = 0.0;
         while is_near(middle + shift) && shift < size {
@@ -198,8 +198,8 @@ impl Secular {
             value /= at - f;
         }
         let mut square = shift * shift - value;
-        // The difference of large numbers made the sum; where the pair is complex and well apart Newton's
-        // method makes up for it.
+        // The sum suffers from cancellation; if the pair is complex and well separated, Newton's method restores its
+        // accuracy.
         if square < -1e-10 * size * size {
             let mut root = Complex64::new(middle, (-square).sqrt());
             for _ in 0..2 {
@@ -215,7 +215,7 @@ impl Secular {
         (found, RootPair { middle, square })
     }
 
-    /// All roots by Aberth's method; those within rounding of the real axis are put on it.
+    /// All roots by the Aberth–Ehrlich method; roots within rounding of the real axis are made real.
     pub(super) fn all(&self) -> [Complex64; SIZE] {
         let mut roots = [Complex64::new(0.0, 0.0); SIZE];
         let size = self.size();
@@ -255,8 +255,8 @@ impl Secular {
         roots
     }
 
-    /// Whether a point proves that all eigenvalues are real: with three changes of sign, q of the other
-    /// sign than at the ends of an interval with an even number of roots.
+    /// Whether q(x) proves that all eigenvalues are real: with three changes of sign, q has the opposite sign at `x` to
+    /// its sign at the ends of an interval with an even number of roots.
     pub(super) fn is_real_by(&self, x: f64) -> bool {
         let index = self.pole[..self.count].iter().take_while(|&&pole| pole < x).count();
         !self.is_odd(index) && self.polynomial(x).0 * self.sign_above(index) < 0.0

@@ -9,7 +9,7 @@ pub(super) fn unit(x: [f64; 3]) -> [f64; 3] {
     x.map(|x| x / length)
 }
 
-/// Two unit vectors across a unit vector and each other.
+/// Two orthonormal vectors perpendicular to the unit vector `n`.
 pub(super) fn tangents(n: &[f64; 3]) -> [[f64; 3]; 2] {
     let smallest = (0..3).fold(0, |least, i| if n[i].abs() < n[least].abs() { i } else { least });
     let mut first = n.map(|x| -x * n[smallest]);
