@@ -2,9 +2,8 @@
 //! states, and larger random ones. `eigenproblems.py` beside this file hands the same matrices to
 //! SciPy and LAPACK in the same run and describes the command line.
 //!
-//! `eigenproblems FILE`: writes the matrices to FILE, then, for each line `SET` on standard input,
-//! prints the problems per second of this crate (equilibration included) and of faer (equilibrated
-//! already, buffers kept) for that set.
+//! `eigenproblems FILE`: writes the matrices to FILE, then, for each line `SET` on standard input, prints the problems
+//! per second of this crate (equilibration included) and of faer (equilibrated matrices, reused buffers) for that set.
 //!
 //! FILE: 64-bit little-endian words. Number of sets; for each, the size n and the number of
 //! problems as integers, then for each problem L and R, by columns, as (re, im) doubles.
@@ -28,7 +27,7 @@ use wellposed_analysis::qz::Qz;
 const PROBLEMS: usize = 256;
 const SECONDS: f64 = 0.5;
 
-/// A problem as this crate meets it.
+/// Eigenproblem in the form in which this crate receives it.
 enum Problem {
     Model { pencil: Box<Pencil>, k: f64, direction: f64 },
     Matrices { size: usize, left: Vec<Complex64>, right: Vec<Complex64> },
@@ -64,7 +63,7 @@ impl Problem {
     }
 }
 
-/// The models' pencils of `size` equations at random states, waves and directions.
+/// Pencils of the models with `size` equations at random states, wave numbers and directions.
 fn models(size: usize) -> Vec<Problem> {
     let mut problems = Vec::new();
     let random = &mut seeded(size as u64);
@@ -96,7 +95,7 @@ fn dense(size: usize, rank: usize) -> Vec<Problem> {
     (0..PROBLEMS).map(problem).collect()
 }
 
-/// faer with its buffers kept.
+/// Workspace of faer with reused buffers.
 struct Faer {
     left: Mat<Complex64>,
     right: Mat<Complex64>,
@@ -136,7 +135,7 @@ impl Faer {
     }
 }
 
-/// Problems per second of a task that solves all once.
+/// Problems per second of `all`, which solves every problem of a set once.
 fn rate(mut all: impl FnMut()) -> f64 {
     let (start, mut passes) = (Instant::now(), 0);
     loop {

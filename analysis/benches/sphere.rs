@@ -1,5 +1,5 @@
-//! Milliseconds per point of a map of flutter and shear bands, on one thread: a classical and a Cosserat
-//! solid, friction by dilatancy, with the stress turning from point to point.
+//! Milliseconds per point of a map of flutter and shear bands, on one thread: a classical and two Cosserat solids with
+//! varied dilatancy and a random stress at each point.
 
 #[path = "../tests/support/mod.rs"]
 mod support;

@@ -30,9 +30,9 @@ fn pencil(model: &Model, state: &State) -> (Flow, Pencil) {
     (flow, pencil)
 }
 
-/// For a uniform incompressible Harris–Grekova state the exact dispersion relation has the root
-/// ς = −G⊥·(∇V ξ⊥)/(G·ξ) − k² (something not negative), G = ξ − sin φ n: the supremum is that of the
-/// first term over directions, approached as k → 0, or the neutral spin's 0.
+/// Verifies the supremum on uniform incompressible Harris–Grekova states. The exact dispersion relation has the root ς
+/// = −G⊥·(∇V ξ⊥)/(G·ξ) − k² r with r ≥ 0 and G = ξ − sin φ n, so the supremum is the maximum of the first term over
+/// directions, approached as k → 0, or 0, the root of the neutral spin.
 #[test]
 fn uniform_incompressible_states_against_the_exact_relation() {
     for (index, phi) in [0.2f64, 0.5, 0.8, 1.1].into_iter().enumerate() {
@@ -71,9 +71,9 @@ fn uniform_incompressible_states_against_the_exact_relation() {
     }
 }
 
-/// Where the stress angle varies in space the frozen growth rate has a pole as k → 0, next to the
-/// direction in which c_G·ξ vanishes: a supremum over all k > 0 does not exist even for a state that
-/// every short wave finds well-posed. That is why the supremum takes a least wave number.
+/// Verifies that for a stress angle that varies in space the frozen growth rate grows like 1/k as k → 0, next to the
+/// direction in which c_G·ξ vanishes. A supremum over all k > 0 does not exist there even for a state that is
+/// well-posed, so the supremum takes a smallest wave number.
 #[test]
 fn the_frozen_growth_rate_has_a_pole_for_long_waves() {
     let state = State {

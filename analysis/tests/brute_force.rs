@@ -1,4 +1,4 @@
-//! Verdicts against brute force in 256 bits, on the models' equations written anew in the tests.
+//! Verdicts against brute force in 256 bits, on equations of the models implemented independently in the tests.
 
 mod support;
 
@@ -41,7 +41,7 @@ fn force(sample: &Sample, waves: &[f64], dense: usize, fine: bool) -> Brute {
     brute(&reference(sample).polynomial(), waves, dense, &centres(sample), 1.6, fine)
 }
 
-/// Whether the verdict is what brute force finds; the words of the difference if not.
+/// Compares a verdict with brute force; returns a description of the difference.
 fn agrees(verdict: &Verdict, force: &Brute) -> Result<(), String> {
     let seen = format!("brute force: order {:.4}, {:?}", force.order(), force.at);
     match verdict {
@@ -63,7 +63,8 @@ fn agrees(verdict: &Verdict, force: &Brute) -> Result<(), String> {
     }
 }
 
-/// 560 states of all models, uniform and not: order within 0.05, coefficient within 2 %.
+/// Verifies the verdicts on 560 uniform and non-uniform states of all models against brute force: order within 0.05,
+/// coefficient within 2 %.
 #[test]
 fn verdicts_agree_with_brute_force() {
     const STATES: u64 = 560;
@@ -105,7 +106,7 @@ fn verdicts_agree_with_brute_force() {
     assert!(wrong.is_empty(), "{} of {STATES} disagree", wrong.len());
 }
 
-/// Fractional orders and order 3, at three wave numbers that span four decades.
+/// Verifies fractional orders and order 3 against brute force at three wave numbers over four decades.
 #[test]
 fn rare_orders_are_confirmed_over_four_decades() {
     let mut seen = std::collections::BTreeMap::<(i64, i64), usize>::new();

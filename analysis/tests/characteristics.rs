@@ -24,7 +24,7 @@ fn of(sample: &Sample) -> Characteristics {
     characteristics(&sample.system).expect("as many equations as unknowns")
 }
 
-/// Removes the one characteristic at that angle, checking angle, bound and multiplicity.
+/// Removes the characteristic at `angle` from the list and verifies its bound, multiplicity and family.
 fn take(list: &mut Vec<Characteristic>, angle: f64, multiplicity: usize, family: &str) {
     let at = list.iter().position(|c| angle_between(c.angle, angle) < 1e-13);
     let Some(at) = at else { panic!("nothing at {} ({family}) in {list:?}", angle.rem_euclid(PI)) };
@@ -33,7 +33,7 @@ fn take(list: &mut Vec<Characteristic>, angle: f64, multiplicity: usize, family:
     assert!(found.bound < 1e-11, "{found:?}");
 }
 
-/// Velocity at a distance from the stress characteristics, so that no two directions meet.
+/// Random sample whose velocity is at an angle to the stress characteristics, so that no two directions coincide.
 fn generic(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy, gradients: bool) -> Sample {
     loop {
         let sample = tame(random, kind, dilatancy, gradients);
@@ -51,8 +51,8 @@ fn generic(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy, gradients:
     }
 }
 
-/// Eq. 70: streamlines (double where the density evolves) and Ψ ± (π/4 + φ/2), each double, with
-/// the families of stress and velocity in one; for every ν, gradients do not matter.
+/// Verifies eq. 70: streamlines (double if the density evolves) and Ψ ± (π/4 + φ/2), both double, with stress and
+/// velocity in one family, for every ν and independent of gradients.
 #[test]
 fn harris_grekova_has_the_characteristics_of_equation_70() {
     for seed in 0..400 {
@@ -72,8 +72,8 @@ fn harris_grekova_has_the_characteristics_of_equation_70() {
     }
 }
 
-/// Stress characteristics at Ψ ± (π/4 + φ/2), velocity characteristics at Ψ ± (π/4 + ν/2); where
-/// ν = φ they coincide.
+/// Verifies stress characteristics at Ψ ± (π/4 + φ/2) and velocity characteristics at Ψ ± (π/4 + ν/2), which coincide
+/// for ν = φ.
 #[test]
 fn plastic_potential_separates_stress_and_velocity() {
     for seed in 0..400 {
@@ -103,7 +103,7 @@ fn plastic_potential_separates_stress_and_velocity() {
     }
 }
 
-/// ξ₂/ξ₁ of the roots of det(ξ₁(B¹ + V₁A) + ξ₂(B² + V₂A)) over the first four unknowns.
+/// Roots ξ₂/ξ₁ of det(ξ₁(B¹ + V₁A) + ξ₂(B² + V₂A)) over the first four unknowns, in 256 bits.
 fn steady_roots(sample: &Sample) -> Vec<WideComplex> {
     let s = &sample.system;
     let velocity = s.velocity.map(Wide::from);
@@ -121,8 +121,8 @@ fn steady_roots(sample: &Sample) -> Vec<WideComplex> {
     roots(&polynomial)
 }
 
-/// Double shearing with inertia: a quartic that does not factor; slow flow is hyperbolic, fast flow
-/// mixed or elliptic. Every root, real and complex, against 256 bits.
+/// Verifies double shearing with inertia, a quartic that does not factor: slow flow is hyperbolic, fast flow mixed or
+/// elliptic. All real and complex roots are compared with 256 bits.
 #[test]
 fn double_shearing_with_inertia_against_its_quartic() {
     let mut types = std::collections::BTreeMap::<String, usize>::new();
@@ -138,7 +138,7 @@ fn double_shearing_with_inertia_against_its_quartic() {
         let wanted = steady_roots(&sample);
         assert_eq!(wanted.len(), 4);
         let off_real = |t: Complex64| t.im.abs() / (1.0 + t.norm_sqr());
-        // A nearly double root is a matter of taste.
+        // Skip nearly double roots, which rounding may make real or complex.
         let nearest = wanted
             .iter()
             .enumerate()
@@ -151,7 +151,7 @@ fn double_shearing_with_inertia_against_its_quartic() {
         for t in wanted.iter().map(|t| t.to_c64()) {
             if off_real(t) < 1e-30 {
                 real += 1;
-                // The characteristic stands at right angles to the wave vector (1, t).
+                // The characteristic is perpendicular to the wave vector (1, t).
                 let angle = t.re.atan() + std::f64::consts::FRAC_PI_2;
                 let own = found.real.iter().filter(|c| c.family.contains("stress"));
                 let gap = own.map(|c| angle_between(c.angle, angle)).fold(f64::MAX, f64::min);
@@ -174,7 +174,7 @@ fn double_shearing_with_inertia_against_its_quartic() {
         };
         assert_eq!(found.kind, Some(kind));
         *types.entry(format!("{kind:?}")).or_default() += 1;
-        // The density is convected.
+        // The density is convected along streamlines.
         let [v1, v2] = sample.state.velocity;
         let stream = found
             .real
@@ -186,7 +186,7 @@ fn double_shearing_with_inertia_against_its_quartic() {
     assert!(types.len() >= 2, "{types:?}");
 }
 
-/// In a material at rest every direction is characteristic for what is only convected.
+/// Verifies that in a material at rest every direction is characteristic for fields that are only convected.
 #[test]
 fn at_rest_convected_fields_have_arbitrary_characteristics() {
     for seed in 0..100 {
@@ -213,15 +213,15 @@ fn at_rest_convected_fields_have_arbitrary_characteristics() {
             for sign in [1.0, -1.0] {
                 let angle = sample.state.stress_angle + sign * epsilon;
                 let family = if each == 2 { "stress and velocity" } else { "stress" };
-                // Rigorously at rest the double shearing model's rotation is that of ∂ₜψ alone,
-                // so stress and velocity separate there too.
+                // At rest the rotation rate of the double-shearing model is ∂ₜψ alone, so stress and velocity separate
+                // there too.
                 take(&mut real, angle, each, family);
             }
         }
     }
 }
 
-/// One equation too few.
+/// Verifies that the free-rotating model, with one equation too few, has no characteristics.
 #[test]
 fn free_rotating_determines_nothing() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {

@@ -31,7 +31,8 @@ fn solid(random: &mut Random) -> Isotropic {
     Isotropic::new(random.within(-0.5, 3.0), 1.0, 1.0, microrotation).expect("sound moduli")
 }
 
-/// A yielding solid whose friction and dilatancy differ; slipping layers with any number of conditions.
+/// Rate equations of a random yielding solid whose friction and dilatancy differ: Mises-type, or slipping layers with
+/// any number of active conditions. `None` if the rate response is not defined.
 fn yielding(random: &mut Random) -> Option<RateEquations<2>> {
     let solid = solid(random);
     let layout = solid.layout::<2>();
@@ -72,6 +73,7 @@ fn yielding(random: &mut Random) -> Option<RateEquations<2>> {
     Some(layout.rates(&stiffness, 1.0, inertia))
 }
 
+/// Verifies the squared speeds against the squared speeds of plane waves.
 #[test]
 fn speeds_are_those_of_the_waves() {
     let random = &mut seeded(1);
@@ -92,12 +94,12 @@ fn speeds_are_those_of_the_waves() {
         assert!((sum(&found) - sum(&expected)).norm() < 1e-12 * largest);
     }
     println!("{worst:e}");
-    // Next to double roots half of the digits go.
+    // Near double roots half of the digits are lost.
     assert!(worst < 1e-7);
 }
 
-/// The exact polynomial of the first-order equations, and the acoustic tensor: growth of order k with
-/// the same coefficient.
+/// Verifies the verdict from the exact polynomial of the first-order equations against flutter and shear bands from the
+/// acoustic tensor: growth of order k with the same coefficient.
 #[test]
 fn verdict_and_speeds_agree() {
     let random = &mut seeded(2);
@@ -122,7 +124,7 @@ fn verdict_and_speeds_agree() {
             Verdict::IllPosed { growth: Some(growth), .. } if growth.order.value() == 1.0 => {
                 ill += 1;
                 assert!(grows, "{growth:?} without complex or imaginary speeds");
-                // A coefficient is the root of a discriminant: the smaller, the fewer digits.
+                // The coefficient is the square root of a discriminant: small coefficients lose digits.
                 let difference = (extremes.growth() - growth.coefficient).abs();
                 worst = worst.max(difference * growth.coefficient);
             }
@@ -146,7 +148,7 @@ fn sectors_of_flutter_end_where_the_discriminant_vanishes() {
     let mut sectors = 0;
     for dilatancy in [-0.3, -0.1, 0.0, 0.1, 0.2, 0.25] {
         let layer = Slipping { lambda: 1.0, alpha: 0.3, friction: 0.6, dilatancy };
-        // Without the tensor's overall size.
+        // Discriminant relative to the squared trace.
         let discriminant = |angle: f64| {
             let [trace, determinant] = layer.invariants(angle);
             (trace * trace - 4.0 * determinant) / (trace * trace)
@@ -169,7 +171,7 @@ fn speeds_vanish_along_the_layer_and_where_the_determinant_does() {
     for dilatancy in [0.0, 0.3, 0.6, 0.9, 1.2, 1.5] {
         let layer = Slipping { lambda: 0.0, alpha: 0.1, friction: 1.5, dilatancy };
         let found = AcousticTensor2::new(&layer.equations()).vanishing();
-        // Counted by changes of sign of the determinant less the double zero along the layer.
+        // Count zeros by sign changes of the determinant divided by the double zero along the layer.
         let reduced = |i: i32| {
             let angle = (f64::from(i) + 0.5) * PI / 20_000.0;
             layer.invariants(angle)[1] / angle.sin().powi(2)
@@ -216,7 +218,7 @@ fn brute_force_finds_nothing_worse() {
 
 #[test]
 fn a_known_set_of_conditions() {
-    // An elastic solid: two speeds, nothing vanishes, nothing flutters.
+    // An elastic solid: two speeds, no zero speed, no flutter.
     let solid = Isotropic::new(1.0, 1.0, 1.0, None).expect("sound moduli");
     let circle = AcousticTensor2::new(&solid.rates::<2>());
     let extremes = circle.search(&[]);

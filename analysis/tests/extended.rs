@@ -1,4 +1,4 @@
-//! Double-double arithmetic against 256 bits, and those against exact integers.
+//! Double-double arithmetic against 256-bit arithmetic, and 256-bit arithmetic against exact integers.
 
 mod support;
 
@@ -10,7 +10,7 @@ fn wide(x: Extended) -> Wide {
     Wide::from(x.high) + Wide::from(x.low)
 }
 
-/// A random double-double, its parts not overlapping.
+/// Random double-double number with parts that do not overlap.
 fn random(random: &mut Random) -> Extended {
     let exponent = random.within(-40.0, 40.0).round();
     let high =
@@ -32,7 +32,7 @@ fn relative(found: Extended, exact: Wide) -> f64 {
     ((wide(found) - exact).abs() * exact.abs().recip()).to_f64()
 }
 
-/// Sums and products to 2⁻¹⁰³ of the exact result, cancellation included; |low| ≤ ½ ulp(high).
+/// Verifies sums and products to 2⁻¹⁰³ relative, cancellation included, and |low| ≤ ½ ulp(high).
 #[test]
 fn sums_and_products_are_right_to_twice_the_precision() {
     let generator = &mut seeded(11);
@@ -61,7 +61,7 @@ fn sums_and_products_are_right_to_twice_the_precision() {
     assert!(sums <= (-103f64).exp2() && products <= (-103f64).exp2());
 }
 
-/// Exact cases: products of doubles, sums of doubles, zeros, signs.
+/// Verifies exact cases: products of doubles, sums of doubles, zeros, signs.
 #[test]
 fn exact_results_are_exact() {
     let generator = &mut seeded(12);
@@ -80,7 +80,7 @@ fn exact_results_are_exact() {
     }
 }
 
-/// Complex products and sums relative to the moduli.
+/// Verifies complex products and sums, with errors relative to the moduli.
 #[test]
 fn complex_arithmetic_is_right_to_twice_the_precision() {
     let generator = &mut seeded(13);
@@ -97,7 +97,7 @@ fn complex_arithmetic_is_right_to_twice_the_precision() {
     assert!(worst < (-102f64).exp2(), "{worst:e}");
 }
 
-/// The reference itself: integers against 128-bit ones, inverses, π and the circle.
+/// Verifies the 256-bit reference: integers against 128-bit integers, reciprocals, π, sine and cosine.
 #[test]
 fn the_reference_arithmetic_is_right() {
     let generator = &mut seeded(14);
@@ -118,7 +118,7 @@ fn the_reference_arithmetic_is_right() {
         let x = integer(a * 2 + 1);
         assert!((x * x.recip() - Wide::from(1.0)).abs().exponent() < -250);
         assert_eq!(Wide::from(x.to_f64()), x, "41 bits fit in a double");
-        // Far apart exponents, borrow through all limbs.
+        // Exponents far apart: the borrow passes through all limbs.
         let tiny = Wide::from(1.0).shifted(-200);
         assert_eq!((x + tiny) - x, tiny);
         assert_eq!((x - tiny) + tiny, x);

@@ -35,8 +35,8 @@ fn angle_between(a: f64, b: f64) -> f64 {
     gap.min(PI - gap)
 }
 
-/// Simple zeros of forms up to degree 8, some with definite quadratic factors: all are found, none
-/// besides, each within its own bound, and that bound is small.
+/// Verifies simple zeros of forms up to degree 8, some with definite quadratic factors: exactly these zeros are found,
+/// each within its bound, and the bounds are small.
 #[test]
 fn simple_zeros_are_all_found_within_their_bounds() {
     let random = &mut seeded(21);
@@ -80,13 +80,13 @@ fn simple_zeros_are_all_found_within_their_bounds() {
     println!("{count} zeros, greatest error {worst:.1e}, greatest bound {greatest_bound:.1e}");
 }
 
-/// Exactly double zeros are touched, not crossed; triple ones are crossed.
+/// Verifies that exactly double zeros are touched and triple zeros are crossed.
 #[test]
 fn repeated_zeros_are_told_apart() {
     repeated_zeros(false);
 }
 
-/// Repeated zeros on an axis, where the form is exactly zero.
+/// Verifies repeated zeros on an axis, where the form is exactly zero.
 #[test]
 fn repeated_zeros_along_the_axes() {
     repeated_zeros(true);
@@ -125,8 +125,8 @@ fn repeated_zeros(axes: bool) {
     }
 }
 
-/// Two zeros at distances 1e-2…1e-12: two crossings while the form between them is above its
-/// rounding, one touching zero when it is below, never nothing.
+/// Verifies two zeros at distances of 1e-2 to 1e-12: two crossings while the form between them exceeds its rounding,
+/// otherwise one touching zero.
 #[test]
 fn nearly_double_zeros() {
     let random = &mut seeded(23);
@@ -171,7 +171,7 @@ fn nearly_double_zeros() {
     assert!(widest < 3e-7, "zeros {widest:e} apart were merged");
 }
 
-/// A form one part in 10⁶ above zero has none; F(θ + π) = (−1)^d F(θ) closes the circle.
+/// Verifies that a form 1e-6 above zero has no zeros, and that F(θ + π) = (−1)^d F(θ) closes the circle.
 #[test]
 fn forms_that_miss_zero_have_none() {
     for power in 1..=3 {

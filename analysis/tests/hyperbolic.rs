@@ -1,5 +1,5 @@
-//! Symmetric-hyperbolic systems, A symmetric positive definite and Bⁱ symmetric: Re ς is bounded by the
-//! symmetric part of C for every wave, whatever speeds coincide. None may be called ill-posed.
+//! Symmetric-hyperbolic systems, A symmetric positive definite and Bⁱ symmetric: Re ς is bounded by the symmetric part
+//! of C for every wave, also where speeds coincide, so no verdict may be ill-posed.
 
 mod support;
 
@@ -31,7 +31,8 @@ fn matrices(n: usize, parts: [(Part, &[f64]); 3]) -> LinearisedSystem<2> {
     system(n, n, &entries)
 }
 
-/// Small integers, so that speeds coincide in many directions: dense, of low rank, and in blocks.
+/// Random system of small integers, so that speeds coincide in many directions: dense, of low rank, in blocks, or
+/// diagonal.
 fn random(random: &mut Random, kind: usize) -> LinearisedSystem<2> {
     let n = 2 + (random.bits() % 5) as usize;
     let mut integer = || random.within(-2.5, 2.5).round();
@@ -56,7 +57,7 @@ fn random(random: &mut Random, kind: usize) -> LinearisedSystem<2> {
     matrices(n, [(X, &first), (Y, &second), (C, &constant)])
 }
 
-/// 1500 systems of each kind; few are left undecided.
+/// Verifies 1500 systems of each kind: none is ill-posed, fewer than 5 % are marginal.
 #[test]
 fn symmetric_hyperbolic_systems_are_never_ill_posed() {
     const SYSTEMS: u64 = 1500;

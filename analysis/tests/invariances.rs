@@ -1,5 +1,5 @@
-//! Changes that must not matter, or must matter in a known way: turned axes, superposed rotation,
-//! moving observers, other units, −k.
+//! Invariance of verdicts and roots under rotated axes, superposed rotation, moving observers and other units, and
+//! symmetry under −k.
 
 mod support;
 
@@ -43,7 +43,8 @@ fn finite(sample: &Sample, k: f64, direction: f64) -> Vec<Complex64> {
     }
 }
 
-/// Same name and order; the coefficient times `factor`, the direction plus `turn`.
+/// Verifies that two verdicts agree in name and order, up to a `factor` of the coefficient and a `turn` (rad) of the
+/// direction.
 fn same_verdict(before: &Verdict, after: &Verdict, factor: impl Fn(f64) -> f64, turn: f64) {
     match (before, after) {
         (
@@ -53,7 +54,7 @@ fn same_verdict(before: &Verdict, after: &Verdict, factor: impl Fn(f64) -> f64, 
             match (a, b) {
                 (None, None) => {
                     let gap = (x + turn - y).rem_euclid(PI);
-                    // There are two such directions; either may be named.
+                    // There are two such directions; the verdict may report either.
                     assert!(gap < 1e-7 || PI - gap < 1e-7 || gap > 1e-3);
                 }
                 (Some(a), Some(b)) => {
@@ -78,7 +79,7 @@ fn close(before: &[Complex64], after: &[Complex64], tolerance: f64) {
     }
 }
 
-/// All vectors and angles turned: the verdict's direction turns with them, the roots stay.
+/// Verifies that rotating all vectors and angles rotates the direction of the verdict and leaves the roots unchanged.
 #[test]
 fn turned_axes() {
     for (_, mut random, sample) in samples(0x107a) {
@@ -104,8 +105,8 @@ fn turned_axes() {
     }
 }
 
-/// Degenerate directions along the axes and the diagonals, where coefficients of the polynomial
-/// vanish that do not vanish in general axes: the verdict must be that of turned axes.
+/// Verifies that the verdict is invariant under rotation for degenerate directions along the axes and the diagonals,
+/// where coefficients of the polynomial vanish that do not vanish in general axes.
 #[test]
 fn degenerate_directions_along_the_axes() {
     let mut wrong = Vec::new();
@@ -172,8 +173,7 @@ fn degenerate_directions_along_the_axes() {
     assert!(wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// An observer who moves sees the same growth: the verdict is the same bit for bit, the roots
-/// shift by −ik·W.
+/// Verifies that for a moving observer the verdict is the same bit for bit and the roots shift by −ik·W.
 #[test]
 fn moving_observers() {
     for (_, mut random, sample) in samples(0x6a11) {
@@ -192,14 +192,14 @@ fn moving_observers() {
             let wanted = wanted.to_c64();
             let size = wanted.norm() + k * (v1.hypot(v2) + 2.0 * shift[0].hypot(shift[1]));
             assert!((found - wanted).norm() <= 4.0 * f64::EPSILON * size, "{found}, {wanted}");
-            // Growth does not change at all, to the last bit of the root's size.
+            // The growth rate does not change beyond its last bit.
             assert!((found.re - wanted.re).abs() <= f64::EPSILON * found.re.abs());
         }
     }
 }
 
-/// A superposed rotation at rate s turns vorticity and spin alike, r kept: C gains ρs J for the
-/// velocities and ρs ∇I in the spin's row, nothing else, and growth of short waves does not notice.
+/// Verifies a superposed rotation at rate s, which adds s to half the vorticity and to the spin at constant r: C gains
+/// ρs J for the velocities and ρs ∇I in the row of the spin, and the growth of short waves is unchanged.
 #[test]
 fn superposed_rigid_rotation() {
     for n in 0..STATES {
@@ -238,7 +238,7 @@ fn superposed_rigid_rotation() {
     }
 }
 
-/// Kilogram, metre and second multiplied by arbitrary factors.
+/// Verifies verdicts and roots in arbitrary units of mass, length and time.
 #[test]
 fn other_units() {
     for (_, mut random, sample) in samples(0x517) {
@@ -278,7 +278,7 @@ fn other_units() {
     }
 }
 
-/// ς(−k) = conj ς(k): real fields.
+/// Verifies ς(−k) = conj ς(k), since the fields are real.
 #[test]
 fn opposite_waves_are_conjugate() {
     for (_, mut random, sample) in samples(0xc0) {

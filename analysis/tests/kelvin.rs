@@ -1,4 +1,4 @@
-//! Waves that a homogeneous flow carries along, against the frozen pencil and a formula.
+//! Kelvin waves in a homogeneous flow against the frozen pencil, a closed form and Runge–Kutta integration.
 
 mod support;
 
@@ -42,7 +42,7 @@ fn flow(kind: FlowKind, random: &mut Random) -> (Model, Flow) {
     (model, *background.flow().expect("fully deforming"))
 }
 
-/// With a wave vector at rest the admissible evolution has the finite roots of the pencil.
+/// Verifies that for a constant wave vector the admissible evolution has the finite roots of the pencil.
 #[test]
 fn at_rest_it_is_the_frozen_pencil() {
     let mut random = seeded(1);
@@ -86,10 +86,9 @@ fn eigenvalues(matrix: &nalgebra::DMatrix<Complex64>) -> Vec<Complex64> {
     }
 }
 
-/// Contribution of the rate of the wave vector to the rate of the velocity:
-/// −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ cos β), β = 2(Ψ − θ), by elimination of the pressure: k̇·v is what the
-/// constraint lacks, −k²(1 − sin φ cos β) the symbol of the pressure, ξ⊥·(ξ − sin φ n) = −sin φ sin β what it
-/// does across the wave.
+/// Verifies the contribution of k̇ to the rate of the velocity against −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ cos β), β = 2(Ψ
+/// − θ), obtained by elimination of the pressure: k̇·v is the defect of the constraint, −k²(1 − sin φ cos β) the symbol
+/// of the pressure, and ξ⊥·(ξ − sin φ n) = −sin φ sin β the effect of the pressure across the wave.
 #[test]
 fn the_motion_of_the_wave_vector_adds_what_the_formula_says() {
     let mut random = seeded(2);
@@ -124,7 +123,7 @@ fn the_motion_of_the_wave_vector_adds_what_the_formula_says() {
             let rounding = 1e-12 * moving.norm();
             let difference = moving - frozen - formula;
             assert!(difference.norm() < 1e-9 * flow.shear_rate + rounding, "{kind:?} {difference}");
-            // It is not always small.
+            // The contribution is not always small.
             if sin_phi > 0.5 && beta.sin().abs() > 0.5 && turned.abs() > 0.5 {
                 assert!(formula.abs() > 0.05);
             }
@@ -132,7 +131,7 @@ fn the_motion_of_the_wave_vector_adds_what_the_formula_says() {
     }
 }
 
-/// The wave vector turns as its rate says, and keeps its phase along the flow.
+/// Verifies the wave vector against its rate by differences, and in simple shear.
 #[test]
 fn the_wave_vector_moves_with_the_flow() {
     let gradient = [[0.3, -1.2], [0.7, -0.3]];
@@ -147,7 +146,7 @@ fn the_wave_vector_moves_with_the_flow() {
     assert!((sheared[0] - 3.0).abs() < 1e-14 && (sheared[1] + 2.0).abs() < 1e-14, "{sheared:?}");
 }
 
-/// The course of a wave against the classical Runge–Kutta method, and its modes against their matrix.
+/// Verifies the evolution of a wave against the classical Runge–Kutta method, and its modes against the rate matrix.
 #[test]
 fn the_course_of_a_wave_obeys_its_evolution() {
     let mut random = seeded(3);
@@ -166,7 +165,7 @@ fn the_course_of_a_wave_obeys_its_evolution() {
         for (rate, mode) in &modes {
             let image = &at(0.0).rates * nalgebra::DVector::from_column_slice(mode);
             let reduced = at(0.0).reduced().norm();
-            // Admissible, and multiplied by the rate but for what the constraint's motion asks of it.
+            // Modes are admissible, and eigenvectors of the rate matrix up to the motion of the constraint.
             let along: Complex64 = mode.iter().take(2).zip(wave).map(|(v, k)| v * k).sum();
             assert!(along.norm() < 1e-12);
             let own: Complex64 = mode.iter().zip(image.iter()).map(|(z, r)| z.conj() * r).sum();

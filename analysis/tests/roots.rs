@@ -1,5 +1,5 @@
-//! The roots of the crate against the roots of the exact polynomial of the same doubles, expanded
-//! and solved in 256 bits by the tests' own code.
+//! Roots against the roots of the exact polynomial of the same doubles, expanded and solved in 256 bits by independent
+//! code.
 
 mod support;
 
@@ -17,7 +17,7 @@ use wellposed_analysis::roots::{solve, solve_extended};
 
 const STATES: u64 = 12_000;
 
-/// The exact roots in the frame of the laboratory: those of the material frame less ik·V.
+/// Exact roots in the frame of the laboratory: roots in the material frame minus ik·V.
 fn exact_roots(system: &LinearisedSystem<2>, wave: [f64; 2]) -> Vec<WideComplex> {
     let velocity = system.velocity.map(Wide::from);
     let convection = velocity[0] * Wide::from(wave[0]) + velocity[1] * Wide::from(wave[1]);
@@ -27,7 +27,7 @@ fn exact_roots(system: &LinearisedSystem<2>, wave: [f64; 2]) -> Vec<WideComplex>
         .collect()
 }
 
-/// Σ |∂ς/∂entry| |entry| / |ς| over all entries of A, Bⁱ, C and V, by the cofactors at the root.
+/// Condition number Σ |∂ς/∂entry| |entry| / |ς| over all entries of A, Bⁱ, C and V, by the cofactors at the root.
 fn condition(system: &LinearisedSystem<2>, wave: [f64; 2], root: WideComplex) -> f64 {
     let exact = WideSystem::of(system);
     let velocity = system.velocity.map(Wide::from);
@@ -52,11 +52,11 @@ fn condition(system: &LinearisedSystem<2>, wave: [f64; 2], root: WideComplex) ->
 struct Outcome {
     variant: usize,
     roots: usize,
-    /// Greatest deviation of the roots that meet 1e-12.
+    /// Largest deviation of the roots within 1e-12.
     plain: f64,
-    /// Roots that need their condition number: (deviation, 1e-15 × condition).
+    /// Roots beyond 1e-12: (deviation, 1e-15 × condition number).
     conditioned: Vec<(f64, f64)>,
-    /// Roots of an equilibrated QZ that are well conditioned, and those that it misses.
+    /// Numbers of well-conditioned roots tested with QZ alone, and of roots missed by it.
     generalised: (usize, usize),
 }
 
@@ -119,8 +119,8 @@ fn compare(seed: u64) -> Outcome {
     outcome
 }
 
-/// Every finite root of every model to 1e-12, or 1e-15 × its condition number; as many as the
-/// exact polynomial has; QZ alone finds the well-conditioned ones to 1e-6.
+/// Verifies every finite root of every model to 1e-12, or to 1e-15 × its condition number, and the number of roots
+/// against the exact polynomial; QZ alone finds the well-conditioned roots to 1e-6.
 #[test]
 fn finite_roots_are_those_of_the_exact_polynomial() {
     let outcomes: Vec<Outcome> = (0..STATES).into_par_iter().map(compare).collect();
@@ -155,8 +155,8 @@ fn finite_roots_are_those_of_the_exact_polynomial() {
     );
 }
 
-/// Polynomials whose starting points lie in symmetric places, where corrections cancel: products of
-/// (x + i c)(x² − c²) and the like, at all scales.
+/// Verifies polynomials with symmetric starting points, where corrections cancel: products such as (x + i c)(x² − c²),
+/// at all scales.
 #[test]
 fn roots_of_symmetric_polynomials() {
     let sets: [&[(f64, f64)]; 6] = [
@@ -197,8 +197,8 @@ fn roots_of_symmetric_polynomials() {
     }
 }
 
-/// Uncoupled equations whose rates nearly agree: each root is perfectly conditioned, but as roots
-/// of a polynomial they need more digits than a double has.
+/// Verifies uncoupled equations with nearly equal rates: each root is perfectly conditioned, but as roots of a
+/// polynomial they need more digits than a double has.
 #[test]
 fn clustered_roots_of_uncoupled_equations() {
     for (n, bits) in [(2, 24), (3, 16), (3, 20), (4, 12)] {
@@ -222,7 +222,7 @@ fn clustered_roots_of_uncoupled_equations() {
     }
 }
 
-/// The crate's coefficients with their rounding bounds against the same equations in 256 bits.
+/// Verifies the coefficients of the equations and their rounding bounds against independent equations in 256 bits.
 #[test]
 fn rounding_bounds_of_the_coefficients_cover_their_errors() {
     let worst = (0..7_000u64)
@@ -257,8 +257,8 @@ fn rounding_bounds_of_the_coefficients_cover_their_errors() {
     println!("greatest error of a coefficient: {worst:.2} of its bound");
 }
 
-/// Checks the coefficients of the crate's dispersion polynomial against exact ones, up to the common
-/// power of two that the crate's units make; returns the greatest error over bound.
+/// Checks the coefficients of the dispersion polynomial against exact ones, up to a common power of two due to the
+/// scaled units; returns the largest ratio of error to bound.
 fn coefficients_within_bounds(pencil: &Pencil, exact: &WideSystem) -> Result<f64, String> {
     let exact = exact.polynomial();
     let (rate, wave_number) = (pencil.polynomial.rate.log2(), pencil.polynomial.wave_number.log2());
@@ -291,8 +291,8 @@ fn coefficients_within_bounds(pencil: &Pencil, exact: &WideSystem) -> Result<f64
     Ok(worst)
 }
 
-/// The coefficients of the dispersion polynomial of every model, with their rounding bounds,
-/// against those of the same equations written anew in 256 bits.
+/// Verifies the coefficients of the dispersion polynomial of every model and their rounding bounds against independent
+/// equations in 256 bits.
 #[test]
 fn rounding_bounds_of_the_polynomial_cover_its_errors() {
     let worst = (0..2_100u64)
@@ -309,7 +309,7 @@ fn rounding_bounds_of_the_polynomial_cover_its_errors() {
     println!("greatest error of a coefficient of the polynomial: {worst:.2} of its bound");
 }
 
-/// Roots of systems with exact coefficients: only the expansion rounds.
+/// Verifies the rounding bounds for systems with exact coefficients, where only the expansion rounds.
 #[test]
 fn rounding_bounds_of_the_expansion_cover_its_errors() {
     for seed in 0..500 {
@@ -331,8 +331,8 @@ fn rounding_bounds_of_the_expansion_cover_its_errors() {
     }
 }
 
-/// Two finite roots, never a third, in special directions too, and their values: the condition
-/// for the leading coefficient's zeros, where the roots change their order of magnitude.
+/// Verifies number and values of the two finite roots next to zeros of the leading coefficient, where the roots change
+/// their order of magnitude.
 #[test]
 fn no_spurious_third_root_in_degenerate_directions() {
     for seed in 0..300 {

@@ -1,4 +1,4 @@
-//! Random states of dilatant Harris–Grekova, by parts of the background and by non-coaxiality.
+//! Random states of the dilatant Harris–Grekova model with given properties of the background and range of |Δ|.
 
 use crate::support::states::{Dilatancy, Random, Sample, tame, wild};
 use models::flow::state::State;
@@ -16,10 +16,10 @@ pub const SPIN_GRADIENT: Parts = 16;
 pub const INERTIA_GRADIENT: Parts = 32;
 pub const UNIFORM: Parts = 0;
 pub const ALL: Parts = 63;
-/// Either makes for an acceleration, but for a measure of zero.
+/// Each accelerates the material, except for a set of states of measure zero.
 pub const ACCELERATED: Parts = PRESSURE_GRADIENT | STRESS_ANGLE_GRADIENT;
 
-/// `state` with no more than the `parts`; the rotational stress is left as it is.
+/// Returns `state` with only the given `parts` non-zero; the rotational stress is unchanged.
 pub fn with(parts: Parts, state: State) -> State {
     let gradient = |part: Parts, given: [f64; 2]| if parts & part == 0 { [0.0; 2] } else { given };
     State {
@@ -38,20 +38,19 @@ pub fn with(parts: Parts, state: State) -> State {
 pub enum Zone {
     /// Below the bound: the coefficient of the highest power of ς has one sign.
     Inside,
-    /// Between the bound and 90° less the bound: it changes sign.
+    /// Between the bound and 90° − bound: the coefficient changes sign.
     Outside,
-    /// Above: it has one sign again, the other one.
+    /// Above 90° − bound: the coefficient has one sign, opposite to the sign inside.
     Reversed,
 }
 pub use Zone::{Inside, Outside, Reversed};
 
 /// Expected verdict on the dilatant Harris–Grekova model.
 ///
-/// Inside, what accelerates the material makes layers grow, and less so a rotational stress.
-/// Outside, growth is unbounded at finite k where the coefficient of the highest power of ς
-/// vanishes; a gradient of the stress angle gives that coefficient an imaginary part of lower order
-/// in k, so that it has no real zero, and growth is finite, of order 3. Reversed, all that decays
-/// inside grows.
+/// Inside, acceleration makes layers grow at order 1/2, and a rotational stress at order 2/5. Outside, growth is
+/// unbounded at finite k where the coefficient of the highest power of ς vanishes. A gradient of the stress angle gives
+/// that coefficient an imaginary part of lower order in k, so that it has no real zero and growth is finite, of
+/// order 3. Reversed, all roots that decay inside grow.
 pub fn wanted(parts: Parts, zone: Zone) -> &'static str {
     match zone {
         Inside if parts & ACCELERATED != 0 => "order 1/2",
@@ -63,13 +62,14 @@ pub fn wanted(parts: Parts, zone: Zone) -> &'static str {
     }
 }
 
-/// A sample, and how far its |Δ| is from the bounds of its zone, relative to what there is of it.
+/// A sample, and the distance of its |Δ| from the bound of its zone, relative to the width of the zone (half width
+/// outside).
 pub struct Drawn {
     pub sample: Sample,
     pub distance: f64,
 }
 
-/// A random state: most at distances of 1e-9 to 0.3, log-uniform, some anywhere.
+/// Draws a random state: four of five at log-uniform distances of 1e-9 to 0.3, the others at uniform distances.
 pub fn harris_grekova(random: &mut Random, parts: Parts, zone: Zone, is_tame: bool) -> Drawn {
     let kind = registry::HARRIS_GREKOVA;
     let base = loop {

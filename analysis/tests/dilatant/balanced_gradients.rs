@@ -1,4 +1,4 @@
-//! Gradients that balance, so that nothing is accelerated.
+//! Verdicts on states whose gradients balance, so that the acceleration is zero.
 
 use crate::backgrounds::{ALL, Inside, Outside, ROTATIONAL_STRESS, harris_grekova};
 use crate::brute_force::differs;
@@ -13,10 +13,10 @@ use models::registry;
 use rayon::prelude::*;
 use wellposed_analysis::growth::Verdict;
 
-/// A state whose gradients of pressure and stress angle balance, so that nothing is accelerated,
-/// with a system and a reference in which the acceleration is zero to the last bit.
+/// A state whose gradients of pressure and stress angle balance, so that the acceleration is zero, with a system and a
+/// reference in which it is zero to the last bit.
 ///
-/// −∇p + ∇·(q N) = 0 is (1 − sin φ N) ∇p = q N′·∇ψ, and N² = 1.
+/// The balance −∇p + ∇·(q N) = 0 reads (1 − sin φ N) ∇p = q N′·∇ψ and is solved with N² = 1.
 fn balanced(sample: &Sample) -> (Sample, LinearisedSystem<2>, WideSystem) {
     let sin_phi = sample.parameters.friction_angle.sin();
     let q = sample.flow.stress.deviator.value;
@@ -43,9 +43,9 @@ fn balanced(sample: &Sample) -> (Sample, LinearisedSystem<2>, WideSystem) {
     (sample, system, wide)
 }
 
-/// It is the acceleration that makes layers grow like k^(1/2), not the gradients as such: where these
-/// balance, the verdict is that without them; outside, the gradient of the stress angle still
-/// makes growth finite.
+/// Verifies that the acceleration and not the gradients as such makes layers grow like k^(1/2): with balanced gradients
+/// the verdict inside is the verdict without gradients. Outside, the gradient of the stress angle still makes growth
+/// finite.
 #[test]
 fn gradients_that_balance_do_no_harm_inside() {
     let cases = [

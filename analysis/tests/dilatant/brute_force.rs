@@ -14,12 +14,11 @@ use wellposed_analysis::growth::Verdict;
 
 /// Brute-force check of a verdict: growth at three wave numbers over four decades.
 ///
-/// Growth of order m in layers nears its asymptote like k^(−m): 6e-8 and 1e-9 at the least of these
-/// wave numbers for the orders 2/5 and 1/2, times a constant of the state, up to 6e4 as met, for which
-/// the deviation e may be 1e-3 there. At the greater wave numbers it must be smaller by just that
-/// power of k, to e², the next correction, times 10. Whole orders are nearer still. To this comes
-/// what doubles lose at a small distance from a bound, and the search of brute force, which ends
-/// within 1e-8 of a maximum.
+/// Growth of order m in layers approaches its asymptote like k^(−m): 6e-8 and 1e-9 at the smallest of these wave
+/// numbers for the orders 2/5 and 1/2, times a constant of the state, up to 6e4 in these samples, so that the deviation
+/// e may be 1e-3 there. At the larger wave numbers e must be smaller by this power of k, within 10 e² for the next
+/// correction. Integer orders converge faster. The tolerance also covers the digits lost at a small distance from a
+/// bound, and the search of brute force, which ends within 1e-8 of a maximum.
 pub fn differs(
     polynomial: &DispersionReference,
     verdict: &Verdict,
@@ -29,7 +28,7 @@ pub fn differs(
     let force = brute(polynomial, &waves, 60, &degenerate_directions(polynomial), 1.6, true);
     let agrees = match verdict {
         Verdict::WellPosed => {
-            // Bounded: no greater at the last wave number than at the first.
+            // Bounded: no larger at the last wave number than at the first.
             let size = force.at.iter().map(|x| x.1.abs()).fold(1.0, f64::max);
             !force.blows_up && force.at[2].1 - force.at[0].1 < 1e-3 * size
         }
@@ -53,7 +52,7 @@ pub fn differs(
     (!agrees).then(|| format!("{verdict:?}: {force:?}"))
 }
 
-/// Backgrounds with one part, none, or all in all zones.
+/// Verifies the verdicts on backgrounds with one part, none and all, in all zones, against brute force.
 #[test]
 fn brute_force_confirms_harris_grekova_with_dilatancy() {
     const INSIDE: u64 = 8;
@@ -82,7 +81,8 @@ fn brute_force_confirms_harris_grekova_with_dilatancy() {
     assert!(wrong.is_empty(), "{} differ: {wrong:#?}", wrong.len());
 }
 
-/// The associated plastic potential and dilatant double shearing with accelerations and gradients.
+/// Verifies the verdicts on the associated plastic potential and on dilatant double shearing, with accelerations and
+/// gradients, against brute force.
 #[test]
 fn brute_force_confirms_the_other_models_with_dilatancy() {
     const STATES: u64 = 12;

@@ -1,4 +1,4 @@
-//! Verdicts of dilatant Harris–Grekova on both sides of the bounds.
+//! Verdicts on the dilatant Harris–Grekova model on both sides of the bounds.
 
 use crate::backgrounds::{
     ALL, Inside, Outside, Parts, ROTATIONAL_STRESS, Reversed, STRESS_ANGLE_GRADIENT, UNIFORM,
@@ -9,9 +9,9 @@ use crate::support::verdicts::{judge, name};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_4;
 
-/// All 64 sets of parts in all zones; 1000 states where there is one part, or none, or all, and 100
-/// elsewhere. Half of them tame, half with densities, pressures, rates and inertias over decades and
-/// φ up to 86°.
+/// Verifies the verdicts for all 64 sets of parts in all zones: 1000 states for one part, none and all, 100 states
+/// otherwise. Half of the states are tame, half have densities, pressures, rates and inertias over decades and φ up to
+/// 86°.
 #[test]
 fn harris_grekova_on_both_sides_of_its_bound() {
     let mut states = 0;
@@ -41,8 +41,9 @@ fn harris_grekova_on_both_sides_of_its_bound() {
     assert!(problems.is_empty(), "{} of {states} differ: {problems:#?}", problems.len());
 }
 
-/// 1000 states near |Δ| = 45° ± ν/2, most at distances of `offsets`, log-uniform, relative to what
-/// lies outside; what differs from `wanted`, and is not merely ill-posed at no distance at all.
+/// Verdicts on 1000 states near |Δ| = 45° ± ν/2, most at log-uniform distances in the range `offsets` relative to the
+/// width outside; returns descriptions of verdicts that differ from `wanted`, or that are not ill-posed at zero
+/// distance.
 fn near_coincidence(parts: [Parts; 2], offsets: [f64; 2]) -> Vec<String> {
     (0..1000u64)
         .into_par_iter()
@@ -54,7 +55,7 @@ fn near_coincidence(parts: [Parts; 2], offsets: [f64; 2]) -> Vec<String> {
             let half = 0.5 * sample.parameters.dilatancy_angle;
             let offset =
                 if random.chance(0.1) { 0.0 } else { random.signed(offsets[0], offsets[1]) };
-            // From 45°, and not across the bound.
+            // Distance from 45°, not beyond the bound.
             let from_middle = half + offset * (FRAC_PI_4 - bound);
             if from_middle > (FRAC_PI_4 - bound) * (1.0 - 1e-9) {
                 return None;
@@ -77,23 +78,24 @@ fn near_coincidence(parts: [Parts; 2], offsets: [f64; 2]) -> Vec<String> {
         .collect()
 }
 
-/// At |Δ| = 45° ± ν/2 the coefficient of ς³ k² vanishes in a direction in which 𝒜 = cos β − sin φ does
-/// too, so that no root passes through infinity there: but then one does in the other direction.
+/// Verifies unbounded growth at |Δ| = 45° ± ν/2. The coefficient of ς³ k² vanishes there in a direction in which 𝒜 =
+/// cos β − sin φ vanishes too, so that no root passes through infinity; a root does so in the other direction.
 #[test]
 fn zeros_that_coincide_with_those_of_the_numerator() {
     let wrong = near_coincidence([UNIFORM, ROTATIONAL_STRESS], [1e-15, 1e-3]);
     assert!(wrong.is_empty(), "{} differ: {wrong:#?}", wrong.len());
 }
 
-/// In that direction the coefficient of ς³ k, which a gradient of the stress angle brings, vanishes as
-/// well, at that very Δ. Next to it the two zeros are apart, and growth is finite, of order 3.
+/// At this Δ the coefficient of ς³ k, due to a gradient of the stress angle, vanishes in the same direction. Verifies
+/// that next to it, where the two zeros are separate, growth is finite, of order 3.
 #[test]
 fn gradients_next_to_where_the_zeros_coincide() {
     let wrong = near_coincidence([STRESS_ANGLE_GRADIENT, ALL], [1e-5, 1e-3]);
     assert!(wrong.is_empty(), "{} differ: {wrong:#?}", wrong.len());
 }
 
-/// Close to the bound the zeros are less than 1e-9 rad apart, yet far more than their rounding.
+/// Verifies order 3 at relative distances down to 1e-11: the zeros may be less than 1e-9 rad apart, yet far more than
+/// their rounding.
 #[test]
 fn gradients_very_near_where_the_zeros_coincide() {
     let wrong = near_coincidence([STRESS_ANGLE_GRADIENT, ALL], [1e-11, 1e-5]);

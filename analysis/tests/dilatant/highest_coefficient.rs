@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, PI};
 use testkit::flows::Parameters;
 use wellposed_analysis::growth::Verdict;
 
-/// The coefficients of cos²θ, cos θ sin θ, sin²θ in that of ς³ k², the highest power of both.
+/// Coefficients of cos²θ, cos θ sin θ, sin²θ in the coefficient of ς³ k², the highest powers of ς and k.
 fn highest(p: &DispersionReference) -> [Wide; 3] {
     assert_eq!(p.degree(), 3);
     let mut form = [Wide::ZERO; 3];
@@ -27,13 +27,13 @@ fn discriminant([a, b, c]: [Wide; 3]) -> Wide {
     b * b - (a * c).shifted(2)
 }
 
-/// The domain of well-posedness on a uniform background, from the determinant in 256 bits, with
-/// nothing of the closed form: the coefficient of the highest power of ς is a quadratic form in the
-/// wave vector, so it changes sign exactly where its discriminant is positive.
+/// Verifies the bound of well-posedness on a uniform background against the determinant in 256 bits, independent of the
+/// closed form: the coefficient of the highest power of ς is a quadratic form in the wave vector, so it changes sign
+/// exactly if its discriminant is positive.
 ///
-/// As the rates stand in the determinant once, with cos 2Δ or sin 2Δ, that discriminant is a
-/// quadratic form X cos² 2Δ + Y sin² 2Δ + Z sin 2Δ cos 2Δ. Three values of Δ give X < 0, Y > 0 and
-/// Z = 0; a fourth, random one confirms it; so |tan 2Δ| = √(−X/Y) is the bound.
+/// The rates enter the determinant linearly, with cos 2Δ or sin 2Δ, so the discriminant is a quadratic form X cos² 2Δ +
+/// Y sin² 2Δ + Z sin 2Δ cos 2Δ. Three values of Δ give X < 0, Y > 0 and Z = 0, and a fourth, random value confirms the
+/// form; the bound is |tan 2Δ| = √(−X/Y).
 #[test]
 fn the_bound_follows_from_the_determinant() {
     const STATES: u64 = 2000;
@@ -43,7 +43,7 @@ fn the_bound_follows_from_the_determinant() {
             let random = &mut seeded(0xb0_0000 + seed);
             let drawn = harris_grekova(random, UNIFORM, Inside, seed % 2 == 0);
             let base = drawn.sample;
-            // ν down to 0 and up to φ as well.
+            // Include ν near 0 and near φ.
             let (phi, nu) = (base.parameters.friction_angle, base.parameters.dilatancy_angle);
             let dilatancy_angle = match seed / 2 % 4 {
                 0 => phi * random.decades(1e-6, 0.1),
@@ -76,7 +76,7 @@ fn the_bound_follows_from_the_determinant() {
             let closed_form = base.model.noncoaxiality_bound().expect("the model has one");
             let deviation = (closed_form / bound - 1.0).abs();
 
-            // No real zeros inside, two outside, none reversed. The closed form is good to 1e-14.
+            // No real zeros inside, two outside, none reversed. The closed form is accurate to 1e-14.
             for _ in 0..4 {
                 let distance = random.decades(1e-12, 0.3);
                 let outside = bound + distance * (FRAC_PI_4 - bound).max(1e-12);
@@ -86,7 +86,7 @@ fn the_bound_follows_from_the_determinant() {
                     (FRAC_PI_2 - outside, true),
                     (FRAC_PI_2 - bound * (1.0 - distance), false),
                 ];
-                // With ν near 0 there is next to nothing outside.
+                // For ν near 0 the zone outside has almost no width.
                 let is_wide = distance * (FRAC_PI_4 - bound) > 1e-14;
                 for (size, has_zeros) in places {
                     if has_zeros && !is_wide {
@@ -107,10 +107,9 @@ fn the_bound_follows_from_the_determinant() {
     assert!(worst < 1e-14, "{worst:e}");
 }
 
-/// The expression that the closed form states for that coefficient,
+/// Verifies to 60 digits that the closed-form expression of the coefficient,
 /// `cos 2Δ cos ν [cos e + sin ν sin φ − (sin φ cos e + sin ν) cos β] + sin 2Δ sin ν cos φ cos e sin β`
-/// with e = φ − ν, β = 2(Ψ_Σ − ψ_K), is proportional to it in all directions, by a factor that does
-/// not depend on Δ: to 60 digits.
+/// with e = φ − ν, β = 2(Ψ_Σ − ψ_K), is proportional to it in all directions, by a factor independent of Δ.
 #[test]
 fn the_highest_coefficient_is_that_of_the_closed_form() {
     (0..500u64).into_par_iter().for_each(|seed| {
@@ -138,7 +137,7 @@ fn the_highest_coefficient_is_that_of_the_closed_form() {
                     + sin_2d * sin_nu * cos_phi * cos_e * sin_b;
                 let own = form * stated.recip();
                 let first = *factor.get_or_insert(own);
-                // Next to a zero the quotient loses what the two have lost.
+                // Next to a zero the quotient loses the digits that numerator and denominator have lost.
                 let lost = (own * first.recip() - one) * stated;
                 assert!(lost.abs().to_f64() < 1e-60, "seed {seed}: {:e}", lost.to_f64());
             }
@@ -146,8 +145,8 @@ fn the_highest_coefficient_is_that_of_the_closed_form() {
     });
 }
 
-/// Outside, the direction of the verdict is a zero of the highest coefficient, to the rounding of
-/// that form over its slope there.
+/// Verifies that outside, the direction of the verdict is a zero of the highest coefficient, to the rounding of this
+/// form divided by its slope.
 #[test]
 fn growth_outside_is_where_the_highest_coefficient_vanishes() {
     let worst = (0..1000u64)
@@ -169,7 +168,7 @@ fn growth_outside_is_where_the_highest_coefficient_vanishes() {
             let error = [half, -half]
                 .map(|x| (0.5 * (shift + x) - direction).rem_euclid(PI))
                 .map(|x| x.min(PI - x));
-            // The slope is the root of the discriminant.
+            // The slope of the form is the square root of the discriminant.
             error[0].min(error[1]) * root / f64::EPSILON
         })
         .reduce(|| 0.0, f64::max);
@@ -177,7 +176,7 @@ fn growth_outside_is_where_the_highest_coefficient_vanishes() {
     assert!(worst < 200.0, "{worst}");
 }
 
-/// The greatest value of a function of an angle of period π, by a scan and a shrinking grid.
+/// Maximum of a function of an angle of period π, by a scan and a shrinking grid.
 fn greatest(f: impl Fn(f64) -> f64) -> f64 {
     let mut best = (f64::NEG_INFINITY, 0.0);
     let (mut centre, mut width) = (FRAC_PI_2, FRAC_PI_2);
@@ -195,9 +194,9 @@ fn greatest(f: impl Fn(f64) -> f64) -> f64 {
     best.0
 }
 
-/// Reversed, ς ≈ k² F₂₄/F₃₂ with the forms of the determinant in 256 bits: the coefficient is the
-/// greatest value of that quotient. Next to the bound the least value of F₃₂ is a small part of its
-/// mean, and doubles know it to a rounding over that part.
+/// Verifies the coefficient of growth in the reversed zone, ς ≈ k² F₂₄/F₃₂, against the maximum of this ratio, with the
+/// forms of the determinant in 256 bits. Next to the bound the minimum of F₃₂ is a small fraction of its mean, which
+/// doubles determine to a rounding divided by that fraction.
 #[test]
 fn coefficients_beyond_the_reversed_bound() {
     let worst = (0..1000u64)

@@ -1,5 +1,5 @@
-//! Growth in the models with dilatancy, on both sides of the bounds on the non-coaxiality: which
-//! parts of the background decide, and that brute force in 256 bits sees the same.
+//! Growth in the models with dilatancy on both sides of the bounds on the non-coaxiality: verdicts by parts of the
+//! background, confirmed by brute force in 256 bits.
 
 mod backgrounds;
 mod balanced_gradients;

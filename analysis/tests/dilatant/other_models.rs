@@ -7,7 +7,7 @@ use models::registry;
 use rayon::prelude::*;
 use testkit::flows::Parameters;
 
-/// The associated plastic potential: well-posed unless accelerated.
+/// Verifies that the associated plastic potential is well-posed without acceleration and grows at order 1/2 with it.
 #[test]
 fn associated_plastic_potential_by_background() {
     for parts in [0, 2, 4, 6, 8, 10, 12, 14] {
@@ -37,9 +37,9 @@ fn associated_plastic_potential_by_background() {
     }
 }
 
-/// Either side of the associated flow rule, at distances of ν from φ of 1e-9 to 0.3 relative: order 2
-/// with the coefficient q tan²((φ − ν)/2)/(2 ρ Q_D), in every background. Two angles in doubles know
-/// their difference to a rounding over it.
+/// Verifies growth next to the associated flow rule in every background, at relative distances of ν from φ of 1e-9 to
+/// 0.3: order 2 with the coefficient q tan²((φ − ν)/2)/(2 ρ Q_D). Doubles determine the difference of two angles to a
+/// rounding divided by it.
 #[test]
 fn plastic_potential_beside_the_associated_flow_rule() {
     (0..1000u64).into_par_iter().for_each(|seed| {
@@ -62,8 +62,8 @@ fn plastic_potential_beside_the_associated_flow_rule() {
     });
 }
 
-/// Dilatant double shearing: order 1 in every background, with one coefficient,
-/// √(q cos(φ − 2ν)(1 + sin φ)/{ρ sin(φ − ν)[cos(φ − ν) + sin ν]}).
+/// Verifies growth of dilatant double shearing in every background: order 1 with the coefficient √(q cos(φ − 2ν)(1 +
+/// sin φ)/{ρ sin(φ − ν)[cos(φ − ν) + sin ν]}).
 #[test]
 fn double_shearing_with_dilatancy() {
     (0..1000u64).into_par_iter().for_each(|seed| {

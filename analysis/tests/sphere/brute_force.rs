@@ -8,7 +8,7 @@ use models::yield_set::parameters::Mises;
 use nalgebra::{DMatrix, DVector, Vector3};
 use wellposed_analysis::sphere::{AcousticTensor3, RankOne};
 
-/// M^(−½) G(n)ᵀ (D − a bᵀ) G(n) M^(−½), and its eigenvalues by nalgebra.
+/// Eigenvalues (re, im) of M^(−½) G(n)ᵀ (D − a bᵀ) G(n) M^(−½) by nalgebra.
 fn brute_speeds(elastic: &RateEquations<3>, update: &RankOne, n: [f64; 3]) -> Vec<(f64, f64)> {
     let tangent = elastic.stiffness_values()
         - DVector::from_vec(update.image.clone())
@@ -24,7 +24,7 @@ fn brute_speeds(elastic: &RateEquations<3>, update: &RankOne, n: [f64; 3]) -> Ve
     acoustic.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect()
 }
 
-/// Least real c² and greatest |Im c| of complex ones. Multiple roots split by the root of rounding.
+/// Smallest real c², and largest |Im c| of complex c². Rounding splits double roots by its square root.
 fn brute_extremes(speeds: &[(f64, f64)]) -> (f64, f64) {
     let size = speeds.iter().fold(0.0, |size: f64, (re, im)| size.max(re.abs()).max(im.abs()));
     let (mut least, mut growth) = (f64::INFINITY, 0.0_f64);
@@ -61,14 +61,14 @@ fn compare_with_brute_force(
     }
     let least = -climb(slowest.0, 0.02, |n| -speeds(n).0).1;
     let own = &found.slowest;
-    // Ours is at least as good, and is what it says.
+    // The search is at least as good as brute force, and its c² is an eigenvalue.
     let difference = (own.speed_squared - least) / unit;
     assert!(difference < 1e-9, "{own:?}, brute force {least:e} at {:?}", slowest.0);
     let nearest = |n, re: f64, im: f64| {
         let there = brute_speeds(elastic, update, n);
         there.iter().fold(f64::INFINITY, |d, z| d.min((z.0 - re).hypot(z.1 - im))) / unit
     };
-    // A double root of nalgebra's is off by the root of rounding.
+    // nalgebra computes a double root to the square root of the rounding only.
     assert!(nearest(own.normal, own.speed_squared, 0.0) < 1e-6, "{own:?}");
     worst[0] = worst[0].max(difference.abs());
     let growth = if flutter.1 > 0.0 { climb(flutter.0, 0.02, |n| speeds(n).1).1 } else { 0.0 };
@@ -93,7 +93,7 @@ fn agrees_with_brute_force_for_yielding_solids() {
     for case in 0..60 {
         let is_cosserat = case % 2 == 1;
         let mut solid = isotropic(random, is_cosserat);
-        // Waves of rotation as fast as pressure waves, or slightly faster: they flutter.
+        // Rotation waves as fast as pressure waves, or slightly faster, for which flutter occurs.
         if case % 4 == 1 {
             let couple = solid.couple().unwrap();
             let fast = couple.beta + 2.0 * couple.gamma;

@@ -12,7 +12,7 @@ fn every_direction_is_near_a_starting_point() {
     let sphere = AcousticTensor3::new(&solid.rates()).unwrap();
     let points: Vec<Vector3<f64>> =
         sphere.normals().iter().flat_map(|&n| [Vector3::from(n), -Vector3::from(n)]).collect();
-    // The farthest directions have the same distance to three points and none nearer.
+    // The farthest directions are circumcentres of three points without a nearer point.
     let mut farthest: f64 = 0.0;
     for p in &points {
         if p.z < -0.1 {
@@ -41,7 +41,7 @@ fn every_direction_is_near_a_starting_point() {
         farthest > 0.5 * AcousticTensor3::COVERING_RADIUS
             && farthest <= AcousticTensor3::COVERING_RADIUS
     );
-    // And without the neighbourhoods.
+    // Random directions, independent of the neighbourhoods.
     for _ in 0..2000 {
         let n = Vector3::from_fn(|_, _| random.within(-1.0, 1.0)).normalize();
         let nearest = points.iter().fold(-1.0, |best: f64, p| best.max(p.dot(&n)));

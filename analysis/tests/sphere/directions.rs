@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+/// Directions spread evenly over the half-sphere on a Fibonacci spiral.
 pub fn spiral(count: usize) -> impl Iterator<Item = [f64; 3]> {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
     (0..count).map(move |i| {
@@ -12,7 +13,7 @@ pub fn spiral(count: usize) -> impl Iterator<Item = [f64; 3]> {
     })
 }
 
-/// Maximum of a function near a direction by trying ever smaller steps.
+/// Local maximum of a function of the direction near `start`, by pattern search with decreasing steps.
 pub fn climb(
     start: [f64; 3],
     mut step: f64,

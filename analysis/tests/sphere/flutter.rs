@@ -1,4 +1,4 @@
-//! Flutter: none for associated flow, and small caps of it found wherever they are.
+//! Flutter: absent for associated flow; small caps of flutter are found in every orientation.
 
 use crate::directions::{climb, spiral};
 use crate::random_solids::{
@@ -59,10 +59,8 @@ fn classical_drucker_prager_solids_never_flutter() {
     }
 }
 
-/// Two symmetric gradients in a classical isotropic solid: the flow is the first one and a part of the
-/// second one.
-///
-/// w_p = (n·α)(n·β)/ρ and w_s = α·β/ρ − w_p, so that the discriminant is known in closed form.
+/// Classical isotropic solid with two symmetric gradients; the flow direction is the first plus a multiple of the
+/// second. With w_p = (n·α)(n·β)/ρ and w_s = α·β/ρ − w_p the discriminant is known in closed form.
 struct Cap<'a> {
     solid: &'a Isotropic,
     normal: Tensor,
@@ -81,7 +79,7 @@ impl<'a> Cap<'a> {
         })
     }
 
-    /// −(discriminant), in units of (c_p²)².
+    /// Negative discriminant in units of (c_p²)², positive in flutter; −1 without a rate response.
     fn excess(&self, part: f64, n: [f64; 3]) -> f64 {
         let image = hooke(self.solid, &self.flow(part));
         let mut response = 0.0;
@@ -101,6 +99,7 @@ impl<'a> Cap<'a> {
         if response > 0.0 { -(difference * difference + 4.0 * fast * slow) } else { -1.0 }
     }
 
+    /// Direction of the largest excess, and its value.
     fn most(&self, part: f64) -> ([f64; 3], f64) {
         let start = spiral(1000).fold(([0.0; 3], -1.0), |best: ([f64; 3], f64), n| {
             let value = self.excess(part, n);
@@ -109,7 +108,7 @@ impl<'a> Cap<'a> {
         climb(start.0, 0.05, |n| self.excess(part, n))
     }
 
-    /// The radius of the cap around its centre.
+    /// Radius of the cap of flutter around `centre`, rad.
     fn radius(&self, part: f64, centre: [f64; 3]) -> f64 {
         let centre = Vector3::from(centre);
         let first = centre.cross(&Vector3::new(0.3, -0.5, 0.8)).normalize();
@@ -127,7 +126,7 @@ impl<'a> Cap<'a> {
     }
 }
 
-/// λ tr(t) δ + 2μ t.
+/// Hooke's law λ tr(t) δ + 2μ t.
 fn hooke(solid: &Isotropic, t: &Tensor) -> Tensor {
     let trace = t[0][0] + t[1][1] + t[2][2];
     std::array::from_fn(|i| {
@@ -146,13 +145,13 @@ fn small_caps_of_flutter_are_found_wherever_they_are() {
         let solid = isotropic(random, false);
         let sphere = AcousticTensor3::new(&solid.rates()).unwrap();
         let cap = Cap::new(&solid, [0, 1].map(|_| random_tensor(random, true)));
-        // No flutter with `none`, flutter with `some`.
+        // Multiples of the second gradient: no flutter with `none`, flutter with `some`.
         let (mut none, mut some) = (0.0, 1.0);
         let mut peak = cap.most(some);
         if peak.1 <= 1e-3 {
             continue;
         }
-        // The cap that is left as the flow comes nearer to the associated one.
+        // Shrink the cap to the target radius by approaching associated flow.
         for (target, count) in [1.0_f64, 0.3, 0.1].iter().zip(&mut planted) {
             for _ in 0..60 {
                 let part = 0.5 * (none + some);

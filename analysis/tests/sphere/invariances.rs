@@ -1,4 +1,4 @@
-//! Rotations, threads and workspaces change nothing.
+//! Invariance under rotations, threads and workspaces.
 
 use crate::random_solids::{
     Tensor, anisotropic, isotropic, random_stress, rotation, search, turned, update,

@@ -1,35 +1,34 @@
-//! Growth of short waves by brute force: the greatest Re ς over very many directions, in 256 bits
-//! at wave numbers so great that its order in k can be read off.
+//! Growth of short waves by brute force: the largest Re ς over many directions, in 256 bits at wave numbers large
+//! enough to show its order in k.
 
 use super::exact::DispersionReference;
 use super::wide::{Wide, WideComplex};
 
-/// sup over directions of Re ς at some wave numbers.
+/// Supremum S(k) of Re ς over the directions at some wave numbers.
 #[derive(Clone, Debug)]
 pub struct Brute {
-    /// (k, S(k), direction), the last as a centre and an offset in double precision.
+    /// Wave number k, S(k) and direction (rad).
     pub at: Vec<(f64, f64, f64)>,
-    /// Whether S is infinite already at a fixed wave number.
+    /// Whether S is infinite at a finite wave number.
     pub blows_up: bool,
 }
 
 impl Brute {
-    /// Order in k between the last two wave numbers; 0 where S is not positive.
+    /// Order in k between the last two wave numbers; 0 if S is not positive.
     pub fn order(&self) -> f64 {
         let [.., (k0, s0, _), (k1, s1, _)] = self.at[..] else { panic!("two wave numbers") };
-        // What is left of zero in 256 bits is no growth.
+        // Smaller values of S are rounding of zero in 256 bits.
         if s0 <= 1e-30 || s1 <= 1e-30 { 0.0 } else { (s1 / s0).ln() / (k1 / k0).ln() }
     }
 
-    /// S/k^order at the greatest wave number.
+    /// S/k^order at the largest wave number.
     pub fn coefficient(&self, order: f64) -> f64 {
         let (k, s, _) = self.at[self.at.len() - 1];
         s / k.powf(order)
     }
 }
 
-/// Real zeros of the leading forms F_ij (for each power of ς the greatest j), crossed, touched or
-/// nearly so.
+/// Real zeros of the leading forms F_ij (largest j for each power of ς): crossed, touched or nearly touched.
 pub fn degenerate_directions(p: &DispersionReference) -> Vec<Wide> {
     let mut centres: Vec<Wide> = Vec::new();
     for i in 0..=p.degree() {
@@ -72,7 +71,7 @@ pub fn degenerate_directions(p: &DispersionReference) -> Vec<Wide> {
                 }
             }
             let touches = here.abs() <= before.abs() && here.abs() <= after.abs();
-            // Near misses are as good a place to look.
+            // Nearly touched zeros are candidates as well.
             if touches && here.abs() < 1e-2 * greatest {
                 let extremum = newton(p, i, j, Wide::from(angle), true);
                 extremum.into_iter().for_each(&mut include);
@@ -82,7 +81,7 @@ pub fn degenerate_directions(p: &DispersionReference) -> Vec<Wide> {
     centres
 }
 
-/// A zero of F_ij, or of its slope, by Newton's iteration with differences in 256 bits.
+/// A zero of F_ij, or of its slope, by Newton's iteration with finite differences in 256 bits.
 fn newton(p: &DispersionReference, i: u8, j: u8, start: Wide, of_slope: bool) -> Option<Wide> {
     let h = Wide::from(1.0).shifted(-60);
     let f = |x: Wide| p.form(i, j, x);
@@ -103,9 +102,8 @@ fn newton(p: &DispersionReference, i: u8, j: u8, start: Wide, of_slope: bool) ->
     ((x - start).abs().to_f64() < 0.01).then_some(x)
 }
 
-/// Directions next to the centres in which, at the wave number k, the real or the imaginary part of
-/// the coefficient of some power of ς vanishes: there roots may be much larger or smaller than all
-/// around.
+/// Directions next to the centres in which, at the wave number k, the real or the imaginary part of the coefficient of
+/// some power of ς vanishes: roots may be much larger or smaller there than in neighbouring directions.
 fn resonances(p: &DispersionReference, k: Wide, centres: &[Wide], reach: f64) -> Vec<Wide> {
     let value = |power: usize, part: usize, angle: Wide| {
         let (sin, cos) = angle.sin_cos();
@@ -125,7 +123,7 @@ fn resonances(p: &DispersionReference, k: Wide, centres: &[Wide], reach: f64) ->
                     p.at(k, cos, sin)
                 })
                 .collect();
-            // Where two roots come near each other.
+            // Directions in which two roots come close to each other.
             let gaps: Vec<f64> = row.iter().map(|c| gap(c, 0.0)).collect();
             for n in 1..gaps.len() - 1 {
                 if gaps[n] > gaps[n - 1] || gaps[n] > gaps[n + 1] || gaps[n] > 0.5 {
@@ -153,7 +151,7 @@ fn resonances(p: &DispersionReference, k: Wide, centres: &[Wide], reach: f64) ->
                         if f.is_zero() || g.is_zero() || f.is_negative() == g.is_negative() {
                             continue;
                         }
-                        // Regula falsi after Illinois.
+                        // Illinois variant of regula falsi.
                         let mut a = centre + Wide::from(offsets[n]);
                         let mut b = centre + Wide::from(offsets[n + 1]);
                         let (mut fa, mut fb) = (f, g);
@@ -184,8 +182,8 @@ fn resonances(p: &DispersionReference, k: Wide, centres: &[Wide], reach: f64) ->
     found
 }
 
-/// Least distance between two roots over their size, of those larger than `least`, in double
-/// precision: this only says where to look.
+/// Smallest distance between two roots relative to their size, among sizes above `least`; in double precision, which
+/// suffices to locate candidates.
 fn gap(polynomial: &[WideComplex], least: f64) -> f64 {
     let plain: Vec<_> = polynomial.iter().map(|c| c.to_c64()).collect();
     let roots = wellposed_analysis::roots::solve(&plain);
@@ -201,7 +199,7 @@ fn gap(polynomial: &[WideComplex], least: f64) -> f64 {
     found
 }
 
-/// Directions in which two roots of order 1 or more come near each other at a great wave number.
+/// Directions in which two roots of order 1 or more come close to each other at a large wave number.
 fn collisions(p: &DispersionReference, wave: f64) -> Vec<Wide> {
     let k = Wide::from(wave);
     let gap = |angle: f64| {
@@ -227,7 +225,7 @@ fn collisions(p: &DispersionReference, wave: f64) -> Vec<Wide> {
     found
 }
 
-/// A direction that was tried.
+/// A tested direction.
 #[derive(Clone, Copy)]
 struct Candidate {
     s: Wide,
@@ -236,9 +234,9 @@ struct Candidate {
     sign: f64,
 }
 
-/// S at the wave numbers `waves`, over `dense` directions all round and clusters about `centres`
-/// with offsets k^(−s), 0 < s < `reach`, then refined; `fine`: as many around places that are found
-/// on the way.
+/// Computes S at the wave numbers `waves`, over `dense` uniform directions and clusters around `centres` with offsets
+/// k^(−s), 0 < s < `reach`, then refines the largest values; with `fine` clusters around resonances and collisions are
+/// as dense.
 pub fn brute(
     p: &DispersionReference,
     waves: &[f64],
@@ -257,7 +255,7 @@ pub fn brute(
         all.extend(resonances(p, k, centres, reach));
         all.extend(&colliding);
         let known = centres.len();
-        // Sign 0: no centre, the place is an angle; else the place is log₂ of the offset.
+        // Sign 0: no centre, `place` is an angle; otherwise `place` is log₂ of the offset from the centre.
         let mut met: Vec<Candidate> = Vec::new();
         let previous = at.last().map(|&(_, _, direction): &(f64, f64, f64)| direction);
         for n in 0..dense {
@@ -265,7 +263,7 @@ pub fn brute(
             let s = growth(k, Wide::ZERO, place);
             met.push(Candidate { s, centre: Wide::ZERO, place, sign: 0.0 });
         }
-        // Where it was worst before, at an offset of the same power of k.
+        // Worst direction at the previous wave number, with the offset scaled as the same power of k.
         if let Some((last, wave_before)) = worst_before
             && last.sign != 0.0
             && last.place > -9e3
@@ -282,7 +280,7 @@ pub fn brute(
         let step = reach * wave.log2() / STEPS as f64;
         for (index, &centre) in all.iter().enumerate() {
             met.push(Candidate { s: growth(k, centre, 0.0), centre, place: -1e4, sign: 1.0 });
-            // Fewer around the additional ones, which are good to begin with.
+            // Fewer samples around resonances and collisions, which are accurate candidates.
             for n in (1..=STEPS).step_by(if fine || index < known { 1 } else { 3 }) {
                 for sign in [1.0, -1.0] {
                     let place = -step * n as f64;
@@ -325,8 +323,8 @@ pub fn brute(
         let direction = (centre + Wide::from(offset(&best, place))).to_f64();
         at.push((wave, s.to_f64(), direction.rem_euclid(std::f64::consts::PI)));
     }
-    // At fixed wave numbers, next to a zero of the highest power's coefficient: moderate ones too,
-    // for at great ones the unbounded part of a root can be small, like k⁻² over the offset.
+    // Blow-up at fixed wave numbers, next to a zero of the leading coefficient. A moderate wave number is included,
+    // since at large ones the unbounded part of a root can be small, like k⁻² over the offset.
     let blows_up = [Wide::from(1234.5), Wide::from(waves[0])].into_iter().any(|fixed| {
         let mut all = centres.to_vec();
         all.extend(resonances(p, fixed, centres, reach));

@@ -1,5 +1,5 @@
-//! Determinants, polynomials and their roots in 256 bits, by Leibniz's sum over permutations: a
-//! route that has nothing in common with the crate's.
+//! Determinants, polynomials and their roots in 256 bits, by Leibniz's sum over permutations, independent of the
+//! methods of the crate.
 
 use super::wide::{Wide, WideComplex};
 use models::LinearisedSystem;
@@ -14,7 +14,7 @@ pub struct WideSystem {
 }
 
 impl WideSystem {
-    /// The doubles of a square system, taken literally; `velocity` is left out.
+    /// Converts the doubles of a square system exactly; `velocity` is omitted.
     pub fn of(system: &LinearisedSystem<2>) -> Self {
         let size = system.equations.len();
         assert_eq!(size, system.unknowns.len());
@@ -60,7 +60,7 @@ impl WideSystem {
         result
     }
 
-    /// det(ςA + i(k₁B¹ + k₂B²) + C) by powers of ς; exact zeros at the top are left out.
+    /// Coefficients of det(ςA + i(k₁B¹ + k₂B²) + C) by ascending powers of ς; leading exact zeros are omitted.
     pub fn at_wave(&self, wave: [f64; 2]) -> Vec<WideComplex> {
         let wave = wave.map(Wide::from);
         let constant = |i: usize, j: usize| {
@@ -95,7 +95,7 @@ impl WideSystem {
         result
     }
 
-    /// The cofactors of ςA + i(k₁B¹ + k₂B²) + C at one ς.
+    /// Cofactors of ςA + i(k₁B¹ + k₂B²) + C at the value `root` of ς.
     pub fn cofactors(&self, wave: [f64; 2], root: WideComplex) -> Vec<Vec<WideComplex>> {
         let wave = wave.map(Wide::from);
         let matrix: Vec<Vec<WideComplex>> = self
@@ -143,7 +143,7 @@ fn add_term(terms: &mut Vec<([u8; 3], Wide)>, power: [u8; 3], value: Wide) {
     }
 }
 
-/// Visits all permutations whose entries are present, with their products and parities.
+/// Visits all permutations without zero entries, with their products and parities.
 fn leibniz<P>(
     size: usize,
     one: P,
@@ -178,7 +178,7 @@ fn leibniz<P>(
     descend(size, &mut Vec::new(), &one, present, times, visit);
 }
 
-/// Removes exact zeros at the top.
+/// Removes leading coefficients that are exactly zero.
 pub fn trim(polynomial: &mut Vec<WideComplex>) {
     while polynomial.len() > 1 && polynomial.last().is_some_and(|c| c.is_zero()) {
         polynomial.pop();
@@ -195,8 +195,8 @@ pub fn evaluate(polynomial: &[WideComplex], x: WideComplex) -> (WideComplex, Wid
     (value, slope)
 }
 
-/// All roots of Σ pᵢ xⁱ to about 60 digits where they are simple: simultaneous iteration from
-/// circles whose radii come from the slopes of the Newton polygon.
+/// All roots of Σ pᵢ xⁱ, simple ones to about 60 digits: simultaneous iteration from circles whose radii are the slopes
+/// of the Newton polygon.
 pub fn roots(polynomial: &[WideComplex]) -> Vec<WideComplex> {
     let zeros = polynomial.iter().take_while(|c| c.is_zero()).count();
     let p = &polynomial[zeros.min(polynomial.len() - 1)..];
@@ -209,7 +209,7 @@ pub fn roots(polynomial: &[WideComplex]) -> Vec<WideComplex> {
     let mut x = Vec::with_capacity(degree);
     let mut from = 0;
     while from < degree {
-        // The steepest descent of log |p| from here is an edge of the polygon.
+        // The largest slope of log |p| from here is an edge of the Newton polygon.
         let slope = |to: usize| (logs[to] - logs[from]) / (to - from) as f64;
         let to = (from + 1..=degree)
             .fold(from + 1, |best, to| if slope(to) >= slope(best) { to } else { best });
@@ -286,7 +286,7 @@ pub struct DispersionReference {
 }
 
 impl DispersionReference {
-    /// By powers of ς at the wave vector k (cos, sin).
+    /// Coefficients by ascending powers of ς at the wave vector k (cos, sin).
     pub fn at(&self, k: Wide, cos: Wide, sin: Wide) -> Vec<WideComplex> {
         let powers = |x: Wide| {
             let mut list = vec![Wide::from(1.0)];
@@ -305,7 +305,7 @@ impl DispersionReference {
             let size = value.exponent() + i64::from(b + c) * k.exponent();
             greatest[usize::from(a)] = greatest[usize::from(a)].max(size);
         }
-        // In a direction that is itself rounded to 256 bits, this much is zero.
+        // Smaller sums are rounding of the direction in 256 bits.
         for (sum, greatest) in result.iter_mut().zip(greatest) {
             if sum.exponent() < greatest - 235 {
                 *sum = WideComplex::ZERO;
@@ -315,24 +315,23 @@ impl DispersionReference {
         result
     }
 
-    /// Greatest real part of the roots at a wave vector, with the direction given by a centre and
-    /// an offset so small that their sum would lose it; −∞ without roots.
+    /// Largest real part of the roots at the wave number `k` and `direction` (rad); −2⁴⁰⁰⁰ without roots.
     pub fn growth(&self, k: Wide, direction: Wide) -> Wide {
         let (sin, cos) = direction.sin_cos();
         roots(&self.at(k, cos, sin))
             .into_iter()
-            // Next to an imaginary root this much is rounding.
+            // Smaller real parts are rounding beside the imaginary part.
             .map(|z| if z.re.exponent() < z.im.exponent() - 130 { Wide::ZERO } else { z.re })
             .reduce(|a, b| if b > a { b } else { a })
             .unwrap_or(-Wide::from(1.0).shifted(4000))
     }
 
-    /// Greatest power of ς.
+    /// Degree in ς.
     pub fn degree(&self) -> u8 {
         self.terms.iter().map(|t| t.0[0]).max().unwrap_or(0)
     }
 
-    /// F_ij(cos θ, sin θ).
+    /// Value F_ij(cos θ, sin θ).
     pub fn form(&self, i: u8, j: u8, angle: Wide) -> Wide {
         let (sin, cos) = angle.sin_cos();
         let mut sum = Wide::ZERO;

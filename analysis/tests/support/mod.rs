@@ -1,5 +1,5 @@
-//! Helpers shared by the integration tests: 256-bit arithmetic, exact dispersion polynomials and their
-//! roots, random states. None of it uses the crate's own algebra.
+//! Helpers shared by the integration tests: 256-bit arithmetic, exact dispersion polynomials and their roots, random
+//! states. The references do not use the algebra of the crate.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 pub mod brute;

@@ -28,7 +28,7 @@ pub enum Part {
 }
 pub use Part::{C, T, X, Y};
 
-/// A system with `rows` equations for `columns` unknowns; the coefficients are meant literally.
+/// A system with `rows` equations for `columns` unknowns and exact coefficients.
 pub fn system(
     rows: usize,
     columns: usize,

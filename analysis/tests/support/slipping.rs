@@ -42,12 +42,12 @@ impl Slipping {
     /// closed form.
     pub fn invariants(self, angle: f64) -> [f64; 2] {
         let Self { lambda, alpha, .. } = self;
-        // D m over (σ11, σ22, σ21, σ12) for m = (κ̂, 0, 1, 0); the same with κ for n.
+        // D m over (σ11, σ22, σ21, σ12) for m = (κ̂, 0, 1, 0); D n has κ instead of κ̂.
         let image = |k: f64| [(lambda + 2.0) * k, lambda * k, 1.0 + alpha, 1.0 - alpha];
         let (a, b) = (image(self.dilatancy), image(self.friction));
         let h = self.friction * a[0] + a[2];
         let (s, c) = angle.sin_cos();
-        // Traction of the stress image on the face with normal (c, s), second index the normal.
+        // Traction of a stress on the face with normal (c, s); the second index of a stress is the normal.
         let traction = |d: [f64; 4]| [d[0] * c + d[3] * s, d[2] * c + d[1] * s];
         let (ta, tb) = (traction(a), traction(b));
         let n = [c, s];

@@ -10,14 +10,14 @@ use models::registry;
 use testkit::flows::Parameters;
 pub use testkit::random::Random;
 
-/// The random numbers of the tests of this crate.
+/// Random-number generator of the tests of this crate.
 pub fn seeded(seed: u64) -> Random {
     let mut random = Random::with_salt(seed, 0x5bf0_3635);
     random.unit();
     random
 }
 
-/// Required properties of a random state.
+/// Dilatancy angle ν of a random state: zero, positive, or equal to φ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dilatancy {
     Zero,
@@ -35,7 +35,7 @@ pub const VARIANTS: [(FlowKind, Dilatancy); 7] = [
     (registry::PLASTIC_POTENTIAL, Dilatancy::Associated),
 ];
 
-/// A model, a state, and all that follows from them.
+/// A model and a state, with the flow and the linearised equations that follow from them.
 #[derive(Debug)]
 pub struct Sample {
     pub parameters: Parameters,
@@ -62,14 +62,14 @@ impl Sample {
     }
 }
 
-/// With another non-coaxiality.
+/// The sample with another non-coaxiality, rad.
 pub fn turned(sample: &Sample, noncoaxiality: f64) -> Sample {
     let state = State { noncoaxiality: Some(noncoaxiality), ..sample.state };
     Sample::new(sample.kind(), sample.parameters, state)
 }
 
-/// The widest ranges: densities 1e2…1e4 kg/m³, pressures 1…1e6 Pa, shear rates 1e-3…1e3 1/s,
-/// moments of inertia 1e-9…1e-2 m², all angles.
+/// Random sample in the widest ranges: densities 1e2…1e4 kg/m³, pressures 1…1e6 Pa, shear rates 1e-3…1e3 1/s, moments
+/// of inertia 1e-9…1e-2 m², all angles.
 pub fn wild(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> Sample {
     let friction_angle = random.within(0.03, 1.5);
     let cosserat = kind == registry::HARRIS_GREKOVA;
@@ -122,7 +122,7 @@ pub fn wild(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> Sample
     Sample::new(kind, parameters, state)
 }
 
-/// Constants of comparable size, so that the asymptotic behaviour shows at moderate wave numbers.
+/// Random sample with constants of comparable size, so that asymptotic behaviour appears at moderate wave numbers.
 pub fn tame(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy, gradients: bool) -> Sample {
     let friction_angle = random.within(0.2, 1.2);
     let cosserat = kind == registry::HARRIS_GREKOVA;

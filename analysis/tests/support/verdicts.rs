@@ -1,4 +1,4 @@
-//! Verdicts of the analysis, and what tests compare of them.
+//! Verdicts of the analysis, and the quantities that tests compare.
 
 use models::LinearisedSystem;
 use std::f64::consts::PI;

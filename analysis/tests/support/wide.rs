@@ -31,7 +31,7 @@ impl Wide {
         self.negative && !self.is_zero()
     }
 
-    /// Times 2^n, exactly.
+    /// Product with 2^n, exact.
     pub fn shifted(self, n: i64) -> Self {
         Self { exponent: self.exponent + n, ..self }
     }
@@ -72,8 +72,8 @@ impl Wide {
     }
 
     pub fn sin_cos(self) -> (Self, Self) {
-        // Halved until small, then the series of sin and of 1 − cos, then doubled again: 1 − cos
-        // doubles without cancellation.
+        // Halve the angle until it is small, sum the series of sin and of 1 − cos, then double the angle again: 1 − cos
+        // is doubled without cancellation.
         let halvings = (self.exponent() + 10).max(0);
         let x = self.shifted(-halvings);
         let square = x * x;
@@ -82,7 +82,7 @@ impl Wide {
         let mut n = 1.0;
         while term.exponent() > x.exponent() - 270 && !term.is_zero() {
             sine += term;
-            // x^(n+1)/(n+1)! with the sign of the cosine's series, turned.
+            // Term x^(n+1)/(n+1)!, with the sign opposite to the cosine series.
             let next = term * x * Self::from(n + 1.0).recip();
             versine += next;
             term = -(term * square * Self::from((n + 1.0) * (n + 2.0)).recip());
@@ -182,7 +182,7 @@ impl Add for Wide {
         if distance >= 64 * (LIMBS as u64 + 1) {
             return a;
         }
-        // One more limb below guards what the shift would lose.
+        // A guard limb holds the bits that the shift would lose.
         let mut x = [0u64; LIMBS + 1];
         x[1..].copy_from_slice(&a.limbs);
         let mut y = [0u64; LIMBS + 1];
@@ -295,7 +295,7 @@ impl WideComplex {
         self.re.exponent().max(self.im.exponent())
     }
 
-    /// Times iⁿ.
+    /// Product with iⁿ.
     pub fn turned(self, n: usize) -> Self {
         match n % 4 {
             0 => self,

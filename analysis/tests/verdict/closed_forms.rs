@@ -12,7 +12,7 @@ use testkit::flows::Parameters;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
 
-/// The greatest value of a function of an angle of period π, by a fine scan and a shrinking grid.
+/// Maximum of a function of an angle of period π, and its angle, by a fine scan and a shrinking grid.
 fn greatest(f: impl Fn(f64) -> f64) -> (f64, f64) {
     let mut best = (f64::NEG_INFINITY, 0.0);
     let (mut centre, mut width) = (FRAC_PI_2, FRAC_PI_2);
@@ -30,8 +30,8 @@ fn greatest(f: impl Fn(f64) -> f64) -> (f64, f64) {
     best
 }
 
-/// Harris–Grekova with ν = 0: ill-posed 1e-9 degrees beyond 45 degrees, well-posed as much
-/// before, marginal in between; with and without gradients, in units far from 1.
+/// Verifies Harris–Grekova with ν = 0: ill-posed at 45° + 1e-9°, well-posed at 45° − 1e-9°, marginal at 45°; with and
+/// without gradients, in units far from 1.
 #[test]
 fn harris_grekova_flips_at_45_degrees() {
     for seed in 0..200 {
@@ -52,7 +52,7 @@ fn harris_grekova_flips_at_45_degrees() {
     }
 }
 
-/// Order, coefficient and direction against the closed forms, maximised here: to 1e-9.
+/// Verifies order, coefficient and direction against the maximised closed forms, to 1e-9.
 #[test]
 fn coefficients_and_directions_are_those_of_the_closed_forms() {
     let mut worst = [0.0f64; 3];
@@ -69,7 +69,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         };
         let beta = |s: &Sample, angle: f64| 2.0 * (s.state.stress_angle - angle);
 
-        // Beyond its bound, where it grows.
+        // Harris–Grekova beyond its bound, where it grows.
         let s = sample(registry::HARRIS_GREKOVA, Dilatancy::Zero);
         let s = turned(
             &s,
@@ -106,7 +106,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         let own = PlasticPotential::from_constants(&constants).expect("in range");
         let (q, rho, rate) = (s.flow.stress.deviator.value, s.flow.density, s.flow.shear_rate);
         let exact = |a: f64| own.leading_coefficient(q, rho, rate, beta(&s, a));
-        // Where the sector is wide enough for this file's own search.
+        // Only sectors wide enough for the search of this file.
         if (s.parameters.friction_angle - s.parameters.dilatancy_angle).abs() > 0.05 {
             check(2, 2.0, &s, &exact);
             let (rate, cosine) = own.worst(q, rho, rate);
@@ -121,7 +121,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
     );
 }
 
-/// Sectors of growth between ν and φ however thin, both for ν < φ and for ν > φ, and none at ν = φ.
+/// Verifies sectors of growth between ν and φ down to 1e-9 rad, for ν < φ and for ν > φ, and no growth at ν = φ.
 #[test]
 fn plastic_potential_down_to_thin_sectors() {
     let mut worst = 0.0f64;
@@ -140,7 +140,7 @@ fn plastic_potential_down_to_thin_sectors() {
                 (sample.flow.stress.deviator.value, sample.flow.density, sample.flow.shear_rate);
             let (wanted, cosine) = own.worst(q, rho, rate);
             let error = (coefficient / wanted - 1.0).abs();
-            // The angles leave that many digits of their difference.
+            // The tolerance includes the rounding of the angles relative to their difference.
             assert!(error < 1e-9 + 1e-14 / gap.abs(), "{gap:e}: {coefficient:e} for {wanted:e}");
             if gap.abs() >= 1e-3 {
                 worst = worst.max(error);
@@ -154,8 +154,8 @@ fn plastic_potential_down_to_thin_sectors() {
     println!("greatest deviation of the coefficient down to 1e-3 rad: {worst:.1e}");
 }
 
-/// The bounds of the sectors of growth: from the closed form to 1e-12 rad, where the leading growth
-/// rate changes sign; from the linearised equations to 1e-8 rad, and nothing beside them.
+/// Verifies the bounds of the sectors of growth: from the closed form to 1e-12 rad, against sign changes of the leading
+/// growth rate; from the linearised equations to 1e-8 rad.
 #[test]
 fn bounds_of_the_sectors_of_growth() {
     let mut worst = 0.0f64;
@@ -194,7 +194,7 @@ fn bounds_of_the_sectors_of_growth() {
     println!("greatest deviation of a bound: {worst:.1e} rad");
 }
 
-/// ν = φ on a uniform background in the widest ranges.
+/// Verifies that ν = φ on a uniform background is never ill-posed, in the widest ranges.
 #[test]
 fn associated_uniform_is_never_ill_posed() {
     let mut counts = std::collections::BTreeMap::<&str, usize>::new();
@@ -215,10 +215,9 @@ fn associated_uniform_is_never_ill_posed() {
     println!("{counts:?}");
 }
 
-/// Harris–Grekova with ν > 0 on a uniform background without rotational stress: the bound on |Δ|,
-/// 1e-9 degrees either side; just beyond it growth without bound at finite k, at the angle where
-/// the highest coefficient has its double zero; far beyond, where that coefficient has one sign
-/// again, order 2.
+/// Verifies Harris–Grekova with ν > 0 on a uniform background without rotational stress: the bound on |Δ| to 1e-9
+/// degrees on both sides; just beyond it growth is unbounded at finite k, at the angle of the double zero of the
+/// highest coefficient; far beyond, where that coefficient has one sign again, growth is of order 2.
 #[test]
 fn dilatant_harris_grekova_flips_at_its_bound() {
     let mut names = std::collections::BTreeMap::<&str, usize>::new();
@@ -239,13 +238,12 @@ fn dilatant_harris_grekova_flips_at_its_bound() {
             let Verdict::IllPosed { growth: None, direction } = beyond else {
                 panic!("seed {seed}, just beyond: {beyond:?}")
             };
-            // cos 2Δ cos ν [X − Y cos β] + sin 2Δ Z sin β touches zero where its slope does:
-            // cos β = Y/X.
+            // cos 2Δ cos ν [X − Y cos β] + sin 2Δ Z sin β touches zero where its slope vanishes: cos β = Y/X.
             let beta = 2.0 * (base.state.stress_angle - direction);
             let (x, y) =
                 ((phi - nu).cos() + nu.sin() * phi.sin(), phi.sin() * (phi - nu).cos() + nu.sin());
             assert!((beta.cos() - y / x).abs() < 1e-4, "seed {seed}: {} for {}", beta.cos(), y / x);
-            // In between, at some finite distance.
+            // At a finite distance beyond the bound.
             assert!(matches!(
                 at(0.5 * (bound + FRAC_PI_4)),
                 Verdict::IllPosed { growth: None, .. }
@@ -261,7 +259,7 @@ fn dilatant_harris_grekova_flips_at_its_bound() {
     println!("just inside: {names:?}");
 }
 
-/// One equation too few: indeterminate, with the rank.
+/// Verifies that the free-rotating model, with one equation too few, is indeterminate, and its rank.
 #[test]
 fn free_rotating_is_indeterminate() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {

@@ -1,4 +1,4 @@
-//! Systems built so that their growth is known.
+//! Systems whose growth is known by construction.
 
 use crate::support::planted::{C, Part, T, X, Y, system};
 use models::LinearisedSystem;
@@ -7,7 +7,7 @@ use models::LinearisedSystem;
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted {
     Bounded,
-    /// Order, coefficient and, where there is only one, direction in degrees.
+    /// Order, coefficient and, if unique, direction in degrees.
     Grows(f64, f64, Option<f64>),
     /// Unbounded at finite wave numbers, in the direction in degrees.
     BlowsUp(f64),
@@ -19,8 +19,8 @@ use Wanted::{BlowsUp, Bounded, Grows, Indeterminate};
 /// Row, column, derivative and coefficient.
 pub type Entries = Vec<(usize, usize, Part, f64)>;
 
-/// ∏ dᵢ + (−1)^(n+1) ∏ sᵢ: a cycle with diagonal entries d and the next ones s. Each entry is a
-/// list of terms.
+/// Cyclic matrix with diagonal entries d and entries s next to the diagonal, of determinant ∏ dᵢ + (−1)^(n+1) ∏ sᵢ.
+/// Each entry is a list of terms.
 fn cycle(diagonal: &[&[(Part, f64)]], next: &[&[(Part, f64)]]) -> (usize, Entries) {
     let n = diagonal.len();
     let mut entries = Vec::new();
@@ -79,7 +79,7 @@ fn parabolic(list: &mut Systems) {
     list.square("heat along x, backward along y", mixed, Grows(2.0, 3.0, Some(90.0)));
 }
 
-/// Waves, damped, fed and carried along, and their elliptic relatives.
+/// Wave equations with damping, feeding terms and advection, and elliptic counterparts.
 fn hyperbolic(list: &mut Systems) {
     let [t, x, _] = UNIT;
     // ς² = κ² and ς² = −κ² in one and two dimensions.
@@ -93,7 +93,7 @@ fn hyperbolic(list: &mut Systems) {
         (2, 0, Y, 1.0),
     ];
     list.square("acoustics", (3, wave.clone()), Bounded);
-    // In a frame that moves obliquely every power of ς is there, and every root imaginary.
+    // In an obliquely moving frame every power of ς occurs and every root is imaginary.
     let mut carried = wave.clone();
     for i in 0..3 {
         carried.extend([(i, i, X, 0.3), (i, i, Y, -0.7)]);
@@ -119,7 +119,7 @@ fn hyperbolic(list: &mut Systems) {
     list.square("elliptic Cauchy problem", (3, elliptic), Grows(1.0, 2.0, Some(90.0)));
 }
 
-/// Other orders of growth, and neutral relatives.
+/// Other orders of growth, and neutral counterparts.
 fn orders(list: &mut Systems) {
     let [t, x, one] = UNIT;
     // ς² + κ³, ς³ + κ², ς² + κ, ς³ + κ, ς⁵ + κ²
@@ -140,7 +140,7 @@ fn orders(list: &mut Systems) {
         cycle(&[t, t, t, t, t], &[x, x, one, one, one]),
         Grows(0.4, 1.0, Some(0.0)),
     );
-    // ς = κ₁³κ₂: greatest at 30°. ς² = κ⁶ and −κ⁶; ς + κ³ only disperses.
+    // ς = κ₁³κ₂: largest at 30°. ς² = κ⁶ and −κ⁶; ς + κ³ is dispersive only.
     let four = 3.0 * 3f64.sqrt() / 16.0;
     list.square(
         "order 4",
@@ -156,15 +156,15 @@ fn orders(list: &mut Systems) {
     list.square("dispersion of order 3", cycle(&[t, one, one], &[x, x, x]), Bounded);
 }
 
-/// Repeated roots and what splits them.
+/// Repeated roots and terms that split them.
 fn repeated_roots(list: &mut Systems) {
     let [t, x, one] = UNIT;
-    // (ς + κ)² + ε² κ²: the real part is a small share of the root.
+    // (ς + κ)² + ε² κ²: the real part is a small fraction of the root.
     for (name, e) in [("a hundredth real", 1e-2), ("a thousandth real", 1e-3)] {
         let (s, minus): (&[_], &[_]) = (&[(X, e)], &[(X, -e)]);
         list.square(name, cycle(&[MOVING, MOVING], &[s, minus]), Grows(1.0, e, Some(0.0)));
     }
-    // (ς + κ)(ς² + κ²): odd powers of κ meet.
+    // (ς + κ)(ς² + κ²): even and odd powers of κ occur.
     let mut apart = cycle(&[t, t], &[&minus(X), x]);
     apart.0 = 3;
     apart.1.extend([(2, 2, T, 1.0), (2, 2, X, 1.0)]);
@@ -177,7 +177,7 @@ fn repeated_roots(list: &mut Systems) {
     );
     list.square("repeated but bounded", cycle(&[MOVING, MOVING], &[&minus(C), one]), Bounded);
     list.square("two equal transports", cycle(&[MOVING, MOVING], &[&[], &[]]), Bounded);
-    // (ς + κ)² − κ² / … with a third order: (ς + κ)³ + κ: order 1/3.
+    // (ς + κ)³ + κ: order 1/3.
     list.square(
         "triple root split at order 1/3",
         cycle(&[MOVING, MOVING, MOVING], &[x, one, one]),
@@ -194,14 +194,14 @@ fn repeated_roots(list: &mut Systems) {
 /// Dispersive waves with growth or decay of the next order.
 fn beams(list: &mut Systems) {
     let [t, x, one] = UNIT;
-    // ς² + κ⁴ = 0: dispersive waves; ς² + κ⁴ + c κ³: growth c k/2 upon them.
+    // ς² + κ⁴ = 0: dispersive waves; ς² + κ⁴ + c κ³: dispersive waves with growth c k/2.
     list.square("beam", cycle(&[t, t, one, one], &[x, x, x, &minus(X)]), Bounded);
     list.square(
         "beam with growth of order 1",
         cycle(&[t, t, one, one], &[x, x, x, &[(X, -1.0), (C, -0.5)]]),
         Grows(1.0, 0.25, Some(0.0)),
     );
-    // Neutral leading root, next order decays.
+    // Leading roots neutral, decay at the next order.
     list.square(
         "beam with decay",
         cycle(&[&[(T, 1.0), (C, 0.3)], &[(T, 1.0), (C, 0.3)], one, one], &[x, x, x, &minus(X)]),
@@ -211,7 +211,7 @@ fn beams(list: &mut Systems) {
 
 /// Incompressible flow, of index 2.
 fn incompressible(list: &mut Systems) {
-    // Incompressible flow: index 2.
+    // Euler equations.
     let euler: Entries = vec![
         (0, 0, T, 1.0),
         (1, 1, T, 1.0),
@@ -224,7 +224,7 @@ fn incompressible(list: &mut Systems) {
     let mut darcy = euler.clone();
     darcy.extend([(0, 0, C, 2.0), (1, 1, C, 2.0), (0, 1, C, 1.0)]);
     list.square("incompressible with drag", (3, darcy), Bounded);
-    // Stokes: stress s = ∇v as further unknowns, u − ∂₁s₁ − ∂₂s₂ …
+    // Stokes: gradients s = ∇v as further unknowns.
     let stokes = |sign: f64| {
         let mut e = euler.clone();
         for (i, first) in [(0, 3), (1, 5)] {
@@ -245,7 +245,7 @@ fn no_time_derivative(list: &mut Systems) {
     // No time derivative at all.
     list.square("elliptic, no time", cycle(&[x, x], &[&[(Y, 1.0)], &[(Y, -1.0)]]), Bounded);
     list.square("algebraic", cycle(&[one, one], &[&[(C, 0.5)], &[(C, -0.5)]]), Bounded);
-    // ς(1 − κ₁²) + κ₂² = 0: order 2 in one direction alone.
+    // ς(1 − κ₁²) + κ₂² = 0: order 2 in one direction only.
     list.square(
         "growth in one direction alone",
         (
@@ -262,7 +262,7 @@ fn no_time_derivative(list: &mut Systems) {
         ),
         Grows(2.0, 1.0, Some(90.0)),
     );
-    // ς κ₁ + κ₂ = 0: −tan θ; ς κ₁ = κ₂²: an imaginary root however large.
+    // ς κ₁ + κ₂ = 0: ς = −tan θ; ς κ₁ = κ₂²: imaginary roots of unbounded size.
     list.square(
         "tangent",
         (2, vec![(0, 0, T, 1.0), (0, 1, C, 1.0), (1, 0, Y, -1.0), (1, 1, X, 1.0)]),

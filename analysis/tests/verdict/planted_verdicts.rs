@@ -7,7 +7,7 @@ use crate::support::verdicts::{angle_between, growth, judge};
 use Wanted::{BlowsUp, Bounded, Grows, Indeterminate};
 use wellposed_analysis::growth::Verdict;
 
-/// Whether a verdict is the wanted one; `None` if it asserts nothing.
+/// Whether a verdict is the wanted one; `None` for a marginal verdict.
 fn fulfils(verdict: &Verdict, wanted: Wanted) -> Option<bool> {
     Some(match (verdict, wanted) {
         (Verdict::Marginal { .. }, _) => return None,
@@ -25,7 +25,7 @@ fn fulfils(verdict: &Verdict, wanted: Wanted) -> Option<bool> {
     })
 }
 
-/// Systems planted with a known answer.
+/// Verifies the verdicts on all planted systems.
 #[test]
 fn planted_systems_are_recognised() {
     let (mut wrong, mut marginal) = (Vec::new(), Vec::new());
@@ -42,7 +42,7 @@ fn planted_systems_are_recognised() {
     assert!(marginal.is_empty(), "{} marginal:\n{}", marginal.len(), marginal.join("\n"));
 }
 
-/// Dispersive waves with growth of the next order: its order at least, and its size to 2 %.
+/// Verifies growth of the next order of dispersive waves: order 1, coefficient within 2 %.
 #[test]
 fn growth_next_to_neutral_roots_is_seen() {
     let (_, system, _) = planted()
@@ -53,7 +53,7 @@ fn growth_next_to_neutral_roots_is_seen() {
     assert!(order == 1.0 && (coefficient / 0.25 - 1.0).abs() < 0.02, "{order}, {coefficient}");
 }
 
-/// Imaginary roots that only rounding could move are not called growth.
+/// Verifies that imaginary roots that only rounding could move are not assessed as growth.
 #[test]
 fn waves_are_not_called_growth() {
     for (name, system, _) in planted() {
@@ -63,7 +63,7 @@ fn waves_are_not_called_growth() {
     }
 }
 
-/// ς = k² sin(θ − a) sin(a + w − θ): growth in a sector of width w alone.
+/// Verifies growth in a sector of width w only: ς = k² sin(θ − a) sin(a + w − θ).
 #[test]
 fn thin_sectors_of_growth_are_found() {
     for width in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10] {
@@ -80,7 +80,7 @@ fn thin_sectors_of_growth_are_found() {
             let (order, coefficient, direction) = growth(&judge(&system(2, 2, &entries)));
             assert_eq!(order, 2.0);
             let wanted = (0.5 * width).sin().powi(2);
-            // The entries know the two directions to a unit in their last place.
+            // The entries determine the two directions to a unit in the last place.
             let error = (coefficient / wanted - 1.0).abs();
             assert!(error < 1e-12 + 8.0 * f64::EPSILON / width, "{width:e}: {error:e}");
             assert!(angle_between(direction, a + 0.5 * width) < 0.5 * width, "{width:e}");
@@ -88,7 +88,7 @@ fn thin_sectors_of_growth_are_found() {
     }
 }
 
-/// Planted systems have the same verdicts in other units and rotated axes.
+/// Verifies that planted systems have the same verdicts in other units.
 #[test]
 fn planted_systems_in_other_units() {
     let random = &mut seeded(77);
@@ -113,7 +113,7 @@ fn planted_systems_in_other_units() {
             }
         }
         let wanted = match wanted {
-            // ς̂ rate = …, k̂ = k length.
+            // Substitute ς = ς̂ `rate` and k = k̂ `length`.
             Grows(m, c, at) => Grows(m, c / rate * length.powf(m), at),
             other => other,
         };

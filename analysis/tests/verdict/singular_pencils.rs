@@ -8,8 +8,8 @@ use crate::support::verdicts::judge;
 use wellposed_analysis::growth::Verdict;
 use wellposed_analysis::pencil::Pencil;
 
-/// Exactly singular pencils with coefficients of 50 bits: products of three of them do not fit in
-/// twice the working precision.
+/// Verifies exactly singular pencils with coefficients of 50 bits: products of three of them do not fit in twice the
+/// working precision.
 #[test]
 fn dense_singular_pencils_are_recognised() {
     for seed in 0..200 {
@@ -33,8 +33,7 @@ fn dense_singular_pencils_are_recognised() {
     }
 }
 
-/// A matrix A that is exactly singular, densely filled: one root fewer, and the verdict of what is
-/// left.
+/// Verifies a densely filled, exactly singular matrix A: one root fewer, and the verdict on the remaining roots.
 #[test]
 fn dense_singular_a_leaves_no_spurious_root() {
     for seed in 0..100 {

@@ -1,4 +1,4 @@
-//! Associated flow neither grows nor raises a speed.
+//! Associated flow: no growth, and no speed above the elastic speeds.
 
 use crate::support::states::{Random, seeded};
 use models::common::rates::RateEquations;
@@ -13,7 +13,7 @@ use wellposed_analysis::waves::{Waves, squared_speeds};
 use crate::random_solids::{KINDS, Kind, solid, solid_of_order_one, unit};
 use crate::yielding::{carried_too, growth, negative, on_yield, tangent_basis};
 
-/// Elastic and yielding squared speeds, descending, along `normal`.
+/// Verifies that elastic and yielding squared speeds along `normal` interlace, with `conditions` active conditions.
 fn interlaced<const D: usize>(
     elastic: &RateEquations<D>,
     yielding: &RateEquations<D>,
@@ -40,7 +40,7 @@ fn associated_yielding_keeps_growth_at_rounding_level() {
     for index in 0..10_000 {
         let kind = KINDS[index % 3];
         let mut solid = solid(random, kind);
-        // Stresses of order one.
+        // Scale moduli and density to order one.
         let scale = solid.mu;
         solid.lambda /= scale;
         solid.mu = 1.0;
@@ -94,7 +94,7 @@ fn associated_yielding_keeps_growth_at_rounding_level() {
         }
     }
     println!("max Re ς, Hermitian part, over the largest entry: {worst:?}; conditions {corners:?}");
-    // Entries of 24 × 24 matrices of order one, one hundred times their rounding.
+    // Matrices of up to 24 × 24 entries of order one: one hundred times their rounding.
     assert!(worst[0] < 3e-14 && worst[1] < 3e-14, "{worst:?}");
     assert!(corners[2] > 500 && corners[3] > 100, "{corners:?}");
 }
@@ -126,7 +126,7 @@ fn yielding<const D: usize>(
     let tolerance = 1e-13 / least;
     interlaced(&rates(&elastic), &rates(&plastic), unit(random), active.len(), tolerance);
 
-    // The restriction, with the carried stresses as unknowns of their own.
+    // Restriction to the tangent space of the active conditions, with the carried stresses as unknowns.
     let full = carried_too::<D>(solid);
     let form = full.symmetric().expect("elastic");
     let nv = full.velocities();
@@ -147,7 +147,7 @@ fn yielding<const D: usize>(
     worst[0] = worst[0].max(found);
     worst[1] = worst[1].max(bound);
 
-    // The roots of the restriction are those of the tangent stiffness.
+    // The restriction and the tangent stiffness have the same largest frequency.
     if random.chance(0.05) {
         let length = wave.iter().map(|x| x * x).sum::<f64>().sqrt();
         let families = Waves::along(&rates(&plastic), wave.map(|x| x / length)).families;
@@ -167,8 +167,7 @@ fn yielding<const D: usize>(
     }
 }
 
-/// Plastic flow of the background damps waves where the flow is associated: no root has Re ς > 0, and
-/// some decay.
+/// Verifies that plastic flow of the background damps waves if it is associated: no root has Re ς > 0, and some decay.
 #[test]
 fn flow_of_the_background_damps() {
     let random = &mut seeded(23);

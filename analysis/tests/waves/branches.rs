@@ -9,8 +9,8 @@ use wellposed_analysis::waves::{Waves, roots};
 use crate::random_solids::{Kind, solid_of_order_one};
 use crate::yielding::plane_yielding;
 
-/// No wave has a frequency in a forbidden band, and waves come close to its ends: shear waves of laws
-/// that are positive but otherwise arbitrary.
+/// Verifies that no wave has a frequency in a forbidden band and that waves come close to its ends, for shear waves of
+/// random positive stiffnesses.
 #[test]
 fn forbidden_bands_hold_no_wave() {
     let random = &mut seeded(37);
@@ -19,7 +19,7 @@ fn forbidden_bands_hold_no_wave() {
         let mut equations = solid_of_order_one(random, Kind::Reduced).rates::<2>();
         let root = DMatrix::from_fn(2, 2, |_, _| random.within(-1.0, 1.0));
         let law = &root * root.transpose();
-        // σ21 and σ12.
+        // Stiffness of σ21 and σ12.
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             equations.stiffness[(2 + i, 2 + j)] = models::Rounded::given(law[(i, j)]);
         }
@@ -44,7 +44,7 @@ fn forbidden_bands_hold_no_wave() {
     assert!(bands > 300, "{bands}");
 }
 
-/// Slopes of complex branches against differences of the roots of the first-order equations.
+/// Verifies slopes of complex branches against differences of the roots of the first-order equations.
 #[test]
 fn slopes_of_complex_branches() {
     let random = &mut seeded(41);
@@ -65,7 +65,7 @@ fn slopes_of_complex_branches() {
                 let size = mode.squared_frequency.norm();
                 let others =
                     modes.iter().map(|m| (m.squared_frequency - mode.squared_frequency).norm());
-                // Alone, and not at rest.
+                // Skip branches of nearly zero frequency or close to others.
                 if size < 1e-3 * k * k || others.filter(|&d| d < 0.2 * size).count() > 1 {
                     continue;
                 }

@@ -8,7 +8,7 @@ use wellposed_analysis::waves::{Polarisation, Waves, squared_speeds};
 
 use crate::random_solids::{KINDS, Kind, solid, unit};
 
-/// The characteristic speeds squared that an isotropic solid has, descending.
+/// Squared characteristic speeds of an isotropic solid in closed form, descending.
 fn expected(solid: &Isotropic, dimensions: usize) -> Vec<f64> {
     let speeds = solid.speeds();
     let across = dimensions - 1;
@@ -27,9 +27,9 @@ fn speeds_agree<const D: usize>(random: &mut Random, solid: &Isotropic) -> f64 {
     let expected = expected(solid, D);
     assert_eq!(found.len(), expected.len());
     let error = |(found, expected): (&Complex64, &f64)| match *expected {
-        // Nothing is gained from a relative error of zero.
+        // Error of a zero speed relative to the shear speed.
         0.0 => found.norm() / solid.speeds().shear.powi(2),
-        // Of the speed, half that of its square.
+        // Relative error of the speed: half the relative error of its square.
         square => 0.5 * (found - square).norm() / square,
     };
     found.iter().zip(&expected).map(error).fold(0.0, f64::max)
@@ -75,7 +75,7 @@ fn the_specfem_medium() {
             _ => assert!((cut_off - 194.2009).abs() <= 0.5e-4, "{cut_off}"),
         }
     }
-    // Long shear waves are those of the classical solid: 1732.05 m/s.
+    // Long shear waves have the speed of the classical solid: 1732.05 m/s.
     let slowest = waves.families.iter().map(|f| f.squared_frequencies(1e-4)[0].re.sqrt() / 1e-4);
     let shear = slowest.fold(f64::INFINITY, f64::min);
     assert!((shear - 1732.05).abs() < 0.5e-2, "{shear}");
@@ -117,7 +117,7 @@ fn natural_rotation_and_the_forbidden_band_of_the_reduced_solid() {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-/// k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) for transverse waves of the reduced solid, exactly.
+/// Verifies k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) for transverse waves of the reduced solid.
 #[test]
 fn dispersion_of_the_reduced_solid() {
     let random = &mut seeded(4);
@@ -132,7 +132,7 @@ fn dispersion_of_the_reduced_solid() {
             }
             for mode in family.modes(k) {
                 let square = mode.squared_frequency.re;
-                // Without denominators; relative to the greatest term.
+                // Multiplied by the denominators; relative to the largest term.
                 let left = k * k * (4.0 * alpha * mu - (mu + alpha) * inertia * square);
                 let right = density * square * (4.0 * alpha - inertia * square);
                 let size = density * inertia * square * square
@@ -163,8 +163,8 @@ fn long_waves_are_those_of_the_classical_solid() {
             for family in transverse {
                 let mode = family.modes(k)[0];
                 let phase = mode.squared_frequency.re / (k * k);
-                // The eigenvalue k²μ/ρ stands beside ω*² ≥ 4e-2 ω... : its rounding, over k², and
-                // the correction of order (k × length)² ≤ 1e-10.
+                // Rounding of the larger eigenvalue, the squared cut-off frequency, relative to the eigenvalue k²μ/ρ,
+                // and the correction of order (k × length)² ≤ 1e-10.
                 let cut_off = solid.microrotation.map_or(0.0, |m| m.natural_frequency());
                 let rounding = 1e-15 * (cut_off / k).powi(2) / shear;
                 let tolerance = 1e-8 + 10.0 * rounding;
@@ -211,7 +211,7 @@ fn group_speeds_are_slopes() {
             let [before, after] = [k - step, k + step].map(|k| family.squared_frequencies(k));
             for (i, mode) in family.modes(k).iter().enumerate() {
                 let slope = (after[i] - before[i]).re / (2.0 * step);
-                // Differences of fourth powers of k: 1e-8 of the largest slope.
+                // Central differences are accurate to about 1e-8 of the largest slope.
                 let size = after.iter().map(|w| w.re).fold(0.0, f64::max) / k;
                 assert!((mode.slope.re - slope).abs() < 1e-6 * size, "{} {slope}", mode.slope.re);
             }

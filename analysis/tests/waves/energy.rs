@@ -1,4 +1,4 @@
-//! The symmetriser tells sound equations from others.
+//! Energy conservation by the symmetriser, of valid and of faulty equations.
 
 use crate::support::slipping::Slipping;
 use crate::support::states::seeded;
@@ -17,10 +17,10 @@ fn energy_tells_sound_equations_from_others() {
         let found = energy(&sound, &sound, 1.0);
         assert!(found.definiteness > 1e-3, "{found:?}");
         assert!(found.asymmetry.max(found.antisymmetry) < 1e-14, "{found:?}");
-        // Some thousand rotations of 24 rows.
+        // Rounding of some thousand rotations of 24 rows.
         assert!(found.elastic_growth.max(found.growth) < 1e-12, "{found:?}");
         assert_eq!(found.zeros, sound.stresses() - sound.velocities());
-        // A law that is not symmetric.
+        // An asymmetric stiffness.
         let mut other = sound.clone();
         let moved = other.stiffness[(0, 1)] + models::Rounded::given(0.1);
         other.stiffness[(0, 1)] = moved;

@@ -16,7 +16,7 @@ use wellposed_analysis::waves::{Waves, plane_waves, roots};
 use crate::random_solids::{KINDS, solid, solid_of_order_one};
 use crate::yielding::{on_yield, tangent_basis};
 
-/// The plane waves, and the roots of the first-order equations by generalised eigenvalues.
+/// Verifies plane waves against the roots of the first-order equations by generalised eigenvalues.
 #[test]
 fn waves_agree_with_the_pencil() {
     let random = &mut seeded(8);
@@ -44,12 +44,12 @@ fn waves_agree_with_the_pencil() {
             let families = Waves::along(&equations, [direction.cos(), direction.sin()]).families;
             let mut expected: Vec<f64> =
                 families.iter().flat_map(|f| f.squared_frequencies(k)).map(|w| w.re).collect();
-            // The first-order system has as many zero roots as it has more stresses.
+            // The first-order system has one zero root for each stress in excess of the number of velocities.
             expected.extend(vec![0.0; equations.stresses() - equations.velocities()]);
             let mut found: Vec<f64> =
                 finite.iter().filter(|r| r.im >= 0.0).map(|r| r.im * r.im).collect();
             let largest = expected.iter().copied().fold(0.0, f64::max);
-            // Every ω² that is not zero within rounding is met by a pair ±iω.
+            // Every ω² that is not zero within rounding has a pair of roots ±iω.
             found.sort_by(f64::total_cmp);
             for e in expected.iter().filter(|&&e| e > 1e-6 * largest) {
                 let nearest = found.iter().map(|f| (f - e).abs()).fold(f64::INFINITY, f64::min);
@@ -59,14 +59,14 @@ fn waves_agree_with_the_pencil() {
     }
 }
 
-/// Roots of the first-order equations with relaxation: those of the linearised system that the analysis
-/// takes are those of the restricted form, decay included.
+/// Verifies that with relaxation the roots of the linearised system are the roots of the restricted form, decay
+/// included.
 #[test]
 fn relaxation_reaches_the_linearised_system() {
     let random = &mut seeded(29);
     let (mut system, mut pencil) = (LinearisedSystem::default(), Pencil::default());
     for index in 0..40 {
-        // Five, six and eight equations: within the exact polynomial's reach.
+        // Numbers of equations within the limit of the exact polynomial.
         let solid = solid_of_order_one(random, KINDS[index % 2]);
         let layout = solid.layout::<2>().carrying();
         let list: Vec<_> = layout.all_stresses().collect();
@@ -110,7 +110,7 @@ fn relaxation_reaches_the_linearised_system() {
     }
 }
 
-/// Plane waves solve the linearised equations, with the frequencies of their families.
+/// Verifies that plane waves solve the linearised equations, with the frequencies of their families.
 #[test]
 fn plane_waves_solve_the_equations() {
     let couple = Some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });

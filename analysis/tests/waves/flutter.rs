@@ -1,4 +1,4 @@
-//! One slipping layer: where flutter sets in, and where a speed vanishes.
+//! One slipping layer: onset of flutter, and zero speeds.
 
 use crate::support::slipping::Slipping;
 use models::LinearisedSystem;
@@ -26,7 +26,7 @@ fn onset(holds: impl Fn(f64) -> bool, mut low: f64, mut high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Least value over directions, by golden section from the best of many.
+/// Minimum over the directions, by golden section from the best of 720 samples.
 fn least(f: impl Fn(f64) -> f64) -> f64 {
     let steps = 720;
     let step = PI / f64::from(steps);
@@ -58,7 +58,7 @@ fn flutter_sets_in_where_the_discriminant_vanishes() {
         println!("flutter below the dilatancy {by_verdict}, by the discriminant {by_discriminant}");
         assert!((by_verdict - by_discriminant).abs() < 1e-8);
     }
-    // Just outside no speed is complex; without dilatancy some are, around 45°.
+    // Just above the onset no speed is complex; without dilatancy some are, around 45°.
     let complex = |dilatancy: f64| {
         let with = Slipping { lambda: 1.0, alpha: 0.3, friction: 0.6, dilatancy };
         (0..1800).map(|i| f64::from(i) * PI / 1800.0).filter(move |&angle| {
@@ -70,9 +70,9 @@ fn flutter_sets_in_where_the_discriminant_vanishes() {
     assert!(complex(0.0).all(|angle| angle < FRAC_PI_2));
 }
 
-/// Along the layer's normal one speed is zero whatever the dilatancy: slip, not a loss of
-/// well-posedness. Elsewhere det Γ, over the square of the sine that this zero leaves, tells where
-/// a speed vanishes: a stationary discontinuity.
+/// Verifies that along the normal of the layer one speed is zero for every dilatancy (slip, no loss of well-posedness).
+/// Elsewhere det Γ, divided by the squared sine of this zero, vanishes where a speed vanishes: a stationary
+/// discontinuity.
 #[test]
 fn a_speed_vanishes_where_the_determinant_does() {
     for (lambda, alpha, friction) in [(0.0, 0.1, 1.5), (0.0, 0.1, 2.0), (0.2, 0.05, 1.6)] {

@@ -12,7 +12,7 @@ pub enum Kind {
 
 pub const KINDS: [Kind; 3] = [Kind::Classical, Kind::Reduced, Kind::Cosserat];
 
-/// Moduli of order one to each other, λ negative at times.
+/// Random solid with moduli of comparable size; λ may be negative.
 pub fn solid(random: &mut Random, kind: Kind) -> Isotropic {
     let mu = random.decades(1e-3, 1e10);
     let density = random.decades(0.1, 1e4);
@@ -30,6 +30,7 @@ pub fn solid(random: &mut Random, kind: Kind) -> Isotropic {
     Isotropic::new(lambda, mu, density, microrotation).expect("sound moduli")
 }
 
+/// Random unit vector.
 pub fn unit<const D: usize>(random: &mut Random) -> [f64; D] {
     loop {
         let v: [f64; D] = std::array::from_fn(|_| random.within(-1.0, 1.0));
@@ -40,7 +41,7 @@ pub fn unit<const D: usize>(random: &mut Random) -> [f64; D] {
     }
 }
 
-/// Moduli and densities of order one.
+/// Random solid with moduli and density of order one.
 pub fn solid_of_order_one(random: &mut Random, kind: Kind) -> Isotropic {
     let couple = (kind == Kind::Cosserat).then(|| CoupleModuli {
         beta: random.within(-0.3, 1.0),

@@ -12,8 +12,8 @@ use num_complex::Complex64;
 
 use crate::random_solids::{Kind, solid_of_order_one};
 
-/// A random stress on the surface of a set, by scaling from zero; with `corners` half of the stresses
-/// lie on an edge of the interlayer set.
+/// Random stress on the yield surface, by scaling from zero; with `corners` half of the stresses lie on an edge of the
+/// interlayer set.
 pub fn on_yield(random: &mut Random, set: &YieldSet, corners: bool) -> Stress {
     loop {
         let mut stress = Stress::default();
@@ -40,7 +40,7 @@ pub fn on_yield(random: &mut Random, set: &YieldSet, corners: bool) -> Stress {
         }
         let mut stress = scaled(high);
         if let (Some(set), true) = (set.downcast::<Interlayer>(), corners && random.chance(0.5)) {
-            // Slip of both layers, and of what else is at hand.
+            // Slip of both layers, and of the couple stress if the set limits it.
             stress.force[1][0] = set.shear_strength - set.shear_friction * stress.force[0][0];
             stress.force[0][1] = set.shear_friction * stress.force[1][1] - set.shear_strength;
             if let (Some(couple), true) = (set.couple, random.chance(0.5)) {
@@ -84,8 +84,9 @@ pub fn tangent_basis(size: usize, normals: &[DVector<f64>]) -> DMatrix<f64> {
     DMatrix::from_columns(&columns[rank..])
 }
 
-/// Growth of a symmetric-hyperbolic system at ik = iκ, computed, not assumed: with A = LLᵀ the roots
-/// are those of L⁻¹(iΣκᵢBⁱ + Q)L⁻ᵀ, whose Hermitian part bounds every Re ς; and the roots themselves.
+/// Largest Re ς and largest entry of the Hermitian part of a symmetric-hyperbolic system at ik = iκ, relative to the
+/// largest entry: with A = LLᵀ the roots are the eigenvalues of L⁻¹(iΣκᵢBⁱ + Q)L⁻ᵀ, whose Hermitian part bounds every
+/// Re ς.
 pub fn growth<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> (f64, f64) {
     let factor = form.a.clone().cholesky().expect("positive definite");
     let half = |m: &DMatrix<f64>| {
@@ -110,7 +111,8 @@ pub fn carried_too<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
     layout.rates(&solid.stiffness(layout.all_stresses()), solid.density, inertia)
 }
 
-/// A Cosserat solid of order one in plane strain while it yields, and the set's friction and dilatancy.
+/// Rate equations of a random yielding Cosserat solid of order one in plane strain; `dilatancy` maps friction to
+/// dilatancy.
 pub fn plane_yielding(random: &mut Random, dilatancy: impl Fn(f64) -> f64) -> RateEquations<2> {
     loop {
         let solid = solid_of_order_one(random, Kind::Cosserat);
@@ -132,7 +134,7 @@ pub fn plane_yielding(random: &mut Random, dilatancy: impl Fn(f64) -> f64) -> Ra
     }
 }
 
-/// The equations backwards in time.
+/// The equations with time reversed.
 pub fn negative<const D: usize>(form: &SymmetricForm<D>) -> SymmetricForm<D> {
     SymmetricForm { a: form.a.clone(), b: form.b.each_ref().map(|b| -b), q: -&form.q }
 }
