@@ -38,7 +38,9 @@ pub const TOLERANCE: f64 = 1e-5;
 const MAX_WAVE_NUMBER: f64 = 1e5;
 /// Lower end of the searched wave numbers, in the scaled unit, for a uniform background.
 const MIN_WAVE_NUMBER: f64 = 1e-16;
+/// Number of steps of the grid in log k.
 const STEPS: usize = 96;
+/// Number of directions of the grid.
 const DIRECTIONS: usize = 48;
 
 /// Locates the supremum of Re ς over all directions and k ≥ `least` (1/m; 0 for a uniform background) of a well-posed

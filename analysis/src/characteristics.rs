@@ -20,7 +20,7 @@ pub struct Characteristic {
     pub angle: f64,
     /// Bound on the error of the angle, rad.
     pub bound: f64,
-    /// Multiplicity as a root of the whole determinant.
+    /// Multiplicity as a root of the full determinant.
     pub multiplicity: usize,
     /// Family: the fields that may jump across the characteristic, such as "stress and velocity", or "streamline".
     pub family: String,
@@ -126,6 +126,7 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
     // Convected fields in a material at rest have an empty row or column; these are matched last, with each other, so
     // that the other families are still found.
     let mut row_of = vec![usize::MAX; n];
+    /// Augmenting path from `row` in the bipartite graph of rows and columns (Kuhn's algorithm).
     fn augment(
         row: usize,
         n: usize,

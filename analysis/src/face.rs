@@ -330,6 +330,7 @@ impl FacePolynomial {
         )
     }
 
+    /// Angles at which the discriminant vanishes; empty with fewer than two distinct roots.
     fn zeros_of_discriminant(&self) -> List<f64> {
         let Some(distinct) = self.generic_roots() else { return List::new() };
         if distinct < 2 {

@@ -368,6 +368,7 @@ impl Edge<'_> {
             .fold(-1.0, f64::max)
     }
 
+    /// Face polynomial of the edge, computed at the first use.
     fn face(&self) -> &FacePolynomial {
         self.face.get_or_init(|| {
             let [(highest, _), (lowest, _)] = self.ends();

@@ -130,7 +130,7 @@ impl Evolution {
 /// `system` returns the linearised equations at a time (s), so the uniform mean flow may depend on time. Coefficients
 /// of constraints, as in k·v = 0, must not.
 ///
-/// `None` if the equations do not determine the evolution, or `system` returns none at some time.
+/// `None` if the equations do not determine the evolution, or if `system` returns `None` at some time.
 pub fn course(
     system: &dyn Fn(f64) -> Option<LinearisedSystem<2>>,
     gradient: [[f64; 2]; 2],

@@ -32,11 +32,12 @@ struct Point {
     value: Value,
 }
 
-/// Location of a chart, for reports, and remaining depth of nested charts.
+/// Location of a chart, for reports.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
     /// The degenerate direction, rad.
     pub(crate) angle: f64,
+    /// Remaining depth of nested charts.
     depth: usize,
 }
 
@@ -151,6 +152,7 @@ impl Chart {
     }
 }
 
+/// Powers 0 to `greatest` of a number known to within `bound`.
 fn powers_of(base: Complex64, bound: f64, greatest: Option<usize>) -> List<Value> {
     let mut powers = list![Value::new(Complex64::ONE, 0.0)];
     for i in 0..greatest.unwrap_or(0) {
@@ -179,6 +181,7 @@ struct Facet {
     points: List<Point>,
 }
 
+/// Searches growth in a chart: in the degenerate direction itself, and in every facet of the Newton polytope.
 fn explore(chart: &Chart, place: Place, worst: &mut Worst) {
     // The degenerate direction itself, y = 0.
     let line: List<Monomial, 32> = chart
@@ -193,6 +196,7 @@ fn explore(chart: &Chart, place: Place, worst: &mut Worst) {
     }
 }
 
+/// Searches growth in the layer of a facet, then in charts around its special offsets and collisions.
 fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) {
     let lowest = facet.points.iter().map(|p| p.x).min().unwrap_or(0);
     let highest = facet.points.iter().map(|p| p.x).max().unwrap_or(0);

@@ -1,13 +1,13 @@
 //! Well-posedness analysis: from a linearised system to its dispersion roots, characteristics, growth and verdict.
 //!
-//! The engine works on [`models::LinearisedSystem`] as data and knows no model:
+//! The analysis takes a [`models::LinearisedSystem`] as data and is independent of the model:
 //!
 //! - [`scaling`]: units in which all coefficients are of comparable size;
 //! - [`polynomial`]: the exact dispersion polynomial det(ςA + κ₁B¹ + κ₂B² + C), κ = ik;
 //! - [`pencil`]: the roots ς at a given wave, by generalised eigenvalues and that polynomial;
 //! - [`characteristics`]: characteristic directions of the steady equations;
-//! - [`qz`], [`roots`], [`extended`]: generalised eigenvalues of small pencils by the QZ algorithm, zeros of polynomials
-//!   by Aberth's method, double-double arithmetic;
+//! - [`qz`], [`roots`], [`extended`]: generalised eigenvalues of small pencils by the QZ algorithm, zeros of
+//!   polynomials by Aberth's method, double-double arithmetic;
 //! - [`form`], [`newton`]: zeros of binary forms in the direction, Newton polygons and orders of growth;
 //! - [`growth`]: verdict by the Newton polygon, with Puiseux series in the layers around degenerate directions;
 //! - [`bound`]: the supremum of the growth rate, where it is finite;

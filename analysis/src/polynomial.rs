@@ -33,6 +33,7 @@ struct Coefficient {
 const EXTENDED_ROUNDOFF: f64 = 1e-30;
 
 impl Coefficient {
+    /// Error bound from the entries and from the expansion.
     fn total_bound(&self) -> f64 {
         self.bound * 1.000_001 + self.expansion
     }

@@ -115,8 +115,8 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     found
 }
 
-/// A root of the given multiplicity near a point, if all lower derivatives vanish within their bounds; `lost` bounds the
-/// coefficients neglected in the polynomial.
+/// A root of the given multiplicity near a point, if all lower derivatives vanish within their bounds; `lost` bounds
+/// the coefficients neglected in the polynomial.
 fn multiple_root(
     polynomial: &[Value],
     lost: impl Fn(Complex64) -> f64,
@@ -156,6 +156,7 @@ fn multiple_root(
     (bound < 0.1 * x.norm() || multiplicity == 1).then_some(Root { value: x, multiplicity, bound })
 }
 
+/// Binomial coefficient n over k.
 pub(crate) fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |product, i| product * (n - i) as f64 / (i + 1) as f64)
 }
@@ -260,6 +261,7 @@ fn shift(terms: &[Monomial], unit: i64, order: Order, root: &Root) -> (List<Mono
     (shifted, unit_after)
 }
 
+/// Least common multiple.
 pub(crate) fn lcm(a: i64, b: i64) -> i64 {
     let (mut x, mut y) = (a, b);
     while y != 0 {

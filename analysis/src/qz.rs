@@ -31,7 +31,9 @@ const ABSENT: f64 = -1e6;
 #[derive(Clone, Debug)]
 pub struct Qz {
     size: usize,
+    /// L, overwritten by its triangular form.
     left: Matrix,
+    /// R, overwritten by its triangular form.
     right: Matrix,
     rate: i32,
     values: [Complex64; MAX_SIZE],
@@ -316,7 +318,8 @@ impl Qz {
         }
     }
 
-    /// Single-shift QZ iteration: reduces the subdiagonal of L to zero, from the bottom. `None` if it does not converge.
+    /// Single-shift QZ iteration: reduces the subdiagonal of L to zero, from the bottom. `None` if it does not
+    /// converge.
     fn iterate(&mut self, size: usize, [left_norm, right_norm]: [f64; 2]) -> Option<()> {
         let (left, right) = (&mut self.left, &mut self.right);
         let (mut end, mut steps, mut exceptional) = (size, 0, Complex64::ZERO);

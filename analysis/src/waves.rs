@@ -94,7 +94,8 @@ enum Motion {
     SpinAcross,
 }
 
-/// Relative size below which a coupling, speed or frequency counts as zero: a few hundred roundings of the largest entry.
+/// Relative size below which a coupling, speed or frequency counts as zero: a few hundred roundings of the largest
+/// entry.
 const NEGLIGIBLE: f64 = 1e-13;
 
 /// Squared characteristic speeds c² along the unit vector `normal`, m²/s², by descending real part.
@@ -108,8 +109,8 @@ pub fn squared_speeds<const D: usize>(
     all
 }
 
-/// All roots ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, relaxation included: the eigenvalues of
-/// the first-order equations. Roots that are zero within rounding (self-equilibrated stresses) are omitted.
+/// All roots ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, relaxation included: the eigenvalues
+/// of the first-order equations. Roots that are zero within rounding (self-equilibrated stresses) are omitted.
 pub fn roots<const D: usize>(
     equations: &RateEquations<D>,
     normal: [f64; D],

@@ -20,6 +20,7 @@ pub(crate) struct Worst {
 }
 
 impl Worst {
+    /// Records growth if its order, or its coefficient at equal order, is the largest so far.
     pub(crate) fn grows(&mut self, order: Order, coefficient: f64, direction: f64) {
         let better = self.growth.is_none_or(|(o, c, _)| (order, coefficient) > (o, c));
         if better {
@@ -70,12 +71,13 @@ impl Worst {
         self.expected.filter(|&order| self.may_improve(order))
     }
 
+    /// Whether no growth has been recorded.
     pub(crate) fn is_bounded(&self) -> bool {
         self.growth.is_none()
     }
 
-    /// Records that branches of neutral roots of order `order` touch near `angle` (rad): growth of lower order depends on
-    /// whether they touch exactly.
+    /// Records that branches of neutral roots of order `order` touch near `angle` (rad): growth of lower order depends
+    /// on whether they touch exactly.
     pub(crate) fn doubts_contact(&mut self, order: Order, angle: f64) {
         self.doubts(
             format!(
@@ -88,6 +90,7 @@ impl Worst {
         );
     }
 
+    /// Records an undecided quantity; only the first is stored.
     pub(crate) fn doubts(&mut self, quantity: String, value: f64, rounding: f64) {
         self.doubt.get_or_insert((quantity, value, rounding));
     }

@@ -37,6 +37,7 @@ fn centres(sample: &Sample) -> Vec<Wide> {
     found
 }
 
+/// Growth of a sample by brute force at the wave numbers `waves`.
 fn force(sample: &Sample, waves: &[f64], dense: usize, fine: bool) -> Brute {
     brute(&reference(sample).polynomial(), waves, dense, &centres(sample), 1.6, fine)
 }

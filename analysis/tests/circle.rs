@@ -18,6 +18,7 @@ use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
 use wellposed_analysis::waves::squared_speeds;
 
+/// Random isotropic solid, classical or Cosserat, with or without couple stress.
 fn solid(random: &mut Random) -> Isotropic {
     let microrotation = random.chance(0.67).then(|| Microrotation {
         alpha: random.decades(0.02, 2.0),

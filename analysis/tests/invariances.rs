@@ -16,6 +16,7 @@ use wellposed_analysis::pencil::{Pencil, Roots};
 
 const STATES: u64 = 350;
 
+/// Random samples of all models, with the random-number generator for further draws.
 fn samples(seed: u64) -> impl Iterator<Item = (u64, Random, Sample)> {
     (0..STATES).map(move |n| {
         let mut random = seeded(seed + n);
@@ -36,6 +37,7 @@ fn verdict(sample: &Sample) -> Verdict {
     assess(&pencil(sample)).verdict
 }
 
+/// Finite roots of a sample.
 fn finite(sample: &Sample, k: f64, direction: f64) -> Vec<Complex64> {
     match pencil(sample).roots(k, direction) {
         Roots::Regular { finite, .. } => finite,
@@ -69,6 +71,7 @@ fn same_verdict(before: &Verdict, after: &Verdict, factor: impl Fn(f64) -> f64, 
     }
 }
 
+/// Verifies that two sets of roots agree to a relative tolerance.
 fn close(before: &[Complex64], after: &[Complex64], tolerance: f64) {
     assert_eq!(before.len(), after.len());
     let wanted: Vec<WideComplex> = before.iter().map(|&z| z.into()).collect();

@@ -146,7 +146,7 @@ fn finite_roots_are_those_of_the_exact_polynomial() {
         );
     }
     assert!(generalised.0 > 500);
-    // QZ is backward stable for the pencil as a whole, not entry by entry: a few may be lost.
+    // QZ is backward stable for the pencil as a whole, not entry by entry: a few roots may be missed.
     assert!(
         generalised.1 * 50 <= generalised.0,
         "QZ missed {} of {} well-conditioned roots",

@@ -125,8 +125,8 @@ impl Workspace {
         (1e-30..1e30).contains(&(k / self.pencil.polynomial.wave_number))
     }
 
-    /// Largest Re ς of the last state, 1/s, at the wave number `k` (1/m) and `direction` (rad); NaN if there is no finite
-    /// root, or if [`reaches`](Self::reaches) is false for `k`.
+    /// Largest Re ς of the last state, 1/s, at the wave number `k` (1/m) and `direction` (rad); NaN if there is no
+    /// finite root, or if [`reaches`](Self::reaches) is false for `k`.
     pub fn growth(&self, k: f64, direction: f64) -> f64 {
         if !self.reaches(k) {
             return f64::NAN;

@@ -53,7 +53,8 @@ pub fn roots(solid: &Solid, normal: [f64; 3], k: f64) -> Result<Vec<Complex64>, 
     Ok(all)
 }
 
-/// Largest Re ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, including roots that are zero at all k.
+/// Largest Re ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, including roots that are zero at all
+/// k.
 ///
 /// # Errors
 /// The rate response of the yielding solid is not defined.

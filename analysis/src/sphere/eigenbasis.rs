@@ -20,6 +20,7 @@ pub(super) struct Groups {
 pub(super) type Basis = [[f64; SIZE]; SIZE];
 
 impl Groups {
+    /// Groups equal eigenvalues.
     pub(super) fn new(eigenvalues: &[f64]) -> Self {
         let mut order: [usize; SIZE] = std::array::from_fn(|i| i);
         let order = &mut order[..eigenvalues.len()];
@@ -40,8 +41,8 @@ impl Groups {
     }
 }
 
-/// Diagonalises a block of a symmetric matrix by Jacobi's method: eigenvalues on the diagonal, ascending; eigenvectors in
-/// the columns of `basis`.
+/// Diagonalises a block of a symmetric matrix by Jacobi's method: eigenvalues on the diagonal, ascending; eigenvectors
+/// in the columns of `basis`.
 pub(super) fn diagonalise(matrix: &mut Basis, basis: &mut Basis, (first, size): (usize, usize)) {
     let range = first..first + size;
     let trace = range.clone().fold(0.0, |sum, i| sum + matrix[i][i].abs());

@@ -59,8 +59,8 @@ impl AcousticTensor3 {
     /// Computes the elastic acoustic tensor and its eigenbases on the grid, in about 0.1 s.
     ///
     /// # Errors
-    /// More than six velocities, numbers that are not finite, or a direction in which the elastic acoustic tensor is not
-    /// positive definite.
+    /// More than six velocities, numbers that are not finite, or a direction in which the elastic acoustic tensor is
+    /// not positive definite.
     pub fn new(elastic: &RateEquations<3>) -> Result<Self, SphereError> {
         let stresses = elastic.stresses();
         let stiffness = elastic.stiffness_values();

@@ -9,8 +9,8 @@ pub(super) const COARSE: usize = 17;
 /// Neighbours of a point of the geodesic grid.
 pub(super) const NEIGHBOURS: usize = 6;
 
-/// Geodesic grid: the faces of an icosahedron divided into `frequency`² triangles and projected onto the unit sphere, one
-/// point of each pair n, −n; returns points and triangles.
+/// Geodesic grid: the faces of an icosahedron divided into `frequency`² triangles and projected onto the unit sphere,
+/// one point of each pair n, −n; returns points and triangles.
 fn geodesic(frequency: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut corners = Vec::with_capacity(12);

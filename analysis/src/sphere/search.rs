@@ -211,11 +211,14 @@ impl AcousticTensor3 {
         }
     }
 
+    /// Eigenvalues at `normal`; fast if `near` is close to the eigenvectors of Γₑ there.
     fn roots_near(&self, change: &Change, near: &Basis, normal: &[f64; 3]) -> SecularRoots {
         let (values, basis) = self.elastic(normal, near);
         change.at(normal, &basis, &Groups::new(&values[..self.size])).roots()
     }
 
+    /// Minimises the smallest real eigenvalue from the grid point `place` and updates `best`; `frequency` is the
+    /// number of subdivisions of the grid.
     fn refine_slowest(&self, change: &Change, place: usize, frequency: usize, best: &mut Best) {
         let near = self.basis(place);
         let function = |normal: &[f64; 3]| self.roots_near(change, &near, normal).least;
@@ -226,6 +229,8 @@ impl AcousticTensor3 {
         }
     }
 
+    /// Maximises the growth of flutter from the grid point `place` and updates `best`; `frequency` is the number of
+    /// subdivisions of the grid.
     fn refine_flutter(&self, change: &Change, place: usize, frequency: usize, best: &mut Best) {
         let near = self.basis(place);
         let goal = best.flutter.map_or(0.0, |(_, pair)| pair.growth_squared());
@@ -254,11 +259,13 @@ fn keep_strongest(list: &mut [(usize, f64)], own: (usize, f64), parents: &[u32])
     }
 }
 
+/// Slowest wave (normal, c²) and strongest flutter (normal, pair) so far, in scaled units.
 struct Best {
     pub(super) slowest: ([f64; 3], f64),
     pub(super) flutter: Option<([f64; 3], RootPair)>,
 }
 
+/// Minimum and maximum of `values`.
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }

@@ -127,8 +127,8 @@ impl Secular {
         2.0 * last / (linear + root.copysign(linear))
     }
 
-    /// A root in an interval with an odd number of roots: rational steps, then Newton's method, with bisection if a step
-    /// leaves the interval. `size` is [`size`](Self::size); `is_simple` states that no interval has three roots.
+    /// A root in an interval with an odd number of roots: rational steps, then Newton's method, with bisection if a
+    /// step leaves the interval. `size` is [`size`](Self::size); `is_simple` states that no interval has three roots.
     pub(super) fn root(&self, index: usize, size: f64, is_simple: bool) -> f64 {
         let (mut low, mut high) = self.interval(index);
         let sign = self.sign_above(index);

@@ -46,6 +46,7 @@ impl AcousticTensor3 {
     }
 }
 
+/// Adds both roots of a pair.
 fn push_pair(roots: &mut Vec<Complex64>, pair: &RootPair) {
     let root = Complex64::new(pair.square, 0.0).sqrt();
     roots.extend([pair.middle - root, pair.middle + root]);

@@ -222,7 +222,7 @@ fn coefficients_beyond_the_reversed_bound() {
             let (above, below) = (form(2, 4), form(3, 2));
             let wanted = greatest(|angle| above(angle) / below(angle));
             let error = (coefficient(&judge(&sample.system)) / wanted - 1.0).abs();
-            // Least over greatest value of F₃₂, whose product is −¼ of the discriminant.
+            // Ratio of minimum to maximum of F₃₂, whose product is −¼ of the discriminant.
             let highest = highest(&p);
             let sum = highest[0] + highest[2];
             let part = -(discriminant(highest) * (sum * sum).recip()).to_f64();

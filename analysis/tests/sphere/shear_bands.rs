@@ -68,7 +68,7 @@ fn shear_bands_start_as_rudnicki_and_rice_say() {
         }
         let normal = onset.unwrap();
         let along = |axis: usize| (0..3).map(|i| q[i][axis] * normal[i]).sum::<f64>().abs();
-        // θ₀ is the angle from the direction of the least principal stress to the band's normal.
+        // θ₀ is the angle from the direction of the smallest principal stress to the normal of the band.
         let found = along(0).atan2(along(2));
         worst[0] = worst[0].max((below - expected).abs() / shear);
         worst[1] = worst[1].max((found - angle).abs()).max(along(1));

@@ -225,7 +225,7 @@ fn collisions(p: &DispersionReference, wave: f64) -> Vec<Wide> {
     found
 }
 
-/// A tested direction.
+/// A tested direction with its growth S.
 #[derive(Clone, Copy)]
 struct Candidate {
     s: Wide,

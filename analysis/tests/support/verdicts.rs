@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
 
+/// Verdict on a linearised system.
 pub fn judge(system: &LinearisedSystem<2>) -> Verdict {
     let mut pencil = Pencil::default();
     pencil.update(system).expect("finite coefficients");
@@ -21,11 +22,13 @@ pub fn growth(verdict: &Verdict) -> (f64, f64, f64) {
     }
 }
 
+/// Angle between two directions modulo π, rad.
 pub fn angle_between(a: f64, b: f64) -> f64 {
     let gap = (a - b).rem_euclid(PI);
     gap.min(PI - gap)
 }
 
+/// Name of a verdict, with its order if ill-posed.
 pub fn name(verdict: &Verdict) -> String {
     match verdict {
         Verdict::IllPosed { growth: Some(g), .. } => {
@@ -36,6 +39,7 @@ pub fn name(verdict: &Verdict) -> String {
     }
 }
 
+/// Coefficient of growth of an ill-posed verdict.
 pub fn coefficient(verdict: &Verdict) -> f64 {
     match verdict {
         Verdict::IllPosed { growth: Some(g), .. } => g.coefficient,

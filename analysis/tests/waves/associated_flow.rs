@@ -111,8 +111,8 @@ fn yielding<const D: usize>(
     let plastic = tangent(&elastic, &list, active).expect("associated");
     let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
     let rates = |stiffness| layout.rates::<D>(stiffness, solid.density, inertia);
-    // Normals that nearly agree magnify the rounding of the tangent stiffness by the inverse of the
-    // least eigenvalue of their scaled products nᵀDn.
+    // Normals that nearly agree magnify the rounding of the tangent stiffness by the inverse of the smallest eigenvalue
+    // of their scaled products nᵀDn.
     let values = elastic.map(|entry| entry.value);
     let normals = DMatrix::from_fn(list.len(), active.len(), |row, a| {
         list[row].derivative(&active[a].normal)
