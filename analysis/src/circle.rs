@@ -11,7 +11,7 @@
 //! half degree. Narrower sectors of flutter are found only if a hint lies in them: the caller passes the directions
 //! found by the verdict from the exact dispersion polynomial.
 
-use crate::search::{bisect, place_of_maximum, sectors};
+use crate::search::{argmax_unimodal, bisect, sectors};
 use crate::sphere::{Extremes, Flutter, Slowest};
 use models::common::elementary::Elementary;
 use models::common::product::triple_product;
@@ -173,7 +173,7 @@ impl AcousticTensor2 {
                 }
             } else if here.abs() <= before.abs() && here.abs() <= after.abs() {
                 let touching =
-                    place_of_maximum(|theta| -value(theta).abs(), theta - step, theta + step);
+                    argmax_unimodal(|theta| -value(theta).abs(), theta - step, theta + step);
                 if value(touching).abs() <= tolerance {
                     found.push(touching);
                 }
@@ -208,6 +208,6 @@ fn greatest(value: impl Fn(f64) -> f64, angles: &[f64]) -> f64 {
             (best, at) = (here, angle);
         }
     }
-    let refined = place_of_maximum(&value, at - step, at + step);
+    let refined = argmax_unimodal(&value, at - step, at + step);
     if value(refined) > best { refined } else { at }
 }

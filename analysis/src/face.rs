@@ -24,9 +24,9 @@ pub(crate) struct FacePolynomial {
 }
 
 /// Angles closer than this (rad) to a zero of a coefficient belong to the layer around that zero.
-const APART: f64 = 1e-7;
+const LAYER_DISTANCE: f64 = 1e-7;
 /// Sectors between collisions closer than this (rad) to a zero of a coefficient belong to the layer around that zero.
-const BESIDE: f64 = 1e-4;
+const COLLISION_LAYER_DISTANCE: f64 = 1e-4;
 /// Distance from the unit circle, or of an angle from the real axis, within which a root is considered.
 const NEAR_CIRCLE: f64 = 1e-3;
 /// Relative increase of the level in each round of the supremum search; the search ends if it is not exceeded.
@@ -107,7 +107,7 @@ impl FacePolynomial {
                 gap.min(PI - gap) > least
             })
         };
-        let allowed = |angle: f64| is_apart(angle, APART);
+        let allowed = |angle: f64| is_apart(angle, LAYER_DISTANCE);
         let mut best: Option<(f64, f64)> = None;
         let consider = |angle: f64, best: &mut Option<(f64, f64)>| {
             if !allowed(angle) {
@@ -138,7 +138,7 @@ impl FacePolynomial {
                 let right = collisions.get(index + 1).copied().unwrap_or(collisions[0] + PI);
                 let middle = 0.5 * (left + right);
                 // Angles close to a zero of a coefficient are searched in the layer around that zero.
-                if is_apart(middle, BESIDE) {
+                if is_apart(middle, COLLISION_LAYER_DISTANCE) {
                     consider(middle, &mut best);
                 }
             }

@@ -17,7 +17,7 @@ use crate::newton::{Order, corners_of, is_on};
 use crate::pencil::Pencil;
 use crate::polynomial::Term;
 use crate::puiseux::{self, Monomial};
-use crate::search::place_of_maximum;
+use crate::search::argmax_unimodal;
 use crate::value::{Value, imaginary_power};
 use crate::worst::Worst;
 use models::Rounded;
@@ -126,7 +126,7 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         .collect();
 
     // A form that is zero within rounding but would lie above the polygon makes the verdict marginal.
-    if let Some(term) = doubtful.iter().find(|term| stands_above(term, &corners)) {
+    if let Some(term) = doubtful.iter().find(|term| lies_above_polygon(term, &corners)) {
         let worst =
             |f: &Form| f.coefficients.iter().copied().max_by(|a, b| a.bound.total_cmp(&b.bound));
         let at = worst(&term.form).unwrap_or_default();
@@ -235,7 +235,7 @@ fn edges<'a>(terms: &'a [Term], corners: &[(i64, i64)]) -> List<Edge<'a>> {
 }
 
 /// Whether a term, if nonzero, would lie above the part of the polygon with positive orders.
-fn stands_above(term: &Term, corners: &[(i64, i64)]) -> bool {
+fn lies_above_polygon(term: &Term, corners: &[(i64, i64)]) -> bool {
     let (i, j) = (term.time as i64, term.form.degree() as i64);
     let Some(&(first, top)) = corners.first() else { return false };
     if i > first {
@@ -322,7 +322,7 @@ fn leads_to_infinity(certain: &[Term], highest: usize, zero: &Zero) -> bool {
                     continue;
                 }
                 let size = GENERAL.powi((degree - l) as i32) * side.powi(l as i32);
-                let value = Value::turned(f * Rounded::exact(size), degree as i64);
+                let value = Value::times_imaginary_power(f * Rounded::exact(size), degree as i64);
                 terms.push(Monomial { x: term.time, power: -(l as i64), value });
             }
         }
@@ -374,7 +374,7 @@ impl Edge<'_> {
             let [(highest, _), (lowest, _)] = self.ends();
             let mut coefficients = list![List::new(); highest - lowest + 1];
             for t in &self.terms {
-                let turned = |&f: &Rounded| Value::turned(f, t.form.degree() as i64);
+                let turned = |&f: &Rounded| Value::times_imaginary_power(f, t.form.degree() as i64);
                 coefficients[t.time - lowest] = t.form.coefficients.iter().map(turned).collect();
             }
             FacePolynomial::new(coefficients)
@@ -481,7 +481,7 @@ fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
             .iter()
             .map(|t| {
                 let degree = t.form.degree() as i64;
-                let value = Value::turned(t.form.at_angle(angle), degree);
+                let value = Value::times_imaginary_power(t.form.at_angle(angle), degree);
                 Monomial { x: t.time, power: degree, value }
             })
             .collect();
@@ -520,7 +520,7 @@ fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
             _ => 0.0,
         };
         let (a, b) = ((place - step).max(left), (place + step).min(right));
-        let refined = place_of_maximum(rate, a, b);
+        let refined = argmax_unimodal(rate, a, b);
         if rate(refined) > value {
             (value, place) = (rate(refined), refined);
         }

@@ -76,7 +76,7 @@ fn chart(terms: &[Term], zero: &Zero) -> Chart {
     for term in terms {
         let degree = term.form.degree();
         for (l, value) in along(&term.form, zero).into_iter().enumerate() {
-            let value = Value::turned(value, degree as i64);
+            let value = Value::times_imaginary_power(value, degree as i64);
             if !value.is_zero() {
                 points.push(Point { x: term.time, y: l, power: (degree - l) as i64, value });
             }
@@ -331,7 +331,7 @@ impl Triangle {
             let mut face =
                 FacePolynomial::new(list![list![Value::default(); width + 1]; degree + 1]);
             for (x, y, n) in self.0 {
-                face.coefficients[x][y] += Value::turned(Rounded::ONE, n.into());
+                face.coefficients[x][y] += Value::times_imaginary_power(Rounded::ONE, n.into());
             }
             let top = &face.coefficients[degree];
             let ends = [(0.0, 0), (FRAC_PI_2, width)].into_iter().filter(|e| top[e.1].is_zero());
@@ -385,7 +385,7 @@ pub(crate) fn collisions_at(face: &FacePolynomial, angle: f64) -> List<Collision
     let mut include = |angle: f64, near: Option<Complex64>, is_sharp: bool| {
         for root in face.roots(angle).into_iter().filter(|r| r.multiplicity > 1) {
             let is_meant = near.is_none_or(|c| (c - root.value).norm() <= 1e-3 * root.value.norm());
-            if !is_meant || !comes_apart(face, angle, &root) {
+            if !is_meant || !splits_nearby(face, angle, &root) {
                 continue;
             }
             let is_same = |c: &&Collision| {
@@ -473,7 +473,7 @@ fn crossing(
 }
 
 /// Whether a multiple root splits at neighbouring angles.
-fn comes_apart(face: &FacePolynomial, angle: f64, root: &Root) -> bool {
+fn splits_nearby(face: &FacePolynomial, angle: f64, root: &Root) -> bool {
     [1e-3, -1e-3].into_iter().any(|offset| {
         let distance = |r: &Root| (r.value - root.value).norm();
         let beside = face.roots(angle + offset);

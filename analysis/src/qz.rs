@@ -23,7 +23,7 @@ const ZERO: f64 = 1e-75;
 /// Maximum number of QZ steps per eigenvalue; two or three are typical.
 const STEPS: usize = 40;
 /// Number of sweeps of the equilibration.
-const SWEEPS: usize = 6;
+const EQUILIBRATION_SWEEPS: usize = 6;
 /// Placeholder for the logarithm of zero.
 const ABSENT: f64 = -1e6;
 
@@ -163,7 +163,7 @@ impl Qz {
         let (row_weight, column_weight) = (row_count.map(inverse), column_count.map(inverse));
         let right_weight = inverse(right_count);
         let ([mut r, mut c], mut g) = ([[0.0; N]; 2], 0.0);
-        for _ in 0..SWEEPS {
+        for _ in 0..EQUILIBRATION_SWEEPS {
             let (mut sums, mut right_sum) = (column_logs, right_logs);
             for i in 0..n {
                 let mut sum = row_logs[i] + row_right[i] * g;

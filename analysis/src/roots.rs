@@ -23,7 +23,9 @@ pub fn solve(coefficients: &[Complex64]) -> List<Complex64> {
                 list![sum / c2, c0 / sum]
             }
         }
-        _ => iterate(coefficients, &mut initial(coefficients, &[]), |x| evaluate(coefficients, x)),
+        _ => iterate(coefficients, &mut initial_guesses(coefficients, &[]), |x| {
+            evaluate(coefficients, x)
+        }),
     }
 }
 
@@ -39,7 +41,7 @@ pub fn solve_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -
     }
     let (coefficients, rounded) = (&coefficients[zeros..], &rounded[zeros..]);
     let guesses = if zeros == 0 { guesses } else { &[] };
-    let mut start = initial(rounded, guesses);
+    let mut start = initial_guesses(rounded, guesses);
     let mut roots = iterate(rounded, &mut start, |x| {
         let at = ExtendedComplex { re: x.re.into(), im: x.im.into() };
         let (mut value, mut slope) = (ExtendedComplex::default(), Complex64::ZERO);
@@ -65,7 +67,7 @@ fn evaluate(coefficients: &[Complex64], x: Complex64) -> (Complex64, Complex64) 
 
 /// Starting points: the finite `guesses` if there is one per root, else points on circles whose radii are the slopes of
 /// the Newton polygon of the moduli.
-fn initial(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64> {
+fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64> {
     let degree = coefficients.len() - 1;
     let usable = guesses.len() == degree && guesses.iter().all(|g| g.is_finite());
     if usable {

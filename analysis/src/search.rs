@@ -48,7 +48,7 @@ pub(crate) fn golden_section(
 }
 
 /// Position of the maximum of a unimodal function in [a, b], to rounding.
-pub(crate) fn place_of_maximum(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
+pub(crate) fn argmax_unimodal(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     /// The interval shrinks to the rounding of its ends.
     const STEPS: usize = 60;
     golden_section(f, [a, b], STEPS, Some(1e-12)).middle()

@@ -25,7 +25,7 @@ impl Value {
     }
 
     /// Product x iⁿ with the n-th power of the imaginary unit.
-    pub(crate) fn turned(x: Rounded, n: i64) -> Self {
+    pub(crate) fn times_imaginary_power(x: Rounded, n: i64) -> Self {
         Self { value: imaginary_power(n) * x.value, bound: x.bound }
     }
 

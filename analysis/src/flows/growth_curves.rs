@@ -70,7 +70,7 @@ pub fn decades(workspace: &Workspace, assessment: &Assessment, number: f64) -> i
     let directions = directions(assessment);
     let is_seen = |decades: &i32| {
         let k = number * 10f64.powi(decades - FITTED_DECADES);
-        let [rate, _] = greatest(|direction| rate(workspace, k, direction), &directions);
+        let [rate, _] = maximise(|direction| rate(workspace, k, direction), &directions);
         let asymptote = growth.coefficient * k.cr_powf(growth.order.value());
         (rate / asymptote - 1.0).abs() < ON_ASYMPTOTE
     };
@@ -99,7 +99,7 @@ pub fn by_wave_number(
             let number = number * 10f64.cr_powf(f64::from(step) / f64::from(PER_DECADE));
             let [greatest, worst] = match unbounded {
                 Some(direction) => [f64::INFINITY, direction],
-                None => greatest(|direction| rate(workspace, number, direction), &directions),
+                None => maximise(|direction| rate(workspace, number, direction), &directions),
             };
             AtWaveNumber {
                 number,
@@ -149,7 +149,7 @@ fn around(centre: f64, (first, step, number): (f64, f64, usize)) -> impl Iterato
 
 /// Maximum and its position of a function of period π: the highest peaks of the ascending `samples`, refined by golden
 /// sections between their neighbours.
-fn greatest(f: impl Fn(f64) -> f64, samples: &[f64]) -> [f64; 2] {
+fn maximise(f: impl Fn(f64) -> f64, samples: &[f64]) -> [f64; 2] {
     let values: Vec<f64> = samples.iter().map(|&x| f(x)).collect();
     let count = samples.len();
     let is_peak = |&i: &usize| {
@@ -246,12 +246,12 @@ mod tests {
                 let offset = (x - at) / width;
                 0.9 * (x - 2.0).cos().powi(2) + 2.0 * offset / (1.0 + offset * offset)
             };
-            let [value, place] = greatest(f, &samples);
+            let [value, place] = maximise(f, &samples);
             assert!((place - at - width).abs() < 0.5 * width, "{place} at {width}");
             assert!(value >= f(at + width) * (1.0 - 1e-6), "{value}");
         }
         // A maximum next to the end of the period.
-        let [value, place] = greatest(|x| (2.0 * (x - 3.13)).cos(), &samples);
+        let [value, place] = maximise(|x| (2.0 * (x - 3.13)).cos(), &samples);
         assert!(value > 1.0 - 1e-9 && (place - 3.13).abs() < 1e-4);
     }
 }
