@@ -181,14 +181,14 @@ fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
             return Err(RegistryError::NamedConditions { model, theory, names, half_spaces });
         }
     }
-    // Of a theory that the set does not admit nothing is asked.
+    // It suffices that one theory admits the set: an error of a single theory is ignored.
     match sets {
         [(_, Err(error)), (_, Err(_)), (_, Err(_))] => Err(RegistryError::Example { model, error }),
         _ => Ok(()),
     }
 }
 
-/// Properties common to the entries of all lists.
+/// Properties common to the registry entries of all lists.
 trait Entry: Copy + 'static {
     fn name(self) -> &'static str;
     fn parameters(self) -> Vec<&'static Parameter>;

@@ -1,14 +1,14 @@
 //! Elementary functions whose results have the same bits on every platform.
 //!
-//! The standard library takes sin, cos, exp, … from the platform: glibc, musl and macOS differ in the last bit, and
-//! glibc chooses code by whether the processor has fused multiply-add. A correctly rounded function has one
-//! result only. The functions here call the crate `pxfm`, which evaluates in double precision and repeats in 128 bits
-//! if the first pass does not decide the rounding (Ziv 1991). `pxfm` uses fused multiply-add where the processor has
-//! it, and gives the same bits without (`tests/elementary.rs`). Names follow C23, which reserves the prefix `cr_` for
+//! The standard library calls the platform's sin, cos, exp, …: glibc, musl and macOS differ in the last bit, and the
+//! code that glibc selects depends on whether the processor has fused multiply-add. A correctly rounded result is
+//! unique. The functions here call the crate `pxfm`, which evaluates in double precision and repeats in 128 bits if the
+//! first pass does not decide the rounding (Ziv 1991). `pxfm` uses fused multiply-add where the processor has it, and
+//! returns the same bits without it (`tests/elementary.rs`). Names follow C23, which reserves the prefix `cr_` for
 //! correctly rounded functions (ISO/IEC TS 18661-4).
 //!
-//! The operations `+ − × ÷ √` are correctly rounded on every platform by IEEE 754, so expressions made of them alone
-//! need nothing from this module.
+//! The operations `+ − × ÷ √` are correctly rounded on every platform by IEEE 754, so expressions of these operations
+//! alone are platform-independent without this module.
 
 use nalgebra::Complex;
 

@@ -12,8 +12,8 @@ pub struct InputError {
     pub allowed: String,
 }
 
-/// `Ok(())` if `holds`, else an [`InputError`] of the input `key`. Pass [`format_args!`], not [`format!`]: the text is
-/// formatted only on error.
+/// Returns `Ok(())` if `holds`, else an [`InputError`] of the input `key` with the value `found` and the values
+/// `allowed`. Pass [`format_args!`], not [`format!`]: the text is formatted only on error.
 pub(crate) fn ensure(
     holds: bool,
     key: &'static str,
@@ -27,7 +27,7 @@ pub(crate) fn ensure(
     }
 }
 
-/// An angle in degrees, rounded to 1e-10° to hide the rounding of the conversion.
+/// Converts an angle from rad to degrees, rounded to 1e-10° to hide the rounding error of the conversion.
 pub(crate) fn degrees(radians: f64) -> f64 {
     let degrees = radians.to_degrees();
     let rounded = (degrees * 1e10).round() / 1e10;

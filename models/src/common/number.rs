@@ -34,7 +34,7 @@ pub trait Number:
     /// The number nearest to a double, in all lanes.
     fn from_f64(value: f64) -> Self;
 
-    /// Maximum of two numbers, lane by lane; the second operand if the comparison is false.
+    /// Maximum of two numbers, lane by lane; `other` where `self > other` is false, also for NaN.
     fn max(self, other: Self) -> Self;
 
     /// Minimum of two numbers, lane by lane.
@@ -47,18 +47,18 @@ pub trait Number:
     fn sqrt(self) -> Self;
 
     /// Minmod limiter of three arguments: the one of smallest magnitude, or zero if `one` and `other` differ in sign.
-    /// `self` must be a mean of the two, so that it has their sign where they agree.
+    /// `self` must be a mean of `one` and `other`, so that it has their sign where the two signs agree.
     fn minmod3(self, one: Self, other: Self) -> Self;
 
-    /// Flushes magnitudes below `limit` to zero, as subnormal numbers are slow; NaN is unchanged.
+    /// Flushes magnitudes below `limit` to zero, since subnormal arithmetic is slow; NaN is unchanged.
     fn flush_below(self, limit: Self) -> Self;
 
     /// Whether any lane is greater than its counterpart in `other`.
     fn any_gt(self, other: Self) -> bool;
 }
 
-/// Correctly rounded x/3 without a division: with q = x·⅓ both differences of (x − 2q) − q are exact (Sterbenz 1974), and
-/// x/3 is at least a sixth of a unit in the last place away from a rounding boundary. Near underflow the last place may
+/// Correctly rounded x/3 without a division: with q = x·⅓ both differences in (x − 2q) − q are exact (Sterbenz 1974), and
+/// x/3 is at least a sixth of a unit in the last place away from a rounding boundary. Near underflow the last bit may
 /// differ; −0 becomes 0.
 #[inline(always)]
 pub fn third<N: Number>(x: N) -> N {

@@ -63,7 +63,7 @@ impl Parameter {
         Self { name, label, unit, meaning, presence, range: Range::Finite }
     }
 
-    /// This parameter with the allowed range `range`, in the unit of the parameter.
+    /// Returns this parameter with the allowed range `range`, in the unit of the parameter.
     pub const fn within(self, range: Range) -> Self {
         Self { range, ..self }
     }

@@ -1,13 +1,13 @@
 //! Real matrix products whose bits do not depend on the processor.
 //!
-//! `nalgebra` hands products of real matrices with more than five rows and columns to `matrixmultiply`, which
-//! uses fused multiply-add where the processor has it. Products of complex matrices, of matrices and vectors, and
-//! decompositions do not go there.
+//! `nalgebra` delegates products of real matrices with more than five rows and columns to the crate `matrixmultiply`,
+//! which uses fused multiply-add where the processor has it. Products of complex matrices, matrix–vector products and
+//! decompositions do not call `matrixmultiply`.
 
 use nalgebra::{DMatrix, Dim, Matrix, Storage};
 
-/// Matrix product AB, column by column. The terms of an entry are added in the order of their index; no fused
-/// multiply-add.
+/// Computes the matrix product AB column by column. The terms of an entry are added in the order of the summation
+/// index, without fused multiply-add.
 ///
 /// # Panics
 /// The number of columns of A differs from the number of rows of B.

@@ -29,23 +29,22 @@ pub struct RateEquations<const D: usize> {
     pub stiffness: Matrix,
     /// Gradient operators Gⁱ: stresses × velocities, dimensionless.
     pub gradient: [DMatrix<f64>; D],
-    /// Strain Z of the velocities without gradients (spins): stresses × velocities, dimensionless.
+    /// Operator Z of the strain rates due to spins without gradients: stresses × velocities, dimensionless.
     pub rotation: DMatrix<f64>,
     /// Relaxation R: stresses × stresses, 1/(Pa·s); zero unless the background flows plastically.
     pub relaxation: Matrix,
 }
 
-/// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U`, as Sadovskii & Sadovskaya (2019, "Elastic
-/// Cosserat continuum") write it: A symmetric positive definite, Bⁱ symmetric, Q
-/// antisymmetric.
+/// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U` in the notation of Sadovskii & Sadovskaya (2019, "Elastic
+/// Cosserat continuum"): A symmetric positive definite, Bⁱ symmetric, Q antisymmetric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricForm<const D: usize> {
     /// Matrix A; ½ U·AU is the energy density.
     pub a: DMatrix<f64>,
     /// Symmetric flux matrices Bⁱ.
     pub b: [DMatrix<f64>; D],
-    /// Source matrix Q. With plastic flow of the background Q is antisymmetric minus R, which damps if flow is
-    /// associated.
+    /// Source matrix Q. With plastic flow of the background Q is an antisymmetric matrix minus R; for associated flow R
+    /// is positive semidefinite and damps perturbations.
     pub q: DMatrix<f64>,
 }
 
@@ -65,8 +64,8 @@ impl<const D: usize> RateEquations<D> {
         self.stiffness.map(|entry| entry.value)
     }
 
-    /// Writes the linearised system `A ∂ₜz + Σ Bⁱ∂ᵢz + C z = 0` in the material's frame, solved for
-    /// the stress rates.
+    /// Writes the linearised system `A ∂ₜz + Σ Bⁱ∂ᵢz + C z = 0` in the material frame (V = 0), solved for the stress
+    /// rates.
     pub fn linearise(&self, system: &mut LinearisedSystem<D>) {
         let (nv, ns) = (self.velocities(), self.stresses());
         system.reset(self.unknowns, self.equations, [0.0; D]);

@@ -1,9 +1,8 @@
 //! Floating-point numbers with a running rounding-error bound.
 //!
-//! Verdicts depend on signs. To assert a sign one needs the value *and* a bound on its error, so
-//! the linearised equations are written in [`Rounded`]: a double with a running error bound
-//! (Wilkinson's running error analysis). A value whose bound is zero is exact; a structural zero
-//! stays one.
+//! Verdicts depend on signs. A sign is certain only if the value exceeds a bound on its error, so the linearised
+//! equations are written in [`Rounded`]: a double with a running error bound (Wilkinson's running error analysis). A
+//! value with a zero bound is exact. Products and sums propagate structural zeros exactly.
 
 use crate::common::elementary::Elementary;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
@@ -17,7 +16,7 @@ const UPWARDS: f64 = 1.0 + 2.0 * f64::EPSILON;
 /// The smallest positive double: the error of a product that underflows.
 const SMALLEST: f64 = f64::from_bits(1);
 
-/// A double `value` within `bound` of the number that it stands for.
+/// A double `value` within `bound` of the exact number that it approximates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rounded {
     /// The double.
@@ -37,7 +36,7 @@ impl Rounded {
         Self { value, bound: 0.0 }
     }
 
-    /// A double that is the nearest to some real number, such as a decimal from a file: bound u·|value|.
+    /// A double rounded from a real number, such as a decimal from a file: bound u·|value|, u the unit roundoff.
     pub fn given(value: f64) -> Self {
         Self { value, bound: UNIT_ROUNDOFF * value.abs() }
     }
@@ -64,7 +63,7 @@ impl Rounded {
         }
     }
 
-    /// Sine; the function is taken to be right to one unit in the last place.
+    /// Sine, with an assumed error of at most one unit in the last place.
     pub fn sin(self) -> Self {
         if self.is_structural_zero() {
             return Self::ZERO;
@@ -73,14 +72,14 @@ impl Rounded {
         Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
-    /// Cosine; the function is taken to be right to one unit in the last place.
+    /// Cosine, with an assumed error of at most one unit in the last place.
     pub fn cos(self) -> Self {
         let value = self.value.cr_cos();
         Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
-    /// Arc sine of a number whose exact value lies in [−1, 1]; the bound is the distance to the
-    /// arc sines of the ends of the interval that the argument may lie in.
+    /// Arc sine of a number whose exact value lies in [−1, 1]. The bound is the largest distance to the arc sines of
+    /// value ± bound, the ends of the interval of possible arguments.
     pub fn asin(self) -> Self {
         let at = |x: f64| x.clamp(-1.0, 1.0).cr_asin();
         let value = at(self.value);
@@ -196,7 +195,7 @@ mod tests {
 
     #[test]
     fn the_bound_covers_a_catastrophic_cancellation() {
-        // (1/3 + 2/3) − 1 − tiny: the exact result is −1e-17, far below what doubles carry.
+        // (1/3 + 2/3) − 1 − 1e-17: the exact result −1e-17 is below the resolution of doubles near 1.
         let third = Rounded::given(1.0 / 3.0);
         let rest = third + 2.0 * third - Rounded::ONE - Rounded::exact(1e-17);
         assert!((rest.value + 1e-17).abs() <= rest.bound);

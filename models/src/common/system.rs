@@ -12,9 +12,9 @@ pub type Matrix = DMatrix<Rounded>;
 /// A (∂ₜ + V·∇) z + Σ Bⁱ ∂ᵢ z + C z = 0.
 /// ```
 ///
-/// `V` is the velocity of the frame of reference: for a flow the velocity of the material, so that all
-/// time derivatives are material derivatives; for a solid zero. It only shifts ς to ς − ik·V, so growth does not
-/// depend on it; storing it separately keeps Galilean invariance exact in floating point.
+/// `V` is the velocity of the frame of reference: for a flow the velocity of the material, so that all time derivatives
+/// are material derivatives; for a solid zero. For modes exp(ςt + ik·x), V only shifts ς to ς − ik·V and leaves the
+/// growth rate Re ς unchanged; storing V separately keeps Galilean invariance exact in floating point.
 ///
 /// Rows are equations, columns are unknowns; a system may have fewer rows than columns. Fill with
 /// [`reset`](Self::reset) and index assignments; refilling a system allocates nothing.

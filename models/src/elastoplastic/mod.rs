@@ -23,7 +23,7 @@ pub struct Solid {
 }
 
 impl Solid {
-    /// A solid in 2 (plane strain) or 3 dimensions; a law for plane strain only forces 2.
+    /// Creates a solid in 2 (plane strain) or 3 `dimensions`; a law defined in plane strain only always gets 2.
     pub fn new(elastic: ElasticLaw, dimensions: usize, plastic: Option<Plastic>) -> Self {
         let dimensions = if elastic.is_plane() { 2 } else { dimensions };
         Self { elastic, dimensions, plastic }
@@ -46,8 +46,8 @@ impl Solid {
         Ok(self.elastic.rates_with_stiffness(&layout, &tangent))
     }
 
-    /// Rate equations including the relaxation R due to plastic flow of the background, with carried stresses among
-    /// the unknowns; `None` if R is zero.
+    /// Rate equations including the relaxation R due to plastic flow of the background, with the carried (out-of-plane)
+    /// stresses among the unknowns; `None` if R is zero.
     ///
     /// # Errors
     /// H + n·Dm is not positive for an active condition; see [`NoResponse`].

@@ -26,8 +26,8 @@ impl Plastic {
     /// Allowed range of [`Plastic::rate`].
     pub const RATE: Range = Range::NotNegative;
 
-    /// Yielding at the stress −p δ + s·`direction` with the largest admissible s, while the background flows at the
-    /// rate Λ (1/s).
+    /// Creates the plastic state at the stress −p δ + s·`direction` with the largest admissible s, for a background that
+    /// flows plastically at the rate Λ (1/s).
     ///
     /// # Errors
     /// No multiple of the direction yields (see [`scale_onto_yield`]), or the rate is negative.
@@ -52,8 +52,8 @@ impl Plastic {
         Ok(Self { set, stress: Some(stress), active, rate })
     }
 
-    /// A polyhedral set with given active conditions, independent of the stress; `active` holds indices into
-    /// [`half_spaces`](crate::yield_set::YieldConditions::half_spaces).
+    /// Creates the plastic state of a polyhedral set with given active conditions, independent of the stress; `active`
+    /// holds indices into [`half_spaces`](crate::yield_set::YieldConditions::half_spaces).
     ///
     /// # Errors
     /// An index is out of range.

@@ -23,7 +23,7 @@ pub(super) fn background(
     check_ranges(coulomb, rule, rotation, state)?;
     let noncoaxiality = noncoaxiality(rule, state)?;
 
-    // Rotation against half the vorticity: second line of the flow rule with
+    // Relative rotation ω − s₂₁ from the second line of the flow rule, where
     // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ.
     let twice = 2.0 * noncoaxiality;
     let shear_rate = Rounded::given(state.shear_rate);
@@ -69,7 +69,7 @@ pub(super) fn background(
         power: 0.0,
     };
     if let MaterialRotation::IntrinsicSpin { moment_of_inertia, .. } = rotation {
-        // Balance of spin (eq. 9) with r uniform, for the body moment.
+        // Body moment from the balance of spin (Harris & Grekova 2005, eq. 9) with uniform r.
         let spin = flow.spin.unwrap_or_default().value;
         flow.body_moment = Some(
             moment_of_inertia * state.spin_acceleration + state.inertia_rate * spin
@@ -81,7 +81,7 @@ pub(super) fn background(
     Ok(Background::FullyDeforming(flow))
 }
 
-/// All numbers of a state with their keys.
+/// Iterates over all given numbers of a state with their input keys.
 fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
     let pairs = [
         ("velocity", Some(state.velocity)),
@@ -178,7 +178,8 @@ fn check_ranges(
     )
 }
 
-/// Non-coaxiality Δ, rad: as given, or the solution with cos 2Δ > 0 for a given spin, or 0.
+/// Returns the non-coaxiality Δ, rad: the given value, else the solution of the flow rule with cos 2Δ > 0 for a given
+/// spin, else 0.
 fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> {
     let given = Rounded::angle(state.noncoaxiality.unwrap_or(0.0));
     let Some(spin) = state.spin else { return Ok(given) };
@@ -269,8 +270,8 @@ fn stress_and_region(
     Ok((stress, region))
 }
 
-/// Velocity gradient ∂ⱼVᵢ, 1/s, from the deviatoric rate (Q_D, Ψ_D), the dilatation tr d of the flow rule and the half
-/// vorticity.
+/// Computes the velocity gradient ∂ⱼVᵢ, 1/s, from the deviatoric rate (Q_D, Ψ_D), the dilatation tr d of the flow rule
+/// and the half vorticity s₂₁.
 fn velocity_gradient(rule: &FlowRule, state: &State, delta: Rounded) -> [[Rounded; 2]; 2] {
     let rate = Rounded::given(state.shear_rate);
     let angle = 2.0 * (Rounded::angle(state.stress_angle) + delta);
@@ -281,7 +282,8 @@ fn velocity_gradient(rule: &FlowRule, state: &State, delta: Rounded) -> [[Rounde
     [[half_trace + normal, shear - spin], [shear + spin, half_trace - normal]]
 }
 
-/// Acceleration minus body force, DV/Dt − F, m/s², from the balance of momentum (Harris & Grekova 2005, eqs 16, 17).
+/// Computes acceleration minus body force, DV/Dt − F, m/s², from the balance of momentum (Harris & Grekova 2005, eqs 16,
+/// 17).
 fn acceleration(coulomb: &Coulomb, state: &State, stress: &PlanarStress) -> [Rounded; 2] {
     let angle = 2.0 * Rounded::angle(stress.angle);
     let (s2, c2) = (angle.sin(), angle.cos());

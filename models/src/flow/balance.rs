@@ -1,8 +1,8 @@
 //! Linearised balance equations and flow rule shared by the granular-flow models.
 //!
-//! Written from Harris & Grekova (2005), eqs (16)–(18), (41), (42), linearised about a background
-//! as in section 5 there, with the printed errors of eqs (83) and (86) corrected; with ν > 0 the
-//! density is an unknown. Lower-case symbols are perturbations, capitals the background.
+//! Harris & Grekova (2005), eqs (16)–(18), (41), (42), linearised about a background as in section 5 of the paper, with
+//! the printed errors of eqs (83) and (86) corrected. For ν > 0 the density is an unknown. Lower-case symbols are
+//! perturbations, capitals the background.
 
 use super::state::{Coulomb, Flow, FlowRule};
 use crate::common::rounding::Rounded;
@@ -15,11 +15,11 @@ const PRESSURE: Unknown = Unknown { name: "pressure", family: "stress" };
 const ANGLE: Unknown = Unknown { name: "stress angle", family: "stress" };
 const DENSITY: Unknown = Unknown { name: "density", family: "density" };
 
-// The density is the last unknown: it is dropped without dilatancy.
+// The density is the last unknown, so that it can be omitted for ν = 0.
 const UNKNOWNS: &[Unknown] = &[VELOCITY_1, VELOCITY_2, PRESSURE, ANGLE, DENSITY];
 const WITH_SPIN: &[Unknown] = &[VELOCITY_1, VELOCITY_2, SPIN, PRESSURE, ANGLE, DENSITY];
 
-/// Column of the intrinsic spin ω, in a model that has one.
+/// Column of the intrinsic spin ω in models with spin.
 pub const SPIN_COLUMN: usize = 2;
 
 /// Columns of the unknowns other than the spin.
@@ -31,7 +31,7 @@ pub struct Columns {
     pub pressure: usize,
     /// Stress angle ψ.
     pub angle: usize,
-    /// Density ρ, where it evolves.
+    /// Density ρ; `None` for ν = 0, where the density is constant.
     pub density: Option<usize>,
 }
 
@@ -65,13 +65,13 @@ fn double_angle(flow: &Flow) -> [Rounded; 2] {
     [angle.sin(), angle.cos()]
 }
 
-/// Balance of momentum in rows 0 and 1.
+/// Writes the linearised balance of momentum into rows 0 and 1:
 ///
 /// ```text
 /// ρ Dv₁/Dt + (1 − sin φ cos 2ψ) ∂₁p − sin φ sin 2ψ ∂₂p + 2q (sin 2ψ ∂₁ψ − cos 2ψ ∂₂ψ) = ρF₁
 /// ρ Dv₂/Dt − sin φ sin 2ψ ∂₁p + (1 + sin φ cos 2ψ) ∂₂p − 2q (cos 2ψ ∂₁ψ + sin 2ψ ∂₂ψ) = ρF₂
 /// ```
-/// with `q = p sin φ + c cos φ`; the uniform rotational stress has no divergence.
+/// with `q = p sin φ + c cos φ`. The uniform rotational stress has zero divergence.
 pub fn momentum(
     system: &mut LinearisedSystem<2>,
     columns: &Columns,
@@ -96,7 +96,7 @@ pub fn momentum(
     system.b[0][(1, angle)] = -(twice_q * c2);
     system.b[1][(1, angle)] = -(twice_q * s2);
 
-    // Derivatives of the coefficients above times the background's gradients; ∂q/∂p = sin φ.
+    // Derivatives of the coefficients above with respect to p and ψ, times the background gradients; ∂q/∂p = sin φ.
     let (along, across) = (s2 * a1 - c2 * a2, c2 * a1 + s2 * a2);
     system.c[(0, pressure)] = 2.0 * (sin_phi * along);
     system.c[(1, pressure)] = -(2.0 * (sin_phi * across));
@@ -114,7 +114,7 @@ pub fn momentum(
     }
 }
 
-/// Balance of mass, `Dρ/Dt + ρ ∇·v = 0`, in `row`, where the density evolves.
+/// Writes the linearised balance of mass, `Dρ/Dt + ρ ∇·v = 0`, into `row`; writes nothing for ν = 0.
 pub fn mass(system: &mut LinearisedSystem<2>, row: usize, columns: &Columns, flow: &Flow) {
     let Some(density) = columns.density else { return };
     system.a[(row, density)] = Rounded::ONE;
@@ -125,8 +125,8 @@ pub fn mass(system: &mut LinearisedSystem<2>, row: usize, columns: &Columns, flo
     }
 }
 
-/// Both equations of [`FlowRule`] in rows `row` (volume) and `row + 1` (rotation). The caller adds the material
-/// rotation ω, whose coefficient in the second is 2 e_r:
+/// Writes both linearised equations of [`FlowRule`] into the rows `row` (volume) and `row + 1` (rotation), without the
+/// term 2 e_r ω of the material rotation, which the caller adds:
 ///
 /// ```text
 /// e_v tr d − s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ] = 0
@@ -153,7 +153,7 @@ pub fn flow_rule(
     system.b[0][(rotation, v2)] = -rule.rotation + rule.shear * c2;
     system.b[1][(rotation, v2)] = rule.shear * s2;
 
-    // With D₁₁ − D₂₂ = 2 Q_D cos 2Ψ_D, 2 D₁₂ = 2 Q_D sin 2Ψ_D the derivatives of the brackets
+    // With D₁₁ − D₂₂ = 2 Q_D cos 2Ψ_D and 2 D₁₂ = 2 Q_D sin 2Ψ_D the derivatives of the square brackets
     // with respect to ψ are −4 Q_D sin 2(Ψ_Σ − Ψ_D) and 4 Q_D cos 2(Ψ_Σ − Ψ_D).
     let twice_delta = 2.0 * flow.rounded_noncoaxiality();
     let rate = 4.0 * Rounded::given(flow.shear_rate);

@@ -1,16 +1,16 @@
 //! Closed-form verdicts on well-posedness.
 //!
 //! For some models and backgrounds the growth rate of short waves is known in closed form. A formula decides only if
-//! its result is certain: every quantity it uses carries a rounding bound, which must be far below the quantity
-//! itself, and no number may approach overflow or underflow. Otherwise the formula abstains and the linearised
-//! equations are analysed numerically. So a formula never returns *marginal* and never decides near a boundary.
+//! its result is certain: the rounding bound of every quantity must be far below the quantity itself, and all numbers
+//! must be far from overflow and underflow. Otherwise the formula returns `None` and the linearised equations are
+//! analysed numerically. So a formula never returns *marginal* and never decides near a stability boundary.
 
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
 use crate::flow::state::Flow;
 use std::f64::consts::PI;
 
-/// Growth of short waves by a closed-form formula, in the terms of the numerical analysis.
+/// Closed-form verdict on the growth of short waves, in the categories of the numerical analysis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClosedForm {
     /// Well-posed: the growth rate is bounded uniformly over all wave vectors.
@@ -21,13 +21,13 @@ pub enum ClosedForm {
         order: u8,
         /// Limit of Re ς / k^order, m^order/s; positive.
         coefficient: f64,
-        /// Angle of the wave vector, rad, in [0, π); one of them where several are equally bad.
+        /// Angle of the wave vector with the largest growth, rad, in [0, π); one of them if several grow equally.
         direction: f64,
     },
     /// The coefficient of the highest power of ς changes sign with the direction, so the growth rate is unbounded at
     /// finite wave numbers.
     UnboundedAtFiniteWaveNumber {
-        /// Angle of the wave vector, rad, in [0, π); one of them where there are several.
+        /// Angle of a wave vector with unbounded growth, rad, in [0, π); one of them if there are several.
         direction: f64,
     },
     /// The pencil is singular: the equations do not determine their unknowns.
@@ -47,26 +47,27 @@ const RESOLUTION: f64 = 1e-10;
 const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-30..1e30;
 
 /// Smallest cosine of a friction or dilatancy angle at which a formula decides: 0.57° from a right angle. As φ → 90°
-/// the degenerate directions β = ±(90° − φ) merge with each other and with the direction of the smallest highest
-/// coefficient, (1 − sin φ)² or less: the linearised equations no longer separate them to ten digits.
+/// the degenerate directions β = ±(90° − φ) merge with each other and with the direction in which the coefficient of
+/// the highest power of ς is smallest, at most (1 − sin φ)²: the numerical analysis no longer separates them to ten
+/// digits.
 const MIN_COSINE: f64 = 1e-2;
 
 impl ClosedForm {
-    /// Growth of order `order` with `coefficient`, if ten digits of it are certain; `beta` is β = 2(Ψ_Σ − ψ_K) in the
-    /// worst direction, rad.
+    /// Growth of order `order` with `coefficient` (m^order/s); `None` unless ten digits of the coefficient are certain.
+    /// `beta` is β = 2(Ψ_Σ − ψ_K) in the direction of largest growth, rad.
     pub(crate) fn grows(order: u8, coefficient: Rounded, flow: &Flow, beta: f64) -> Option<Self> {
         let is_clear = clear_sign(coefficient) == Some(1) && coefficient.value.is_finite();
         let direction = direction(flow, beta);
         is_clear.then_some(Self::Grows { order, coefficient: coefficient.value, direction })
     }
 
-    /// Unbounded growth at finite wave numbers, in the direction `beta`, rad.
+    /// Unbounded growth at finite wave numbers in the direction with β = `beta`, rad.
     pub(crate) fn unbounded(flow: &Flow, beta: f64) -> Self {
         Self::UnboundedAtFiniteWaveNumber { direction: direction(flow, beta) }
     }
 }
 
-/// Angle ψ_K of the wave vector, rad, in [0, π), from β = 2(Ψ_Σ − ψ_K).
+/// Computes the angle ψ_K of the wave vector, rad, in [0, π), from β = 2(Ψ_Σ − ψ_K).
 fn direction(flow: &Flow, beta: f64) -> f64 {
     let angle = (flow.stress.angle - 0.5 * beta).rem_euclid(PI);
     // rem_euclid rounds a tiny negative angle up to π itself.
@@ -83,7 +84,7 @@ pub(crate) fn is_below_right_angle(angle: f64) -> bool {
     angle.cr_cos() >= MIN_COSINE
 }
 
-/// Whether all numbers of a flow are zero or within the magnitudes whose products neither overflow nor underflow.
+/// Whether every number of a flow is zero or has a magnitude in [`SAFE_MAGNITUDES`].
 pub(crate) fn is_of_moderate_size(flow: &Flow) -> bool {
     let [[g11, g12], [g21, g22]] = flow.velocity_gradient;
     let single = [

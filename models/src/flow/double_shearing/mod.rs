@@ -1,4 +1,5 @@
-//! Spencer (1964), for ν > 0 Mehrabadi & Cowin (1978): double shearing about the stress axes.
+//! Double-shearing model (Spencer 1964; for ν > 0 Mehrabadi & Cowin 1978): the material rotates with the principal
+//! stress axes.
 
 pub mod closed_form;
 pub mod parameters;

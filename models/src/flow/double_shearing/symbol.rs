@@ -21,7 +21,7 @@ pub fn write(model: &DoubleShearing, flow: &Flow, system: &mut LinearisedSystem<
     flow_rule(system, 2, &columns, &rule, flow);
     mass(system, 4, &columns, flow);
 
-    // 2 e_r Dψ/Dt
+    // Material rotation: the term 2 e_r Dψ/Dt.
     let rotation = 2.0 * rule.rotation;
     system.a[(3, columns.angle)] = rotation;
     for j in 0..2 {

@@ -3,8 +3,8 @@
 use crate::flow::closed_form::ClosedForm;
 use crate::flow::double_shearing::parameters::DoubleShearing;
 
-/// Indeterminate in every background: the model has one equation fewer than unknowns. The equations are independent,
-/// since with a given spin they are those of a determinate model.
+/// Returns *indeterminate* in every background: the model has one equation fewer than unknowns. The equations are
+/// independent, since with a prescribed spin they form a determinate model.
 pub fn closed_form(model: &DoubleShearing) -> ClosedForm {
     // Velocity, spin, pressure and stress angle; with dilatancy also the density.
     let unknowns = 5 + usize::from(model.flow_rule().dilatant);

@@ -1,4 +1,4 @@
-//! de Josselin de Jong (1959, 1977): double sliding with free rotation.
+//! Double-sliding free-rotating model (de Josselin de Jong 1959, 1977): the material rotation is not determined.
 
 pub mod closed_form;
 pub mod parameters;

@@ -5,7 +5,7 @@ use crate::common::parameter::constants;
 use crate::flow::double_shearing::parameters::DoubleShearing;
 use crate::flow::state::Coulomb;
 
-/// Checked constants, which are those of double shearing (de Josselin de Jong 1977).
+/// Checked constants, the same as in the double-shearing model (de Josselin de Jong 1977).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeRotating(pub DoubleShearing);
 

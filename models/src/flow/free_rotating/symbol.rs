@@ -1,5 +1,5 @@
-//! The double-sliding free-rotating equations linearised with frozen coefficients (de Josselin de
-//! Jong 1977): those of Harris & Grekova without a balance of spin, so one equation too few.
+//! The double-sliding free-rotating equations linearised with frozen coefficients (de Josselin de Jong 1977): the
+//! Harris–Grekova equations without the balance of spin, so one equation fewer than unknowns.
 
 use crate::common::system::LinearisedSystem;
 use crate::flow::balance::{Columns, SPIN_COLUMN, flow_rule, mass, momentum};

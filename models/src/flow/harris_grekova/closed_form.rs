@@ -7,8 +7,8 @@ use crate::flow::closed_form::{ClosedForm, clear_sign, is_below_right_angle, is_
 use crate::flow::state::Flow;
 use std::f64::consts::PI;
 
-/// Verdict for ν = 0 in every background, and for ν > 0 in a uniform, unaccelerated background without rotational
-/// stress; otherwise `None`.
+/// Returns the verdict for ν = 0 in every background and for ν > 0 in a uniform, unaccelerated background without
+/// rotational stress; otherwise `None`.
 pub fn closed_form(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     let is_moderate = is_below_right_angle(model.coulomb.friction_angle)
         && is_of_moderate_size(flow)
@@ -24,14 +24,14 @@ pub fn closed_form(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     }
 }
 
-/// ν = 0, whatever the gradients and accelerations of the background (Harris & Grekova 2005,
+/// Returns the verdict for ν = 0 and any gradients and accelerations of the background (Harris & Grekova 2005,
 /// eqs 149–152, corrected).
 ///
 /// The dispersion polynomial is a quadratic in ς. Its leading root is
 /// [`HarrisGrekova::leading_coefficient`] k², its other root and both roots in the layers around
-/// 𝒜 = cos β − sin φ = 0 are −ik·V + O(1). So the model is well-posed while cos 2Δ > 0. For
-/// cos 2Δ < 0 the coefficient as a function of cos β has one minimum, 0 at cos β = sin φ, and is
-/// greatest at β = π: (cos β − sin φ)²/(1 − sin φ cos β) is 1 + sin φ there and 1 − sin φ at β = 0.
+/// 𝒜 = cos β − sin φ = 0 are −ik·V + O(1). So the model is well-posed for cos 2Δ > 0. For
+/// cos 2Δ < 0 the coefficient as a function of cos β has one minimum, 0 at cos β = sin φ, and its maximum
+/// at β = π: (cos β − sin φ)²/(1 − sin φ cos β) is 1 + sin φ at β = π and 1 − sin φ at β = 0.
 ///
 /// ```text
 /// Re ς/k² → q (1 + sin φ) / (2 ρ Q_D |cos 2Δ|)
@@ -47,7 +47,7 @@ fn without_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     ClosedForm::grows(2, coefficient, flow, PI)
 }
 
-/// ν > 0 in a uniform, unaccelerated background without rotational stress.
+/// Returns the verdict for ν > 0 in a uniform, unaccelerated background without rotational stress.
 ///
 /// In the notation of [the double-shearing model](crate::flow::double_shearing::closed_form), the spin
 /// decouples, ς is of order k², and
@@ -58,15 +58,15 @@ fn without_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
 ///     + sin ν cos φ cos e sin 2Δ sin β.
 /// ```
 ///
-/// D = a − b cos β + d sin β keeps its sign in all directions while a² > b² + d², that is
+/// D = a − b cos β + d sin β has the same sign in all directions if a² > b² + d², that is
 ///
 /// ```text
 /// cos²ν cos φ cos(φ − 2ν) cos²2Δ > sin²ν cos²e sin²2Δ
 /// ```
 ///
-/// ([`HarrisGrekova::noncoaxiality_bound`]). Then the model is well-posed for cos 2Δ > 0; for
-/// cos 2Δ < 0 it is not, and the greatest coefficient is the root of a quartic, which is left to
-/// the analysis of the linearised equations. Otherwise D vanishes in two directions and changes
+/// ([`HarrisGrekova::noncoaxiality_bound`]). Then the model is well-posed for cos 2Δ > 0 and ill-posed for
+/// cos 2Δ < 0, where the largest coefficient is the root of a quartic: the function returns `None` and the
+/// linearised equations are analysed numerically. If the inequality fails, D vanishes in two directions and changes
 /// sign there.
 fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     let phi = Rounded::angle(model.coulomb.friction_angle);
@@ -83,8 +83,8 @@ fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     if clear_sign(excess)? > 0 {
         return (clear_sign(cosine)? > 0).then_some(ClosedForm::WellPosed);
     }
-    // b cos β − d sin β = a: of the two directions the one farther from 𝒜 = 0, as the other may lie
-    // there, where ς does not pass through infinity.
+    // Of the two solutions of b cos β − d sin β = a take the one farther from 𝒜 = 0: the other may coincide with
+    // 𝒜 = 0, where ς has no pole.
     let a = (along * (cos_e + sin_nu * sin_phi)).value;
     let b = (along * (cos_e * sin_phi + sin_nu)).value;
     let d = (across * cos_phi).value;
@@ -95,7 +95,8 @@ fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     Some(ClosedForm::unbounded(flow, beta))
 }
 
-/// Whether the background has no gradients besides the velocity gradient, and no acceleration.
+/// Whether all gradients except the velocity gradient and the rate of the moment of inertia are zero. Then DV/Dt = F by
+/// the balance of momentum.
 fn is_uniform(flow: &Flow) -> bool {
     let gradients = [
         flow.pressure_gradient,

@@ -1,4 +1,4 @@
-//! Harris & Grekova (2005): double shearing of a reduced Cosserat continuum with intrinsic spin.
+//! Harris–Grekova model (Harris & Grekova 2005): double shearing of a reduced Cosserat continuum with intrinsic spin.
 
 pub mod closed_form;
 pub mod parameters;
