@@ -1,11 +1,10 @@
 //! Planar flow of Mohr–Coulomb granular materials: shared equations, and one folder per model.
 //!
-//! Harris & Grekova (2005), double shearing (Spencer 1964; Mehrabadi & Cowin 1978), the plastic
-//! potential and the double-sliding free-rotating model (de Josselin de Jong 1977) share the
-//! balance of momentum and of mass, the yield condition and the form of the flow rule; they differ
-//! in the definition of the rotation of the material. This module holds the shared part
-//! ([`state`], [`balance`]), the registry entry of a model ([`FlowModel`]) and the model with checked constants
-//! ([`Model`]). Each model has a folder of its own.
+//! The Harris–Grekova model (2005), double shearing (Spencer 1964; Mehrabadi & Cowin 1978), the plastic potential and
+//! the double-sliding free-rotating model (de Josselin de Jong 1977) share the balances of momentum and mass, the yield
+//! condition and the form of the flow rule; they differ in the definition of the material rotation. This module holds
+//! the shared equations ([`state`], [`balance`]), the registry entry of a model ([`FlowModel`]) and the model with
+//! checked constants ([`Model`]).
 
 mod background;
 pub mod balance;

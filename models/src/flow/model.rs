@@ -48,10 +48,10 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     /// A constant is out of range; the model is unchanged.
     fn set(&mut self, constants: &[f64]) -> Result<(), InputError>;
 
-    /// The yield condition.
+    /// Yield condition of the model.
     fn coulomb(&self) -> &Coulomb;
 
-    /// The coefficients of the flow rule.
+    /// Coefficients of the flow rule.
     fn flow_rule(&self) -> FlowRule;
 
     /// Material rotation in the flow rule.
@@ -148,7 +148,7 @@ impl Model {
     /// Creates a model of `kind` from its constants, in the order of the kind's parameters, in SI units and rad.
     ///
     /// # Errors
-    /// A constant is out of range; the error names the first.
+    /// A constant is out of range; the error names the first such constant.
     pub fn new(kind: FlowKind, constants: &[f64]) -> Result<Self, InputError> {
         Ok(Self { kind, law: (kind.0.build)(constants)? })
     }
@@ -184,8 +184,9 @@ impl Model {
         background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
     }
 
-    /// Wave number of the variation of the background, 1/m: the frozen-coefficient analysis is valid for much larger
-    /// wave numbers. 0 for a uniform background.
+    /// Computes the wave number of the variation of the background, 1/m: the maximum of |∇p| sin φ/q, |∇Ψ_Σ|, |∇ρ|/ρ,
+    /// |∇Ω|/Q_D and |∇I|/I; 0 for a uniform background. The frozen-coefficient analysis is valid for much larger wave
+    /// numbers.
     pub fn gradient_wave_number(&self, flow: &Flow) -> f64 {
         let size = |g: [f64; 2]| g[0].root_sum_square(g[1]);
         let inertia = match self.rotation() {

@@ -24,5 +24,5 @@ pub const COHESION: Parameter =
     Parameter::with_default(["cohesion", "cohesion c", "Pa"], "cohesion c; ≥ 0", 0.0)
         .within(Range::NotNegative);
 
-/// The shared constants in order: the whole list of a model without further constants.
+/// Constants shared by all flow models, in order: the complete parameter list of a model without further constants.
 pub const FAMILY: &[Parameter] = &[FRICTION_ANGLE, DILATANCY_ANGLE, COHESION];

@@ -29,14 +29,14 @@ impl Coulomb {
         Ok(Self { friction_angle, cohesion })
     }
 
-    /// Deviatoric stress q on yield at a pressure p (Pa), `p sin φ + c cos φ`, Pa.
+    /// Computes the deviatoric stress q on yield at the pressure p (Pa), `p sin φ + c cos φ`, Pa.
     pub fn yield_deviator(&self, pressure: f64) -> Rounded {
         let phi = Rounded::angle(self.friction_angle);
         Rounded::given(pressure) * phi.sin() + Rounded::given(self.cohesion) * phi.cos()
     }
 }
 
-/// Checks that 0 ≤ ν < φ.
+/// Checks that 0 ≤ ν < φ; `nu` ν in rad.
 pub(crate) fn check_dilatancy(coulomb: &Coulomb, nu: f64) -> Result<(), InputError> {
     let allowed = "the dilatancy angle must be at least 0 and below the friction angle";
     DILATANCY_ANGLE.check(nu, allowed)?;
@@ -115,7 +115,7 @@ pub enum MaterialRotation {
 pub struct State {
     /// Density ρ, kg/m³; > 0.
     pub density: f64,
-    /// Pressure p, Pa, compression-positive; beyond −c cot φ.
+    /// Pressure p, Pa, compression-positive; > −c cot φ.
     pub pressure: f64,
     /// Deviatoric stress q, Pa; absent: on yield.
     pub deviatoric_stress: Option<f64>,
@@ -150,11 +150,11 @@ pub struct State {
     pub inertia_gradient: [f64; 2],
     /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s; checked when given.
     pub velocity_gradient: Option<[[f64; 2]; 2]>,
-    /// Material acceleration less body force DV/Dt − F, m/s²; checked when given.
+    /// Material acceleration minus body force, DV/Dt − F, m/s²; checked when given.
     pub acceleration: Option<[f64; 2]>,
     /// Body moment per unit mass G, m²/s²; checked when given.
     pub body_moment: Option<f64>,
-    /// Material rate of the stress angle, rad/s; checked when given (double shearing alone).
+    /// Material rate of the stress angle, rad/s; checked when given (double shearing only).
     pub stress_angle_rate: Option<f64>,
 }
 
@@ -189,7 +189,7 @@ impl Region {
     }
 }
 
-/// Planar stress by its invariants.
+/// Planar stress by its invariants and the angle of its principal axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanarStress {
     /// Pressure p, Pa.
@@ -272,17 +272,17 @@ pub struct Flow {
     pub velocity: [f64; 2],
     /// Velocity gradient, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s.
     pub velocity_gradient: [[Rounded; 2]; 2],
-    /// Rotation ω − s₂₁ of the material against half the vorticity, 1/s; 0 for a coaxial model.
+    /// Rotation rate ω − s₂₁ of the material relative to half the vorticity, 1/s; 0 for a coaxial model.
     pub relative_rotation: Rounded,
     /// Half the vorticity s₂₁, 1/s.
     pub half_vorticity: f64,
-    /// Intrinsic spin Ω, rad/s, for the models that have one.
+    /// Intrinsic spin Ω, rad/s; `None` in models without spin.
     pub spin: Option<Rounded>,
-    /// Material acceleration less body force, m/s².
+    /// Material acceleration minus body force, DV/Dt − F, m/s².
     pub acceleration: [Rounded; 2],
-    /// Body moment per unit mass, m²/s², for Harris–Grekova.
+    /// Body moment per unit mass G, m²/s², from the balance of spin; `None` in models without it.
     pub body_moment: Option<f64>,
-    /// Material rate of the stress angle, rad/s, where the flow rule determines it.
+    /// Material rate of the stress angle, rad/s; `None` unless the flow rule determines it (double shearing).
     pub stress_angle_rate: Option<f64>,
     /// Gradient of the pressure, Pa/m.
     pub pressure_gradient: [f64; 2],
@@ -301,7 +301,7 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// Non-coaxiality with its bound, rad.
+    /// Non-coaxiality Δ with its rounding bound, rad.
     pub fn rounded_noncoaxiality(&self) -> Rounded {
         Rounded { value: self.noncoaxiality, bound: self.noncoaxiality_rounding }
     }

@@ -1,4 +1,4 @@
-//! An elastic interlayer: C Ṡ = d.
+//! Elastic interlayer: C Ṡ = d, with compliance C, mean traction S and opening rate d.
 
 use super::interlayer::OpeningLine;
 use super::{FaceLaw, FaceStep, Incoming};
@@ -53,7 +53,8 @@ impl ElasticMaterial {
     }
 }
 
-/// Face law of an elastic interlayer for one traction component. With zero mass and compliance the sides are welded.
+/// Face law of an elastic interlayer for one traction component. With zero mass and compliance the interface is welded:
+/// velocity and traction are continuous.
 ///
 /// Memory: mean velocity V, m/s, and mean traction S, Pa, at the end of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,7 +20,7 @@
 //! g = 2/z̄ + 4ζ²/a,       d₀ = (R⁺ − R⁻)/z̄ − 2ζb/a.
 //! ```
 //!
-//! The material law of the layer closes the line d(S).
+//! The material law of the layer, a second relation between d and S, closes the system.
 
 use super::{FaceState, Incoming};
 use crate::common::number::Number;
@@ -42,7 +42,8 @@ pub struct OpeningLine<N> {
 }
 
 impl<N: Number> OpeningLine<N> {
-    /// The line of a step: `mass` m ≥ 0 in kg/m², `velocity` V at the beginning of the step in m/s, `step` Δt in s.
+    /// Computes the line of a step: `mass` m ≥ 0 in kg/m², `velocity` V at the beginning of the step in m/s, `step` Δt
+    /// in s.
     #[inline(always)]
     pub fn new(incoming: Incoming<N>, mass: N, velocity: N, step: N) -> Self {
         let [before, after] = incoming.impedance;
@@ -65,7 +66,7 @@ impl<N: Number> OpeningLine<N> {
         }
     }
 
-    /// Velocity V at the midpoint, m/s, and the states of both sides for a mean traction `stress` S, Pa.
+    /// Computes the velocity V at the midpoint, m/s, and the states of both sides for the mean traction `stress` S, Pa.
     #[inline(always)]
     pub fn states(&self, stress: N) -> (N, [FaceState<N>; 2]) {
         let velocity = (self.impulse + (self.contrast + self.contrast) * stress) / self.inertia;

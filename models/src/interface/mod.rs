@@ -1,17 +1,17 @@
 //! Face laws: the generalised Riemann problem at a face between two cells.
 //!
-//! Per traction component each side supplies the impedance z of its cell and the Riemann invariant that arrives,
+//! Per traction component each side supplies the impedance z of its cell and the incoming Riemann invariant,
 //!
 //! ```text
 //! R⁻ = z⁻v⁻ − σ⁻,    R⁺ = z⁺v⁺ + σ⁺,
 //! ```
 //!
-//! where − is the side at smaller coordinates and + the side at larger ones, and v, σ and R are time averages over the
-//! step of velocity, traction and Riemann invariant at the face. A [`FaceLaw`] closes these two equations for v± and
-//! σ±, with memory variables if it has any. The cells on both sides are updated by the fluxes v± and σ± (Godunov 1959).
+//! where − is the lower side (smaller coordinate) and + the upper side, and v, σ and R are averages of velocity,
+//! traction and Riemann invariant at the face over the step. A [`FaceLaw`] closes these two equations for v± and σ±,
+//! possibly with memory variables. The cells on both sides are updated by the fluxes v± and σ± (Godunov 1959).
 //!
-//! - [`interlayer`]: a thin layer with mass between both sides;
-//! - [`elastic`]: its elastic law.
+//! - [`interlayer`]: momentum balance of a thin layer with mass, for any material law;
+//! - [`elastic`]: face law of a layer with an elastic material.
 //!
 //! Generic over [`Number`]: the same code runs on single faces and on SIMD lanes of faces.
 
@@ -20,7 +20,7 @@ pub mod interlayer;
 
 use crate::common::number::Number;
 
-/// Incoming Riemann invariants and impedances at a face; index 0 is the side at smaller coordinates.
+/// Incoming Riemann invariants and impedances at a face; index 0 is the lower side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incoming<N> {
     /// Impedances z⁻ and z⁺ > 0, kg/(m²s) for translations.
@@ -29,7 +29,7 @@ pub struct Incoming<N> {
     pub invariant: [N; 2],
 }
 
-/// State on one side of a face, averaged over the step: the fluxes.
+/// State on one side of a face, averaged over the step; it gives the fluxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceState<N> {
     /// Velocity v, m/s for translations.
@@ -41,7 +41,7 @@ pub struct FaceState<N> {
 /// Result of a face law for one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceStep<N> {
-    /// States of both sides; index 0 is the side at smaller coordinates.
+    /// States of both sides; index 0 is the lower side.
     pub states: [FaceState<N>; 2],
     /// Energy dissipated by the law in the step, J/m².
     pub dissipated: N,
@@ -59,7 +59,7 @@ impl<N: Number> FaceStep<N> {
 /// Face law for one traction component.
 ///
 /// Energy balance of every step Δt, to rounding: ΔE_kinetic + ΔE_stored + dissipated = Δt (σ⁺v⁺ − σ⁻v⁻) with
-/// dissipated ≥ 0. So a face never adds energy to its neighbours.
+/// dissipated ≥ 0. So a face never adds energy to the adjacent cells.
 pub trait FaceLaw<N: Number>: Copy {
     /// Memory variables of a face; all zero in a face at rest without stress.
     type Memory: AsRef<[N]> + AsMut<[N]> + Copy;

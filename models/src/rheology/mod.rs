@@ -1,3 +1,3 @@
-//! Viscoelastic laws: solids whose stress depends on history, by memory variables with rate equations of their own.
+//! Viscoelastic laws: solids whose stress depends on history through memory variables with their own rate equations.
 
 pub mod relaxation;

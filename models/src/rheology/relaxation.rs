@@ -1,8 +1,9 @@
-//! The standard linear solid (Zener 1948, "Elasticity and anelasticity of metals"; Poynting & Thomson 1902): the deviator
-//! of the stress relaxes; the mean stress, the antisymmetric stress and the couple stress are elastic.
+//! Standard linear solid (Zener 1948, "Elasticity and anelasticity of metals"; Poynting & Thomson 1902): the deviator of
+//! the stress relaxes; the mean stress, the antisymmetric stress and the couple stress are elastic.
 //!
-//! A Maxwell branch (spring μ₁ in series with a dashpot η = μ₁τ) stands beside the relaxed shear modulus μ_R. With e the
-//! symmetric strain deviator, a the viscous strain of the dashpot, and μ_U = μ_R + μ₁ the unrelaxed modulus,
+//! A Maxwell branch (spring μ₁ in series with a dashpot η = μ₁τ) acts in parallel with a spring of the relaxed shear
+//! modulus μ_R. With e the symmetric strain deviator, a the viscous strain of the dashpot, and μ_U = μ_R + μ₁ the
+//! unrelaxed modulus,
 //!
 //! ```text
 //! s = 2μ_R e + 2μ₁(e − a) = 2μ_U e − 2μ₁ a,    τ ȧ = e − a.
@@ -16,14 +17,14 @@
 //! κ = 1 − exp(−t/τ),    a ← a + κd,    s ← s − 2μ₁κd,    dissipated: ∫ 2μ₁|e − a|²/τ dt = μ₁κ(2 − κ)|d|².
 //! ```
 //!
-//! The energy μ_R|e|² + μ₁|e − a|² of both springs is, in the variables of a solver,
+//! The energy μ_R|e|² + μ₁|e − a|² of both springs, expressed by the variables s and a of a solver, is
 //!
 //! ```text
 //! |s|²/(4μ_U) + (μ₁μ_R/μ_U)|a|²,
 //! ```
 //!
-//! the elastic energy of s with the unrelaxed modulus plus an energy of a alone. So a wave step that does not increase
-//! the first term at constant a does not increase the total energy.
+//! the elastic energy of s with the unrelaxed modulus plus an energy that depends on a only. So a wave step that does
+//! not increase the first term at constant a does not increase the total energy.
 
 use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, ensure};
@@ -76,8 +77,8 @@ impl StandardLinearSolid {
         Ok(Self { unrelaxed, branch_modulus, relaxation_time })
     }
 
-    /// The solid with the unrelaxed moduli of `unrelaxed`; the part μ₁ (Pa) of its shear modulus μ_U relaxes with the
-    /// relaxation time τ (s).
+    /// Creates the solid with the unrelaxed moduli of `unrelaxed`; the part μ₁ (Pa) of its shear modulus μ_U relaxes with
+    /// the relaxation time τ (s).
     ///
     /// # Errors
     /// μ₁ or τ is not positive, or μ₁ ≥ μ_U, so that the relaxed shear modulus would not be positive.
@@ -138,13 +139,13 @@ impl StandardLinearSolid {
         self.shear_modulus(rate) * (4.0 / 3.0) + bulk
     }
 
-    /// Coefficient μ₁μ_R/μ_U, Pa, of the energy |a|² of the viscous strain; the total adds the elastic energy of the
-    /// stress with the unrelaxed moduli.
+    /// Coefficient μ₁μ_R/μ_U, Pa, of |a|² in the stored energy; the other term is the elastic energy of the stress with
+    /// the unrelaxed moduli.
     pub fn viscous_strain_modulus(&self) -> f64 {
         self.branch_modulus * (self.relaxed_shear_modulus() / self.unrelaxed.mu)
     }
 
-    /// Elastic energy stored in all springs, the Maxwell branch included, J/m³; `viscous_strain` is a.
+    /// Elastic energy stored in all springs, including the spring of the Maxwell branch, J/m³; `viscous_strain` is a.
     pub fn stored_energy(&self, stress: &Stress, viscous_strain: &[[f64; 3]; 3]) -> f64 {
         self.unrelaxed.stored_energy(stress)
             + self.viscous_strain_modulus() * square(viscous_strain)
@@ -152,7 +153,7 @@ impl StandardLinearSolid {
 
     /// Coefficients of the relaxation over `duration` ≥ 0 (s) at constant strain.
     pub fn relaxation_over(&self, duration: f64) -> Relaxation<f64> {
-        // 1 − exp(−x) without cancellation; beyond 80 it is 1 to the last digit.
+        // 1 − exp(−x) = 2 sinh(x/2) exp(−x/2) without cancellation; for x ≥ 80 it rounds to 1.
         let half = (0.5 * duration / self.relaxation_time).min(40.0);
         let share = (2.0 * half.cr_sinh() * (-half).cr_exp()).min(1.0);
         Relaxation {
@@ -164,8 +165,8 @@ impl StandardLinearSolid {
         }
     }
 
-    /// Relaxes a state over `duration` ≥ 0 (s) at constant strain and returns the dissipated energy, J/m³. The viscous
-    /// strain and the stress increment are symmetric.
+    /// Relaxes stress and viscous strain over `duration` ≥ 0 (s) at constant strain and returns the dissipated energy,
+    /// J/m³. The viscous strain and the stress increment are symmetric.
     pub fn relax(
         &self,
         stress: &mut Stress,
@@ -255,7 +256,7 @@ pub struct Increments<N, const SHEARS: usize> {
 }
 
 impl Relaxation<f64> {
-    /// Zero increments, of an elastic medium.
+    /// Coefficients with zero increments, for an elastic medium.
     pub const NONE: Self = Self {
         strain_per_stress: 0.0,
         strain_per_strain: 0.0,
@@ -266,7 +267,7 @@ impl Relaxation<f64> {
 }
 
 impl<N: Number> Relaxation<N> {
-    /// Increments of the symmetric stress and of the viscous strain; they depend on the deviators only.
+    /// Computes the increments of the symmetric stress and of the viscous strain; they depend on the deviators only.
     #[inline(always)]
     pub fn increments<const SHEARS: usize>(
         &self,
@@ -289,13 +290,13 @@ impl<N: Number> Relaxation<N> {
             let (change, lost) = self.component(stress.shear[i], strain.shear[i]);
             all.viscous_strain.shear[i] = change;
             all.stress.shear[i] = -(self.stress_per_strain * change);
-            // Both components of the pair.
+            // A shear component occurs twice in the tensor, as ij and ji.
             all.dissipated = all.dissipated + (lost + lost);
         }
         all
     }
 
-    /// Increment of one component of the viscous strain, and the dissipated energy, J/m³.
+    /// Computes the increment of one component of the viscous strain and its dissipated energy, J/m³.
     #[inline(always)]
     fn component(&self, stress: N, strain: N) -> (N, N) {
         let spring = self.strain_per_stress * stress - self.strain_per_strain * strain;

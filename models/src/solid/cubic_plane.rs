@@ -1,4 +1,4 @@
-//! The Cosserat solid in plane strain by its compliances a₁, b₁, a₂, b₂, α₂: cubic in general.
+//! Cosserat solid in plane strain given by its compliances a₁, b₁, a₂, b₂, α₂; of cubic symmetry in general.
 
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};

@@ -10,8 +10,8 @@ use crate::solid::waves::{Field, Pair, SpinRotation, fields};
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// An elastic law with checked constants. `stiffness` on the one side and `pairs` with `rotation` on the other state
-/// the same law independently: the analysis uses the first, time-domain solvers the second.
+/// An elastic law with checked constants. The law is stated twice, independently: by `stiffness` for the analysis, and
+/// by `pairs` and `rotation` for time-domain solvers.
 pub trait Elasticity: DynEq + Debug + Send + Sync {
     /// Theory of the solid: classical, reduced Cosserat or Cosserat.
     fn theory(&self) -> Theory;
@@ -51,7 +51,7 @@ pub trait Elasticity: DynEq + Debug + Send + Sync {
         None
     }
 
-    /// Elastic energy stored by a stress, J/m³; for a law in plane strain only, that of the in-plane stress.
+    /// Elastic energy stored by a stress, J/m³; for a law defined in plane strain only, the energy of the in-plane stress.
     fn stored_energy(&self, stress: &Stress) -> f64;
 }
 
@@ -85,7 +85,7 @@ impl ElasticLaw {
         self.0.as_any().downcast_ref()
     }
 
-    /// Unknowns in `D` dimensions, and the stiffness matrix of their stresses, carried stresses last.
+    /// Layout of the unknowns in `D` dimensions, and the stiffness matrix of all its stresses, carried stresses last.
     pub fn layout_and_stiffness<const D: usize>(&self) -> (Layout, Matrix) {
         const { assert!(D == 2 || D == 3) };
         let layout = if D == 2 { plane(self.theory()) } else { space(self.theory()) };

@@ -32,7 +32,7 @@ impl SolidKind {
         Self(model)
     }
 
-    /// The law with the example or default constants, by which a yield set decides whether it admits the solid.
+    /// Builds the law with the example or default constants, by which a yield set decides whether it admits the solid.
     ///
     /// # Errors
     /// A constant is out of range.
@@ -41,7 +41,7 @@ impl SolidKind {
         self.law(&constants)
     }
 
-    /// The law with the given constants, in the order of the kind's parameters, in SI units.
+    /// Builds the law with the given constants, in the order of the kind's parameters, in SI units.
     ///
     /// # Errors
     /// A constant is out of range.

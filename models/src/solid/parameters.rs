@@ -161,14 +161,15 @@ impl Isotropic {
         self.microrotation.and_then(|m| m.couple)
     }
 
-    /// Elastic energy of a stress, J/m³: ½σ·C·σ + ½m·C·m. Stress parts without a modulus store no energy.
+    /// Elastic energy of a stress, J/m³: ½σ·C·σ + ½m·C·m with the compliance C. Stress parts without a modulus store no
+    /// energy.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
         stored_energy(Shape::ANY, &stress.force, &stress.couple, &self.energy_moduli())
     }
 
     /// Moduli of the elastic energy by stress part: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part and
-    /// mean of the force stress; γ, η and 3β + 2γ (N) for those of the couple stress. Infinite if the solid has no such
-    /// modulus.
+    /// mean of the force stress; γ, η and 3β + 2γ (N) for the same parts of the couple stress. Infinite if the solid has
+    /// no such modulus.
     pub fn energy_moduli(&self) -> [[f64; 3]; 2] {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let couple = self.couple().map_or([0.0; 3], |c| [c.beta, c.gamma, c.eta]);
@@ -178,7 +179,7 @@ impl Isotropic {
         })
     }
 
-    /// Wave speeds in closed form; they equal the characteristic speeds of the symbol.
+    /// Wave speeds in closed form; they equal the characteristic speeds of the rate equations.
     pub fn speeds(&self) -> Speeds {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let rotational = |modulus: fn(CoupleModuli) -> f64| {
@@ -299,8 +300,8 @@ impl PlaneCompliances {
     }
 }
 
-/// Elastic energy of a stress, J/m³; `moduli` as of [`Isotropic::energy_moduli`]: μ, α and 3λ + 2μ of the force stress,
-/// γ, η and 3β + 2γ of the couple stress, infinite if absent.
+/// Computes the elastic energy of a stress, J/m³; `moduli` as returned by [`Isotropic::energy_moduli`]: μ, α and 3λ + 2μ
+/// of the force stress, γ, η and 3β + 2γ of the couple stress, infinite if absent.
 #[inline(always)]
 pub fn stored_energy<N: Number>(
     shape: Shape,

@@ -4,7 +4,7 @@
 use crate::common::number::{Number, third};
 
 /// Force stress and couple stress in space. The second index is the face normal: σᵢⱼ is the i-th
-/// component of the traction on the face with normal j, mₖⱼ the couple about axis k on it.
+/// component of the traction on the face with normal j, mₖⱼ the couple about axis k on that face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stress {
     /// Force stress σ, Pa; not symmetric in general.
@@ -46,8 +46,8 @@ impl Component {
         }
     }
 
-    /// Derivative with respect to this component of a function of the stress with the gradient `gradient` (derivatives
-    /// with respect to all components of σ and m).
+    /// Derivative with respect to this component of a function of the stress, from its `gradient` (the derivatives with
+    /// respect to all components of σ and m).
     pub fn derivative(self, gradient: &Stress) -> f64 {
         match self {
             Self::Symmetric(i, j) if i != j => gradient.force[i][j] + gradient.force[j][i],
@@ -98,7 +98,8 @@ impl Shape {
         sum
     }
 
-    /// Squared Frobenius norm |t|² of the antisymmetric part of the force stress (`which` = 0) or couple stress (1).
+    /// Squared Frobenius norm |t|² of an antisymmetric tensor t: of the antisymmetric part of the force stress
+    /// (`which` = 0) or couple stress (1).
     #[inline(always)]
     pub fn square_antisymmetric<N: Number>(self, which: usize, t: &Tensor<N>) -> N {
         let mut sum = N::ZERO;

@@ -131,7 +131,7 @@ const IN_PLANE: [Velocity; 3] = [Translation(0), Translation(1), Spin(2)];
 const IN_SPACE: [Velocity; 6] =
     [Translation(0), Translation(1), Translation(2), Spin(0), Spin(1), Spin(2)];
 
-// Carried ones last.
+// In each list of plane-strain stresses the carried (out-of-plane) stresses are last.
 const CLASSICAL_PLANE_STRESSES: [Component; 4] =
     [Symmetric(0, 0), Symmetric(1, 1), Symmetric(0, 1), Symmetric(2, 2)];
 const REDUCED_PLANE_STRESSES: [Component; 5] =
@@ -245,7 +245,8 @@ impl Layout {
         self.all.iter().copied()
     }
 
-    /// This layout with the carried stresses among the unknowns, needed if plastic flow couples them to the others.
+    /// This layout with the carried stresses among the unknowns, needed if plastic flow couples them to the in-plane
+    /// stresses.
     pub fn carrying(self) -> Self {
         Self { stresses: self.all, ..self }
     }
@@ -260,12 +261,12 @@ impl Layout {
         &self.unknowns[..self.velocities.len() + self.stresses.len()]
     }
 
-    /// Names of the equations: balances, then laws.
+    /// Names of the equations: balances, then constitutive laws.
     pub fn equations(&self) -> &'static [&'static str] {
         &self.equations[..self.velocities.len() + self.stresses.len()]
     }
 
-    /// Gradient operator Gⁱ of the strain rates for the `axis` i.
+    /// Gradient operator Gⁱ of the strain rates for the axis i = `axis`.
     pub fn gradient(&self, axis: usize) -> DMatrix<f64> {
         DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
             let strains = match (self.stresses[s], self.velocities[v]) {
@@ -278,7 +279,7 @@ impl Layout {
         })
     }
 
-    /// Strain rates Z due to spins without gradients.
+    /// Operator Z of the strain rates due to spins without gradients.
     pub fn rotation(&self) -> DMatrix<f64> {
         DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
             match (self.stresses[s], self.velocities[v]) {
@@ -347,8 +348,7 @@ impl Isotropic {
         let list: Vec<Component> = stresses.collect();
         Matrix::from_fn(list.len(), list.len(), |row, column| match (list[row], list[column]) {
             (Force(i, j), Force(k, l)) => isotropic([lambda, mu, alpha], (i, j), (k, l)),
-            // Its strain rate is twice the tensor's off the diagonal: half of each of two equal
-            // entries.
+            // For i ≠ j the conjugate strain rate is the engineering shear 2Λ̇ᵢⱼ, so the coefficient is μ, not 2μ.
             (Symmetric(i, j), Symmetric(k, l)) => {
                 isotropic([lambda, mu, Rounded::ZERO], (i, j), (k, l))
             }

@@ -8,9 +8,9 @@
 //!
 //! and passive stresses s′ follow s in a fixed ratio r: s′ − r s is a Riemann invariant of speed zero
 //! (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Without gradients, spins and antisymmetric
-//! stress rotate into each other with the natural frequency 2√(α/j).
+//! stress oscillate with the natural frequency 2√(α/j).
 //!
-//! Independent of [`symbol`](super::symbol), which states the same equations as matrices; a test compares them.
+//! Independent of [`symbol`](super::symbol), which states the same equations as matrices; a test compares both.
 
 use super::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::common::elementary::Elementary;
@@ -57,8 +57,8 @@ pub struct Pair {
     pub inertia: f64,
     /// Modulus M, Pa or N.
     pub modulus: f64,
-    /// Passive stresses, which this pair changes but which do not act back on it (characteristics of speed zero), each with
-    /// its coupling ratio r = ds′/ds: λ/(λ + 2μ) for the transverse normal stresses of a P wave.
+    /// Passive stresses, which the pair changes but which do not enter its equations (characteristics of speed zero), each
+    /// with its coupling ratio r = ds′/ds: λ/(λ + 2μ) for the transverse normal stresses of a P wave.
     pub passive_stresses: Vec<(Field, f64)>,
 }
 
@@ -92,7 +92,7 @@ impl SpinRotation {
         Self { frequency: 2.0 * (alpha / inertia).sqrt(), ratio: (alpha * inertia).sqrt() }
     }
 
-    /// Exact solution: (ω, a) after the time `duration` (s).
+    /// Exact solution: advances (ω, a) by the time `duration` (s).
     pub fn turn(&self, [spin, stress]: [f64; 2], duration: f64) -> [f64; 2] {
         let (sin, cos) = (self.frequency * duration).cr_sin_cos();
         [spin * cos - stress / self.ratio * sin, stress * cos + self.ratio * spin * sin]
@@ -129,8 +129,8 @@ pub fn fields(theory: Theory, dimensions: usize) -> Vec<Field> {
     fields
 }
 
-/// Coefficients of an isotropic law t = a tr(T) δ + b T + c Tᵀ: moduli of longitudinal (T(axis, axis)) and transverse
-/// (T(i, axis)) waves, and the ratios of their passive stresses.
+/// Coefficients (a, b, c) of an isotropic law t = a tr(T) δ + b T + c Tᵀ. They give the moduli of longitudinal
+/// (T(axis, axis)) and transverse (T(i, axis)) waves and the coupling ratios of their passive stresses.
 struct Law {
     trace: f64,
     own: f64,

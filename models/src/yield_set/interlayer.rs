@@ -97,7 +97,7 @@ impl YieldConditions for Interlayer {
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
         if let Some(solid) = law.downcast::<Isotropic>() {
             let mut found = project_in_plane(self, &PlaneMetric::from(solid), trial);
-            // The out-of-plane stress follows elastically: no out-of-plane strain, no plastic flow.
+            // The out-of-plane stresses follow from Hooke's law: the out-of-plane elastic and plastic strains are zero.
             let change = |i: usize, j: usize| found.stress.force[i][j] - trial.force[i][j];
             let normal = change(0, 0) + change(1, 1);
             found.stress.force[2][2] += solid.lambda / (2.0 * (solid.lambda + solid.mu)) * normal;
@@ -119,7 +119,7 @@ impl YieldConditions for Interlayer {
     }
 }
 
-/// Projection of the in-plane stresses.
+/// Projects the in-plane stresses; the out-of-plane stresses are unchanged.
 fn project_in_plane(set: &Interlayer, metric: &PlaneMetric, trial: &Stress) -> Projection<Stress> {
     const PLACES: [(usize, usize); 4] = [(0, 0), (1, 1), (1, 0), (0, 1)];
     let [a, b, c, d] = PLACES.map(|(i, j)| trial.force[i][j]);

@@ -86,7 +86,7 @@ pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
     },
 };
 
-/// Whether a law is isotropic: the projection needs Hooke's law by its eigenvalues.
+/// Whether a law is isotropic: the projection needs the eigenspaces of Hooke's law.
 fn is_isotropic(law: &ElasticLaw) -> bool {
     law.downcast::<Isotropic>().is_some()
 }

@@ -45,7 +45,7 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
 
     /// Hessian of the yield function with respect to `components`, 1/Pa; `None` if the condition is linear.
     ///
-    /// Times the plastic multiplier rate Λ (1/s) of the background it is the relaxation R of perturbations
+    /// Multiplied by the plastic multiplier rate Λ (1/s) of the background, it is the relaxation R of perturbations
     /// (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
     fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
         let _ = (stress, components);
@@ -84,7 +84,8 @@ pub fn check_associated(
     )
 }
 
-/// Exit point of a ray from a condition linear along it: the largest s with `used` + s·`rate` ≤ `strength`.
+/// Computes the exit point of a ray for a condition that is linear along it: the largest s with
+/// `used` + s·`rate` ≤ `strength`.
 ///
 /// # Errors
 /// `used` ≥ `strength`: the starting point is not interior.
@@ -137,13 +138,13 @@ pub struct YieldSetModel {
     pub parameters: &'static [(Parameter, Needs)],
     /// Whether the set is defined in plane strain only.
     pub is_plane: bool,
-    /// Whether the yield surface is curved, so that a rate of plastic flow damps waves.
+    /// Whether the yield surface is curved, so that plastic flow of the background damps waves.
     pub is_curved: bool,
     /// Names of the conditions in the order of the half-spaces, by which a case file selects active ones: a sign and the
     /// limited stress. Empty if a case file cannot select conditions.
     pub conditions: &'static [(&'static str, Needs)],
-    /// Whether the set can be combined with an elastic law; must reject every law that [`YieldConditions::project`]
-    /// does not support.
+    /// Whether the set can be combined with an elastic law; must return false for every law that
+    /// [`YieldConditions::project`] does not support.
     pub admits: fn(&ElasticLaw) -> bool,
     /// Constructor from the constants that a solid of the theory needs, in the order of `parameters`, in SI units.
     pub build: fn(Theory, &[f64]) -> Result<YieldSet, InputError>,
@@ -161,7 +162,7 @@ pub enum Needs {
 }
 
 impl Needs {
-    /// Whether solids of `theory` are among them.
+    /// Whether solids of `theory` need the constant or condition.
     pub fn includes(self, theory: Theory) -> bool {
         match self {
             Self::All => true,
@@ -213,7 +214,7 @@ impl YieldSetKind {
         self.0.conditions.iter().filter(has).map(|own| own.0).collect()
     }
 
-    /// The yield set for a solid of `theory` with the given constants, in the order of
+    /// Builds the yield set for a solid of `theory` with the given constants, in the order of
     /// [`parameters_for`](Self::parameters_for), in SI units.
     ///
     /// # Errors

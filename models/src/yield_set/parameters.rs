@@ -119,9 +119,9 @@ pub struct InterlayerCouple {
 /// τ̄ ≤ k − κ σ_m,   τ̄² = ½|sˢ|² + ½ h |σᵃ|² + ½|mˢ|²/ℓ_s² + ½|mᵃ|²/ℓ_a²,
 /// ```
 ///
-/// with the mean stress σ_m = ⅓ tr σ and the deviator s of σ. von Mises: k alone. Drucker–Prager
-/// (1952), which is the Mises–Schleicher condition linear in σ_m: with κ. Cosserat–Mises: with h and
-/// the internal lengths.
+/// with the mean stress σ_m = ⅓ tr σ and the deviator s of σ. The von Mises set has the constant k only; the
+/// Drucker–Prager set (1952; the Mises–Schleicher condition linear in σ_m) also κ; the Cosserat–Mises set also h and the
+/// internal lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mises {
     /// Strength in shear k, Pa; > 0.
@@ -147,7 +147,7 @@ pub struct ActiveCondition {
     pub name: &'static str,
     /// Yield normal n = ∂f/∂σ.
     pub normal: Stress,
-    /// Direction m of the plastic strain rate; n where the flow is associated.
+    /// Direction m of the plastic strain rate; equal to n for associated flow.
     pub flow: Stress,
     /// Plastic modulus H, Pa.
     pub hardening: f64,
@@ -170,7 +170,7 @@ impl Interlayer {
         Ok(self)
     }
 
-    /// Half-spaces n·s ≤ k of the set: active condition (name, normal n, flow direction) and strength k.
+    /// Half-spaces n·s ≤ k of the set: condition (name, normal n, flow direction) and strength k.
     pub fn half_spaces(&self) -> impl Iterator<Item = (ActiveCondition, f64)> {
         const SHEAR: [[&str; 2]; 2] = [
             [
@@ -258,7 +258,7 @@ impl Mises {
         FRICTION.check(self.friction, "the friction must be κ ≥ 0")?;
         DILATANCY.check(self.dilatancy, FINITE)?;
         ANTISYMMETRIC_WEIGHT.check(self.antisymmetric_weight, "the weight must be h ≥ 0")?;
-        // A given length of 0 means no length.
+        // Input lengths of 0 have been converted to `None`, so a length must be positive here.
         let positive = |key: &'static str, value: f64, allowed: &str| {
             ensure(Range::Positive.contains(value), key, value, allowed)
         };
@@ -324,7 +324,7 @@ impl Mises {
         }))
     }
 
-    /// The condition as active at `stress`; `None` on the hydrostatic axis, where the cone has no normal.
+    /// The active condition at `stress`; `None` on the hydrostatic axis, where the cone has no unique normal.
     pub fn condition(&self, stress: &Stress) -> Option<ActiveCondition> {
         let shear = self.equivalent_shear(stress);
         if shear <= 0.0 {
@@ -353,7 +353,7 @@ pub fn mean(stress: &Stress) -> f64 {
     (stress.force[0][0] + stress.force[1][1] + stress.force[2][2]) / 3.0
 }
 
-/// Full contraction of a gradient with a stress, force and couple parts.
+/// Full contraction of a gradient with a stress: the sum over all force and couple components.
 pub fn contract(gradient: &Stress, stress: &Stress) -> f64 {
     let parts = [(&gradient.force, &stress.force), (&gradient.couple, &stress.couple)];
     let products = |(a, b): (&[[f64; 3]; 3], &[[f64; 3]; 3])| {

@@ -7,14 +7,14 @@
 //! the implicit step of the variational inequality of associated flow from an elastic trial stress s̄ (Sadovskii
 //! & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). Dilatancies are not used.
 //!
-//! With multipliers λ ≥ 0 of the conditions f(s) = n·s − k ≤ 0 (n the gradient where F is curved),
-//! s̄ − s = D Σ λn. The elastic energy falls by
+//! With multipliers λ ≥ 0 of the conditions f(s) = n·s − k ≤ 0 (for curved F, n is the gradient of f at s),
+//! s̄ − s = D Σ λn. The elastic energy decreases by
 //!
 //! ```text
 //! ½ s̄·D⁻¹s̄ − ½ s·D⁻¹s = s·D⁻¹(s̄ − s) + ½ (s̄ − s)·D⁻¹(s̄ − s) = Σ λk + ½ (s̄ − s)·D⁻¹(s̄ − s) ≥ 0.
 //! ```
 //!
-//! A stress outside by no more than rounding counts as inside and keeps its bits, so the projection is idempotent.
+//! A stress outside F by no more than rounding is returned unchanged, bit for bit, so the projection is idempotent.
 
 use super::parameters::{Interlayer, Mises};
 use super::return_mapping::{Cone, Equation, Mapped, PARTS, Parts, ROUNDING, energy_lost, sum_of};
@@ -55,22 +55,21 @@ impl Mises {
 
     /// Closest-point projection of a trial stress in the energy norm of `solid`.
     ///
-    /// The deviator (D = 2μ), the mean (K = λ + ⅔μ), the antisymmetric stress (2α), and of the couple
-    /// stress the symmetric deviator (2γ), the mean (3β + 2γ) and the antisymmetric part (2η) are
-    /// eigenvectors of Hooke's law. With p their weights in τ̄² = ½ Σ p|s|² and x = λ/2τ̄ ≥ 0,
+    /// Eigenspaces of Hooke's law are the deviator (D = 2μ), mean (D = 3K, K = λ + ⅔μ) and antisymmetric part (2α) of the
+    /// force stress, and the symmetric deviator (2γ), mean (3β + 2γ) and antisymmetric part (2η) of the couple stress.
+    /// With p their weights in τ̄² = ½ Σ p|s|² and x = λ/2τ̄ ≥ 0,
     ///
     /// ```text
     /// s = s̄/(1 + xDp),   σ_m = σ̄_m − κKλ,   h(x) = τ̄(x)(1 − ax) − r = 0,   a = 2κ²K,  r = k − κσ̄_m.
     /// ```
     ///
-    /// h decreases strictly, so that its root is the only one: every 1/(1 + xDp) decreases, and every
-    /// x/(1 + xDp) increases, hence τ̄ falls and −xτ̄ too. Where even h(∞) ≥ 0, P is the apex.
+    /// h decreases strictly, so that its root is unique: every 1/(1 + xDp) decreases and every
+    /// x/(1 + xDp) increases, hence τ̄ and −xτ̄ decrease. If h(∞) ≥ 0, P(s̄) is the apex.
     ///
-    /// Newton's method needs no safeguard once h is divided by τ̄, as 1/τ̄(x) is a power mean, exponent
-    /// −2, of the straight lines 1 + xDp and so concave: for r ≥ 0 the function 1 − ax − r/τ̄(x) is
-    /// convex and decreases; for r < 0 and y = 1/x the function y − a + |r|/(xτ̄) is concave in y (a
-    /// power mean of y + Dp) and increases. From zero the iterates rise to the root and never pass it;
-    /// with one value of Dp they converge in one step.
+    /// Newton's method for h/τ̄ needs no safeguard, since 1/τ̄(x) is a power mean with exponent −2 of the linear
+    /// functions 1 + xDp and so concave: for r ≥ 0 the function 1 − ax − r/τ̄(x) is convex and decreasing; for r < 0 and
+    /// y = 1/x the function y − a + |r|/(xτ̄) is concave in y (a power mean of y + Dp) and increasing. Iterates from zero
+    /// increase monotonically to the root; if all active parts have the same Dp, they converge in one step.
     pub fn project(&self, solid: &Isotropic, trial: &Stress) -> Projection<Stress> {
         let inside = Projection { stress: *trial, energy_lost: 0.0 };
         let cone = Cone::new(self, solid);
@@ -82,7 +81,7 @@ impl Mises {
 
         let shear = sum_of(&squares, &seen).sqrt();
         let room = strength - friction * pressure;
-        // The components are rounded, and not the parts.
+        // Rounding errors scale with the stress components, which may exceed the parts computed from them.
         let [force, couple] = cone.rounding_weights;
         let rounded = (force * square(&trial.force) + couple * square(&trial.couple)).sqrt();
         let size = shear + friction * pressure.abs() + strength + rounded;
@@ -98,7 +97,7 @@ impl Mises {
             let scale = [1.0, root.x];
             (Mapped::new(&cone, &parts.squares, scale, root.reciprocal, root.kept, &seen), None)
         };
-        // From the condition, where the difference would lose more digits.
+        // Mean stress from the yield condition if the difference σ̄_m − κKλ would lose more digits.
         let mean = apex.unwrap_or_else(|| {
             if strength + mapped.shear < friction * (pressure.abs() + mapped.mean_drop) {
                 (strength - mapped.shear) / friction
@@ -111,7 +110,8 @@ impl Mises {
     }
 }
 
-/// Return mapping of a stress with r < 0, and the apex mean stress if it maps to the apex; see [`Mises::project`].
+/// Return mapping of a stress with shear capacity r < 0, and the mean stress of the apex if the stress maps to the apex;
+/// see [`Mises::project`].
 fn beyond_apex(
     cone: &Cone<f64>,
     squares: &[f64; PARTS],
@@ -120,7 +120,7 @@ fn beyond_apex(
     room: f64,
 ) -> (Mapped<f64>, Option<f64>) {
     let Cone { strength, friction, mean_drop, a, rates, .. } = *cone;
-    // 1/(xτ̄) at y = 1/x, and its derivative by y.
+    // 1/(xτ̄) at y = 1/x, and its derivative with respect to y.
     let reciprocal = |y: f64| {
         let (mut norm, mut slope) = (0.0, 0.0);
         for (square, rate) in squares.iter().zip(rates) {
@@ -135,7 +135,7 @@ fn beyond_apex(
     };
     let is_apex = a + room * reciprocal(0.0).0 <= 0.0;
     let mut y = 0.0;
-    // At the apex y = 0 is the answer: the step from there is none, and ends the loop.
+    // If the stress maps to the apex, the solution is y = 0: the first Newton step is zero and ends the loop.
     loop {
         let (value, slope) = reciprocal(y);
         let before = y;
@@ -155,15 +155,14 @@ fn beyond_apex(
     (mapped, Some(apex))
 }
 
-/// Hooke's law between the in-plane stresses (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂), by the square roots of its
-/// eigenvalues: D = L Lᵀ with
+/// Hooke's law between the in-plane stresses (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂), factorised as D = L Lᵀ with the block
 ///
 /// ```text
-/// L = [p p; p −p] where p = √½(D₁₁₁₁ + D₁₁₂₂) stands in the first column, √½(D₁₁₁₁ − D₁₁₂₂) in the second,
+/// L = [p q; p −q],   p = √(½(D₁₁₁₁ + D₁₁₂₂)),   q = √(½(D₁₁₁₁ − D₁₁₂₂))
 /// ```
 ///
-/// for the normal stresses, the same for the shear stresses, and √α₂ for the couple stresses.
-/// Vanishing roots (α = 0 and α₂ = 0) leave the solids without own rotation or couple stress.
+/// for the normal stresses, the analogous block for the shear stresses, and √α₂ for the couple stresses. α = 0 is a
+/// solid without microrotation, α₂ = 0 a solid without couple stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneMetric {
     normal: [f64; 2],
@@ -187,7 +186,7 @@ impl From<&PlaneCompliances> for PlaneMetric {
         let roots = |a: f64, b: f64| [(0.5 / (a - b)).sqrt(), (0.5 / (a + b)).sqrt()];
         Self {
             normal: roots(solid.a1, solid.b1),
-            // σ₂₁ + σ₁₂ is strained by 1/(a₂ − b₂) as σ₁₁ + σ₂₂ is by 1/(a₁ − b₁).
+            // The stiffness of σ₂₁ + σ₁₂ is 1/(a₂ − b₂), as the stiffness of σ₁₁ + σ₂₂ is 1/(a₁ − b₁).
             shear: roots(solid.a2, solid.b2),
             couple: solid.alpha2.sqrt(),
         }
@@ -218,7 +217,7 @@ impl PlaneMetric {
         ]
     }
 
-    /// √D of one component: the norm of its row of L.
+    /// √D of one stress component: the norm of its row of L.
     fn row_norm(&self, component: usize) -> f64 {
         match component {
             0 | 1 => self.normal[0].root_sum_square(self.normal[1]),
@@ -252,7 +251,7 @@ struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// Sum of the magnitudes of the terms of n·s − k, the scale of its rounding.
+    /// Sum of the magnitudes of the terms of n·s − k, the scale of its rounding error.
     fn size(&self, stress: &Plane) -> f64 {
         dot_absolute(&self.normal, stress) + self.strength
     }
@@ -352,9 +351,9 @@ impl Interlayer {
         let mut active = Active::default();
         let (mut stress, mut path, mut reach) = (*trial, [0.0; 6], 0.0f64);
 
-        // At most 2⁸ active sets, none of them twice; observed are fewer than a dozen.
+        // There are at most 2⁸ active sets and none recurs; fewer than a dozen iterations are observed.
         for _ in 0..256 {
-            // The most violated half-space, by its distance in the energy norm.
+            // Most violated half-space, measured by its distance in the energy norm.
             let mut worst = (0.0, None);
             for (index, half_space) in half_spaces.iter().enumerate() {
                 let HalfSpace { normal, strength, norm, .. } = half_space;
@@ -370,8 +369,8 @@ impl Interlayer {
             let entering = &half_spaces[index];
             let mut multiplier = 0.0;
             loop {
-                // One more unit of the entering multiplier changes the others by −R⁻¹Qᵀ(Lᵀn), z by what
-                // Q does not span of Lᵀn.
+                // A unit increase of the entering multiplier changes the other multipliers by −R⁻¹Qᵀ(Lᵀn), and z by
+                // the component of Lᵀn orthogonal to Q.
                 let (coordinates, rest) = active.split(&entering.scaled, active.count);
                 let change = active.solve(coordinates);
                 let length = dot(&rest, &rest).sqrt();
@@ -407,8 +406,8 @@ impl Interlayer {
                 }
             }
 
-            // s, z and λ from the active half-spaces alone; what rounding leaves outside is taken back
-            // at the size that s has by then.
+            // Recompute s, z and λ from the active half-spaces alone. Iterative refinement: each pass removes the excess
+            // left by rounding, at the current magnitude of s.
             (stress, path) = (*trial, [0.0; 6]);
             for _ in 0..3 {
                 let mut excess = [0.0; 6];
@@ -433,8 +432,8 @@ impl Interlayer {
             }
             let (coordinates, _) = active.split(&path, active.count);
             active.multiplier = active.solve(coordinates);
-            // No component of L z is larger than its row of L times |z|, none of what corrects the
-            // active conditions larger than that row times their terms as distances.
+            // Scale of the rounding errors of s, divided by the row norm of L: |z| for the component of L z, and the
+            // size of an active condition divided by |Lᵀn| for its correction.
             reach = dot(&path, &path).sqrt();
             for &index in &active.index[..active.count] {
                 reach = reach.max(half_spaces[index].size(&stress) / half_spaces[index].norm);

@@ -1,7 +1,7 @@
 //! Return mapping of von Mises, Drucker–Prager and Cosserat–Mises cones, generic over single stresses and SIMD lanes.
 //!
-//! Derived at [`Mises::project`]. Valid for trial stresses with shear capacity k − κσ̄_m ≥ 0; stresses beyond the apex
-//! are mapped by that function.
+//! Derivation: [`Mises::project`]. Valid for trial stresses with shear capacity k − κσ̄_m ≥ 0; `Mises::project` also maps
+//! stresses beyond the apex.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
 
 use super::parameters::Mises;
@@ -13,7 +13,7 @@ use crate::solid::stress::{Shape, Tensor};
 /// mean and antisymmetric part of the couple stress.
 pub const PARTS: usize = 5;
 
-/// Rounding of a condition's value, relative to the terms that it compares: a power of 2.
+/// Rounding error of the value of a yield condition, relative to the magnitudes of its terms; a power of 2.
 pub const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// Coefficients of the return mapping of a [`Mises`] cone in an isotropic solid.
@@ -34,7 +34,8 @@ pub struct Cone<N> {
     pub stiffnesses: [N; PARTS],
     /// Products Dp, Pa.
     pub rates: [N; PARTS],
-    /// max(h, 1) and the largest weight of the couple stress, 1/m²: weights of the rounding of the components.
+    /// Weights of the rounding errors of the stress components: max(h, 1) for the force stress, and the largest weight p
+    /// for the couple stress, 1/m².
     pub rounding_weights: [N; 2],
 }
 
@@ -80,7 +81,8 @@ impl Cone<f64> {
 }
 
 impl<N: Copy> Cone<N> {
-    /// Builds each coefficient from those of other cones, e.g. lanes from single cones.
+    /// Builds a cone whose coefficients are computed by `value` from the same coefficient of other cones, e.g. SIMD lanes
+    /// from single cones.
     pub fn gather<M>(mut value: impl FnMut(&dyn Fn(&Cone<M>) -> M) -> N) -> Self
     where
         M: Copy,
@@ -147,7 +149,8 @@ impl<N: Number> Parts<N> {
         weighted
     }
 
-    /// Force and couple stress with each part scaled by `kept` and the force mean stress replaced by `mean`.
+    /// Force and couple stress with each part scaled by its factor in `kept` and the mean of the force stress replaced by
+    /// `mean`.
     #[inline(always)]
     pub fn scaled(&self, shape: Shape, kept: &[N; PARTS], mean: N) -> (Tensor<N>, Tensor<N>) {
         let [mut force, mut couple] = [[[N::ZERO; 3]; 3]; 2];
@@ -172,7 +175,7 @@ impl<N: Number> Parts<N> {
     }
 }
 
-/// Sum over the active parts.
+/// Sum of `terms` over the active parts.
 #[inline(always)]
 pub fn sum_of<N: Number>(terms: &[N; PARTS], seen: &[bool; PARTS]) -> N {
     let mut sum = N::ZERO;
@@ -239,7 +242,7 @@ impl<N: Number> Equation<'_, N> {
         sum_of(&self.squares, self.seen).max(N::MIN_POSITIVE).sqrt()
     }
 
-    /// The iterate at x = 0, given `shear` = τ̄(0).
+    /// Computes the iterate at x = 0, given `shear` = τ̄(0).
     #[inline(always)]
     pub fn at_zero(&self, shear: N) -> Iterate<N> {
         let (mut norm, mut slope) = (N::ZERO, N::ZERO);
@@ -252,7 +255,7 @@ impl<N: Number> Equation<'_, N> {
         self.iterate(N::ZERO, [N::ONE; PARTS], (norm.max(N::MIN_POSITIVE), shear), slope)
     }
 
-    /// The iterate at x.
+    /// Computes the iterate at x.
     #[inline(always)]
     pub fn at(&self, x: N) -> Iterate<N> {
         let mut kept = [N::ONE; PARTS];
@@ -277,15 +280,16 @@ impl<N: Number> Equation<'_, N> {
         Iterate { x, shear, reciprocal, kept, norm, slope, excess }
     }
 
-    /// Newton step from the iterate `at`.
+    /// Next x by a Newton step from the iterate `at`.
     #[inline(always)]
     pub fn first(&self, at: &Iterate<N>) -> N {
         let slope = at.slope / at.norm * at.reciprocal;
         at.x + (at.excess / (self.a + self.shear_capacity * slope)).max(N::ZERO)
     }
 
-    /// Newton step with one division instead of two, bitwise equal to [`Self::first`]: the quotient is computed with an
-    /// error bound of 16 ε, and [`Self::first`] decides if that bound could change the rounded sum.
+    /// Next x by a Newton step with one division instead of two, bitwise equal to [`Self::first`]: the increment is
+    /// computed with a relative error bound of 16 ε, and [`Self::first`] is called if the bound could change the rounded
+    /// sum.
     #[inline(always)]
     pub fn next(&self, at: &Iterate<N>) -> N {
         let slope = self.a * at.norm + self.shear_capacity * (at.slope * at.reciprocal);
@@ -296,7 +300,7 @@ impl<N: Number> Equation<'_, N> {
     }
 
     /// Solves h(x) = 0 by Newton's method; x = 0 if τ̄(0) ≤ r. The iterates increase monotonically from zero to the root
-    /// (derived at [`Mises::project`]):
+    /// (derivation: [`Mises::project`]):
     ///
     /// ```text
     /// x + (1 − ax − r/τ̄)/(a − r τ̄′/τ̄²),  τ̄′/τ̄² = −(Σ s Dp/(1 + xDp)³)/τ̄³.
@@ -318,7 +322,8 @@ impl<N: Number> Equation<'_, N> {
     }
 }
 
-/// Result of the return mapping in homogeneous coordinates (u, v) of x = v/u: (1, x), or (1/x, 1) beyond the apex.
+/// Result of the return mapping. The unknown x = v/u is given in homogeneous coordinates (u, v): (1, x), or (1/x, 1)
+/// beyond the apex.
 #[derive(Clone, Copy, Debug)]
 pub struct Mapped<N> {
     /// Ratio s/s̄ of each part.
@@ -334,7 +339,7 @@ pub struct Mapped<N> {
 }
 
 impl<N: Number> Mapped<N> {
-    /// The result for (u, v), `reciprocal` u/τ̄ and the factors `kept` = u/(u + vDp).
+    /// Computes the result from (u, v), `reciprocal` u/τ̄ and the factors `kept` = u/(u + vDp).
     #[inline(always)]
     pub fn new(
         cone: &Cone<N>,

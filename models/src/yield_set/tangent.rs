@@ -4,14 +4,15 @@
 //! σ̇ = D (ε̇ − Σ λ̇ₐ mₐ),  nₐ·σ̇ = Hₐ λ̇ₐ   ⇒   D_t = D − Σ over conditions (D m)(nᵀD)/(H + nᵀD m),
 //! ```
 //!
-//! applied to one condition after the other; each acts on the stiffness left by its predecessors.
+//! The conditions are applied one after another: each updates the stiffness that results from the previous conditions.
 
 use super::parameters::ActiveCondition;
 use crate::common::rounding::{Rounded, UNIT_ROUNDOFF};
 use crate::common::system::Matrix;
 use crate::solid::stress::Component;
 
-/// Error: the rate response of the solid is not defined, since H + nᵀD m is not positive for an active condition.
+/// Error of [`tangent`]: the rate response of the solid is undefined, since H + nᵀD m is not positive for an active
+/// condition.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no response while yielding ({condition}): H + n·Dm = {value:e} Pa must be positive; less \
@@ -24,9 +25,9 @@ pub struct NoResponse {
     pub value: f64,
 }
 
-/// Tangent stiffness between the listed stress components for plastic loading of all active conditions.
+/// Computes the tangent stiffness between the components `stresses` for plastic loading of all `active` conditions.
 ///
-/// A condition whose normal depends linearly on its predecessors is skipped.
+/// A condition without hardening whose normal depends linearly on the normals of the previous conditions is skipped.
 ///
 /// # Errors
 /// H + nᵀD m is not positive; see [`NoResponse`].
@@ -38,7 +39,7 @@ pub fn tangent(
     let mut tangent = elastic.clone();
     let size = stresses.len();
     for (index, condition) in active.iter().enumerate() {
-        // Rounding bound of a normal: a few roundings of the size of its largest component.
+        // Rounding bound of the components of a normal: 8 u times the largest component.
         let vector = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
             let values: Vec<f64> = stresses.iter().map(|c| c.derivative(gradient)).collect();
             let largest = values.iter().fold(0.0f64, |a, b| a.max(b.abs()));
@@ -57,7 +58,7 @@ pub fn tangent(
         let covector =
             |matrix: &Matrix, j: usize| sum(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]));
         let stretch = sum(&mut (0..size).map(|i| normal[i] * image(&tangent, i)));
-        // A linearly dependent normal is reduced to rounding by its predecessors.
+        // The previous conditions reduce n·Dm of a linearly dependent normal to rounding errors.
         let before = sum(&mut (0..size).map(|i| normal[i] * image(elastic, i)));
         let is_spent = stretch.value.abs() <= 1e-12 * before.value.abs();
         if index > 0 && condition.hardening == 0.0 && is_spent {

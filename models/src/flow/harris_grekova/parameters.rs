@@ -78,25 +78,25 @@ impl HarrisGrekova {
 
     /// Bound on the non-coaxiality |Δ|, rad, below which the leading growth rate is not positive in any direction.
     ///
-    /// For ν = 0 it is π/4 (eq. 152). For ν > 0, with β = 2(Ψ_Σ − ψ_K) and e = φ − ν, the coefficient
+    /// For ν = 0 the bound is π/4 (eq. 152). For ν > 0, with β = 2(Ψ_Σ − ψ_K) and e = φ − ν, the coefficient
     /// of the highest power of ς is proportional to
     /// `cos 2Δ cos ν [cos e + sin ν sin φ − (sin φ cos e + sin ν) cos β] + sin 2Δ sin ν cos φ cos e sin β`,
-    /// which keeps its sign in all directions exactly while
+    /// which has the same sign in all directions if and only if
     ///
     /// ```text
     /// |tan 2Δ| < cot ν √(cos φ cos(φ − 2ν)) / cos(φ − ν).
     /// ```
     ///
-    /// Beyond it, up to π/2 less it, the growth rate is unbounded at finite wave numbers already (or of
-    /// order 3, with a gradient of the stress angle); above, of order 2.
+    /// For |Δ| between the bound and π/2 minus the bound the growth rate is unbounded at finite wave numbers, or of
+    /// order 3 if the stress angle has a gradient; for larger |Δ| it is of order 2.
     pub fn noncoaxiality_bound(&self) -> f64 {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
         let opposite = (phi.cr_cos() * (phi - 2.0 * nu).cr_cos()).sqrt() * nu.cr_cos();
         0.5 * opposite.cr_atan2(nu.cr_sin() * (phi - nu).cr_cos())
     }
 
-    /// Leading growth rate over k² for ν = 0, `lim ς/k²` as k → ∞, m²/s (eq. 149 with the printed
-    /// factor corrected):
+    /// Computes the leading growth rate over k² for ν = 0, `lim ς/k²` as k → ∞, m²/s (eq. 149 with the printed factor
+    /// corrected):
     ///
     /// ```text
     /// −q (cos β − sin φ)² / [2 ρ Q_D cos 2Δ (1 − sin φ cos β)],  β = 2(Ψ_Σ − ψ_K).

@@ -1,8 +1,8 @@
 //! The Harris–Grekova equations linearised with frozen coefficients.
 //!
-//! Momentum, spin, mass (where ν > 0) and the two lines of the flow rule with the intrinsic spin
-//! for the rotation; Harris & Grekova (2005), eqs (81)–(87) for ν = 0, corrected, and the same
-//! with the density evolving for ν > 0, which the paper leaves out.
+//! Balances of momentum, spin and (for ν > 0) mass, and the two lines of the flow rule with the intrinsic spin as the
+//! material rotation. For ν = 0 these are Harris & Grekova (2005), eqs (81)–(87), corrected; for ν > 0, which the paper
+//! omits, the density is a further unknown.
 
 use super::parameters::HarrisGrekova;
 use crate::common::rounding::Rounded;
@@ -25,9 +25,9 @@ pub fn write(model: &HarrisGrekova, flow: &Flow, system: &mut LinearisedSystem<2
     system.c[(4, SPIN_COLUMN)] = 2.0 * rule.rotation;
     mass(system, 5, &columns, flow);
 
-    // Spin (eq. 9): ρ I Dω/Dt + ρ (DI/Dt) ω − 2r − ρG = 0. The perturbed velocity carries both
-    // the spin and the moment of inertia; the perturbed density meets I DΩ/Dt + Ω DI/Dt − G,
-    // which the background makes 2R/ρ.
+    // Balance of spin (eq. 9): ρ I Dω/Dt + ρ (DI/Dt) ω − 2r − ρG = 0. The velocity perturbation advects the background
+    // gradients of spin and moment of inertia. The density perturbation is multiplied by I DΩ/Dt + Ω DI/Dt − G, which
+    // equals 2R/ρ in the background.
     let rho = Rounded::given(flow.density);
     let inertia = Rounded::given(model.moment_of_inertia);
     let spin = flow.spin.unwrap_or_default();

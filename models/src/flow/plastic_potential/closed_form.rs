@@ -6,16 +6,16 @@ use crate::common::rounding::Rounded;
 use crate::flow::closed_form::{ClosedForm, is_below_right_angle, is_of_moderate_size};
 use crate::flow::state::Flow;
 
-/// Smallest |φ − ν|, rad, at which the formula decides. The leading growth rate is proportional to (φ − ν)²; closer to
-/// the associated flow rule the linearised equations do not resolve it to ten digits.
+/// Smallest |φ − ν|, rad, at which the formula decides. The leading growth rate is of order (φ − ν)²; closer to the
+/// associated flow rule the numerical analysis does not resolve it to ten digits.
 const THINNEST: f64 = 1e-3;
 
-/// Ill-posed with growth of order 2 in every background, unless the flow rule is nearly associated.
+/// Returns growth of order 2 (ill-posed) in every background; `None` if the flow rule is nearly associated, φ or ν too
+/// close to a right angle, or a number of `flow` too close to overflow or underflow.
 ///
-/// To leading order in k, where ς is of order k² and all gradients of the background and the density
-/// drop out, the worst direction is that of [`PlasticPotential::worst`]. It is
-/// `cos β = sin h/cos d` with h = (φ + ν)/2, d = (φ − ν)/2, so `sin²β = cos φ cos ν/cos²d`; the
-/// directions ±β are equally bad.
+/// To leading order in k, with ς of order k², the gradients of the background and the density perturbation drop out.
+/// The growth is largest in the direction of [`PlasticPotential::worst`],
+/// `cos β = sin h/cos d` with h = (φ + ν)/2 and d = (φ − ν)/2, so `sin²β = cos φ cos ν/cos²d`; it is the same for ±β.
 pub fn closed_form(model: &PlasticPotential, flow: &Flow) -> Option<ClosedForm> {
     let (phi, nu) = (model.coulomb.friction_angle, model.dilatancy_angle);
     let decides = (phi - nu).abs() >= THINNEST

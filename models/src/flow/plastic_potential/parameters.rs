@@ -55,14 +55,14 @@ impl PlasticPotential {
         }
     }
 
-    /// Leading growth rate over k², m²/s, in the direction with β = 2(Ψ_Σ − ψ_K):
+    /// Computes the leading growth rate over k², m²/s, in the direction with β = 2(Ψ_Σ − ψ_K), `beta` in rad:
     ///
     /// ```text
     /// −q (cos β − sin ν)(cos β − sin φ) / {2 ρ Q_D [1 + sin ν sin φ − (sin ν + sin φ) cos β]}
     /// ```
     ///
-    /// positive exactly where cos β lies between sin ν and sin φ. `deviator` q in Pa, `density` in
-    /// kg/m³, `shear_rate` Q_D in 1/s.
+    /// which is positive exactly if cos β lies between sin ν and sin φ. `deviator` q in Pa, `density` in kg/m³,
+    /// `shear_rate` Q_D in 1/s.
     pub fn leading_coefficient(
         &self,
         deviator: f64,
@@ -84,8 +84,8 @@ impl PlasticPotential {
         [phi.max(nu), phi.min(nu)].map(|angle| std::f64::consts::FRAC_PI_2 - angle)
     }
 
-    /// Largest leading growth rate over k², `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and cos β of the worst direction,
-    /// `sin((φ + ν)/2) / cos((φ − ν)/2)`. `deviator` q in Pa, `density` in kg/m³, `shear_rate` Q_D in 1/s.
+    /// Computes the largest leading growth rate over k², `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and cos β of its
+    /// direction, `sin((φ + ν)/2) / cos((φ − ν)/2)`. `deviator` q in Pa, `density` in kg/m³, `shear_rate` Q_D in 1/s.
     pub fn worst(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
         let half_difference = 0.5 * (self.coulomb.friction_angle - self.dilatancy_angle);
         let half_sum = 0.5 * (self.coulomb.friction_angle + self.dilatancy_angle);
