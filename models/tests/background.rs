@@ -1,5 +1,5 @@
-//! From a state to a background: regions, defaults, derived quantities, refusals; and the index
-//! order of the stress, which matters wherever the stress is not symmetric.
+//! Completion of a state to a background: regions, defaults, derived quantities, rejected inputs; and the index order of
+//! an asymmetric stress.
 
 mod support;
 
@@ -31,15 +31,15 @@ fn refusal(model: &Model, state: &State) -> InputError {
     }
 }
 
-/// The number behind "residual" in a message.
+/// Parses the number that follows "residual" in an error message.
 fn residual(error: &InputError) -> f64 {
     let (_, rest) = error.allowed.split_once("residual ").expect("the message names a residual");
     let end = rest.find([';', ' ', ',']).unwrap_or(rest.len());
     rest[..end].parse().expect("the residual is a number")
 }
 
-/// q on yield to 1e-12 relative is on yield and taken for it; below and above it is not. Yield is
-/// computed here in 31 digits (eq. 13).
+/// A deviatoric stress q within 1e-12 (relative) of yield counts as on yield and is replaced by the yield value; other
+/// values of q are inside or outside yield. The yield deviator (eq. 13) is computed here in 31 digits.
 #[test]
 fn deviator_decides_the_region() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -55,7 +55,7 @@ fn deviator_decides_the_region() {
             assert_eq!(region(&model, &state), Region::FullyDeforming);
             for factor in [1.0, 1.0 + 9e-13, 1.0 - 9e-13] {
                 assert_eq!(region(&model, &with(factor)), Region::FullyDeforming);
-                // Taken for the yield deviator itself: the analysis must not see 1e-12.
+                // q is replaced by the yield deviator, so the deviation of 1e-12 does not enter the analysis.
                 let (own, exact) =
                     (states::flow(&model, &with(factor)), states::flow(&model, &state));
                 assert_eq!(own.stress.deviator, exact.stress.deviator);
@@ -66,7 +66,7 @@ fn deviator_decides_the_region() {
             for factor in [1.0 + 1.1e-12, 1.0 + 1e-9, 3.0] {
                 assert_eq!(region(&model, &with(factor)), Region::OutsideYield);
             }
-            // What lies elsewhere carries its own stress.
+            // A background off yield returns the given stress.
             let background = model.background(&with(0.5)).unwrap();
             assert!(background.flow().is_none());
             assert_eq!(background.stress().deviator.value, q * 0.5);
@@ -74,8 +74,8 @@ fn deviator_decides_the_region() {
     }
 }
 
-/// r must be 0, m or −m to 1e-12 relative; inside ±m it is indeterminate, beyond it outside yield;
-/// a deviator outside yield is not excused by r, nor the other way round.
+/// A rotational stress r counts as 0 or ±m within 1e-12 m; otherwise |r| < m is indeterminate and |r| > m outside yield.
+/// A state is outside yield if either q or r is.
 #[test]
 fn rotational_stress_decides_the_region() {
     let mut random = Random::new(620);
@@ -105,7 +105,7 @@ fn rotational_stress_decides_the_region() {
         assert_eq!(region(&model, &both(0.5 * q, 2.0 * m)), Region::OutsideYield);
         assert_eq!(region(&model, &both(0.5 * q, m)), Region::RigidOrIndeterminate);
     }
-    // Without rotational strength r = 0 is the only admissible one.
+    // Without rotational strength (m = 0) r = 0 is the only admissible value.
     let (parameters, _, state) = harris_grekova(&mut random, Dilatancy::Zero);
     let weak = Parameters { rotational_strength: Some(0.0), ..parameters };
     let model = states::model(registry::HARRIS_GREKOVA, &weak);
@@ -120,8 +120,8 @@ fn rotational_stress_decides_the_region() {
     );
 }
 
-/// Absent, r is −m sign(ω − s₂₁), so that the power of rotation −2r(ω − s₂₁) is not negative; zero
-/// in a coaxial flow, and never −0.
+/// The default rotational stress is −m sign(ω − s₂₁), so that the rotational power −2r(ω − s₂₁) is not negative; it is
+/// +0, not −0, in a coaxial flow.
 #[test]
 fn default_rotational_stress_does_positive_work() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
@@ -132,7 +132,7 @@ fn default_rotational_stress_does_positive_work() {
             let flow = states::flow(&model, &state);
             let relative = flow.spin.unwrap().value - state.half_vorticity;
             assert_eq!(flow.stress.rotational, -m * relative.signum());
-            // The flow rule turns the material against Δ.
+            // By the flow rule ω − s₂₁ and Δ have opposite signs.
             assert_eq!(flow.stress.rotational.signum(), flow.noncoaxiality.signum());
             for delta in [Some(0.0), None] {
                 let coaxial = states::flow(&model, &State { noncoaxiality: delta, ..state });
@@ -143,8 +143,8 @@ fn default_rotational_stress_does_positive_work() {
     }
 }
 
-/// A given spin yields the Δ with cos 2Δ > 0 whose flow rule returns that spin; given both, the
-/// other root is accepted as well, and a contradiction is refused by key with its residual in sin 2Δ.
+/// From a given spin the solution Δ of the flow rule with cos 2Δ > 0 is derived. If spin and Δ are both given, the other
+/// solution is accepted too; a contradiction is rejected with the key and the residual in sin 2Δ.
 #[test]
 fn spin_instead_of_noncoaxiality() {
     for kind in [registry::HARRIS_GREKOVA, registry::FREE_ROTATING] {
@@ -164,7 +164,7 @@ fn spin_instead_of_noncoaxiality() {
                 let only = State { noncoaxiality: None, spin: Some(spin), ..state };
                 let flow = states::flow(&model, &only);
                 assert!((2.0 * flow.noncoaxiality).cos() > 0.0);
-                // asin loses half the digits towards 45°: tolerance from cos 2Δ ≥ 0.01.
+                // asin loses half of the digits as Δ → 45°; the tolerance assumes cos 2Δ ≥ 0.01.
                 let size = 1.0 + state.half_vorticity.abs() / turn(delta).abs();
                 assert!((flow.noncoaxiality - delta).abs() < 1e-13 * size);
                 let size = spin.abs() + 2.0 * state.half_vorticity.abs();
@@ -176,7 +176,7 @@ fn spin_instead_of_noncoaxiality() {
                     let flow = states::flow(&model, &both);
                     assert_eq!(flow.noncoaxiality, delta);
                 }
-                // Eleven digits agree.
+                // A value of Δ with eleven correct digits is accepted.
                 let printed = State { noncoaxiality: Some(delta * (1.0 + 1e-11)), ..only };
                 assert_eq!(region(&model, &printed), Region::FullyDeforming);
                 let wrong = delta + 1e-3 * (1.0 + random.within(0.0, 1.0));
@@ -185,7 +185,7 @@ fn spin_instead_of_noncoaxiality() {
                 let expected = (2.0 * delta).sin() - (2.0 * wrong).sin();
                 assert!((residual(&error).abs() / expected.abs() - 1.0).abs() < 1e-6);
 
-                // More spin than any Δ allows.
+                // A spin above the maximum over all Δ.
                 let too_much = State {
                     spin: Some(state.half_vorticity + 1.001 * turn(std::f64::consts::FRAC_PI_4)),
                     noncoaxiality: None,
@@ -197,8 +197,8 @@ fn spin_instead_of_noncoaxiality() {
     }
 }
 
-/// Redundant quantities of a state are accepted when they agree with the derived ones, and refused by their key with
-/// the residual of the equation it breaks when it is off by 1e-6 of its size.
+/// A redundant quantity of a state is accepted if it agrees with the derived value; if it differs by 1e-6 of its size,
+/// it is rejected with its key and the residual of the violated equation.
 #[test]
 fn contradictions_are_refused_with_their_residual() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -219,7 +219,7 @@ fn contradictions_are_refused_with_their_residual() {
             };
             assert_eq!(states::flow(&model, &all), flow);
 
-            // Written with ten or eleven digits they still agree; derived numbers stay.
+            // Values with ten or eleven correct digits are accepted; the derived values are unchanged.
             let mut printed = |x: f64, size: f64| x + random.generic(0.5, 1.0) * 1e-10 * size;
             let rates = state.shear_rate + state.half_vorticity.abs();
             let force = acceleration[0].abs().max(acceleration[1].abs());
@@ -233,7 +233,7 @@ fn contradictions_are_refused_with_their_residual() {
             assert_eq!(states::flow(&model, &rounded), flow);
 
             let size = state.shear_rate + state.half_vorticity.abs();
-            // Trace, d₁₁ − d₂₂, 2 d₁₂, vorticity: one at a time, the others untouched.
+            // Change one of trace, d₁₁ − d₂₂, 2 d₁₂ and vorticity at a time.
             for (change, part, factor) in [
                 ([[1.0, 0.0], [0.0, 1.0]], "tr d", 2.0),
                 ([[1.0, 0.0], [0.0, -1.0]], "d₁₁ − d₂₂", 2.0),
@@ -281,7 +281,7 @@ fn contradictions_are_refused_with_their_residual() {
     }
 }
 
-/// Constants out of range, by key; the ends of the ranges that belong to them are accepted.
+/// Constants out of range are rejected with their key; the end points that belong to a range are accepted.
 #[test]
 fn constants_out_of_range_are_refused_by_key() {
     let right = std::f64::consts::FRAC_PI_2;
@@ -329,7 +329,7 @@ fn constants_out_of_range_are_refused_by_key() {
     }
 }
 
-/// States out of range, by key.
+/// State quantities out of range are rejected with their key.
 #[test]
 fn states_out_of_range_are_refused_by_key() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -350,7 +350,7 @@ fn states_out_of_range_are_refused_by_key() {
         refused("shear_rate", &|s, x| s.shear_rate = x, &[0.0, -1.0]);
         refused("pressure", &|s, x| s.pressure = x, &[strength * (1.0 + 1e-9), 2.0 * strength]);
         refused("deviatoric_stress", &|s, x| s.deviatoric_stress = Some(x), &[-1e-9]);
-        // Tension within the cohesion is a state.
+        // A tension below c cot φ is admissible.
         let tension = State { pressure: 0.9 * strength, ..state };
         assert_eq!(region(&model, &tension), Region::FullyDeforming);
 
@@ -367,7 +367,7 @@ fn states_out_of_range_are_refused_by_key() {
     }
 }
 
-/// |Δ| beyond 45 degrees, negative power and either sign of r are states like others.
+/// States with |Δ| > 45°, negative internal power or either sign of r are accepted.
 #[test]
 fn noncoaxiality_beyond_45_degrees_is_admitted() {
     let mut random = Random::new(700);
@@ -384,11 +384,11 @@ fn noncoaxiality_beyond_45_degrees_is_admitted() {
     assert!(negative > 200);
 }
 
-/// Internal power is the full contraction σᵢⱼ(∂ⱼvᵢ + εᵢⱼₖωₖ), second index of σ = face normal, in
-/// 2 dimensions σᵢⱼ∂ⱼvᵢ + (σ₁₂ − σ₂₁) ω. Fails if the transpose of the stress is lost (the power of
-/// rotation changes sign) and beyond 45 degrees, where the power is negative, as well as below.
+/// The internal power equals the full contraction σᵢⱼ(∂ⱼvᵢ + εᵢⱼₖωₖ) with second index = face normal, in 2 dimensions
+/// σᵢⱼ∂ⱼvᵢ + (σ₁₂ − σ₂₁) ω, for |Δ| below and above 45° (negative power). A transposed stress would change the sign of
+/// the rotational power.
 ///
-/// Tolerance: a hundred roundings of the largest stress × rate in the sum.
+/// Tolerance: 1e-14 of the sum of the magnitudes of all terms.
 #[test]
 fn power_is_the_full_contraction() {
     let (mut negative, mut worst) = (0, 0.0f64);
@@ -403,7 +403,7 @@ fn power_is_the_full_contraction() {
             }
             let flow = states::flow(&model, &state);
             let stress = flow.stress.tensor();
-            // The rotation that works on an asymmetric stress; any, where it is symmetric.
+            // Spin conjugate to the antisymmetric stress; arbitrary if the stress is symmetric.
             let spin = flow.spin.map_or(0.7, |x| x.value);
             let levi_civita = [[0.0, 1.0], [-1.0, 0.0]];
             let (mut power, mut size) = (0.0, 0.0f64);
@@ -428,10 +428,9 @@ fn power_is_the_full_contraction() {
     println!("power: {worst:.1e}");
 }
 
-/// The stress tensor by its tractions: t = σn with the second index the face normal. The torque of
-/// the tractions on a small square about its centre is 2r per area, the source of spin in eq. (9);
-/// were the paper's index order left as it is, it would be −2r. The symmetric part has its greater
-/// principal value −p + q along ψ.
+/// The stress tensor gives the tractions t = σn, second index = face normal. The torque of the tractions on a small
+/// square about its centre is 2r per area, the source of spin in eq. (9); in the index order of the paper it would be
+/// −2r. The greater principal value of the symmetric part is −p + q, along ψ.
 #[test]
 fn stress_tensor_has_the_face_normal_second() {
     let mut random = Random::new(740);
@@ -465,13 +464,13 @@ fn stress_tensor_has_the_face_normal_second() {
             let value = -pressure + stress.deviator.value;
             assert!((image - value * along[i]).abs() < 1e-14 * size);
         }
-        // Definition (4) of r in the paper's order, which is the transpose.
+        // Definition (4) of r in the index order of the paper (transposed).
         let paper = [[tensor[0][0], tensor[1][0]], [tensor[0][1], tensor[1][1]]];
         assert!((0.5 * (paper[0][1] - paper[1][0]) - stress.rotational).abs() < 1e-14 * size);
     }
 }
 
-/// The rotational stress r drives the derived body moment: I Dω/Dt + ω DI/Dt = (torque per area)/ρ + G.
+/// The derived body moment G satisfies the balance of spin I Dω/Dt + ω DI/Dt = (torque per area)/ρ + G.
 #[test]
 fn body_moment_balances_the_torque_of_the_stress() {
     let mut random = Random::new(750);
@@ -488,7 +487,7 @@ fn body_moment_balances_the_torque_of_the_stress() {
     }
 }
 
-/// A background elsewhere reports its region and stress and no flow.
+/// A background that is not fully deforming has a region and a stress but no flow.
 #[test]
 fn elsewhere_there_is_no_flow() {
     let mut random = Random::new(760);
@@ -500,7 +499,7 @@ fn elsewhere_there_is_no_flow() {
     assert_eq!(background.stress().deviator.value, 1e9);
 }
 
-/// Names lead back to their models, and a refusal reads as input, what was found, what is allowed.
+/// The registry finds every model by its name; an error message has the form "input: found value; allowed values".
 #[test]
 fn names_and_messages() {
     for kind in registry::STANDARD_FLOWS {

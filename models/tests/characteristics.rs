@@ -1,9 +1,9 @@
-//! Determinants of the crate's matrices against closed forms: the steady characteristics of Harris &
-//! Grekova (2005), eq. (70), and the exact dispersion relation for ν = 0.
+//! Determinants of the linearised systems against closed forms: the steady characteristics of Harris & Grekova (2005),
+//! eq. (70), and the exact dispersion relation for ν = 0.
 //!
-//! The determinants are expanded over all permutations in 31 digits from the crate's doubles. What
-//! limits the agreement is then the rounding of the entries, some ten units in the last place each:
-//! tolerance 50 × 6 roundings of the sum of the absolute values of all terms (the permanent).
+//! The determinants are expanded over all permutations in 31 digits from the entries in double precision. The error is
+//! then due to the rounding of the entries, about ten units in the last place each. Tolerance: 50 × 6 u times the sum of
+//! the absolute values of all terms (the permanent).
 
 mod support;
 
@@ -16,7 +16,7 @@ use wellposed_models::registry;
 const STATES: usize = 300;
 const TOLERANCE: f64 = 300.0 * f64::EPSILON / 2.0;
 
-/// ξ₁ B¹ + ξ₂ B², V A included, as numbers.
+/// Matrix ξ₁(B¹ + V₁A) + ξ₂(B² + V₂A) of the steady equations.
 fn steady(system: &LinearisedSystem<2>, direction: [Wide; 2]) -> Vec<Vec<Wide>> {
     let (rows, columns) = system.a.shape();
     let entry = |i: usize, j: usize| {
@@ -37,7 +37,7 @@ fn steady_determinant(system: &LinearisedSystem<2>, direction: [Wide; 2]) -> (f6
     (number_determinant(&complex).re.value(), permanent(&sizes))
 }
 
-/// 𝒜 of eq. (69).
+/// Quadratic form 𝒜 of eq. (69).
 fn quadratic_form(angle: f64, phi: f64, [x, y]: [Wide; 2]) -> Wide {
     let angle = wide(angle);
     let (s, c) = (angle + angle).sin_cos();
@@ -45,18 +45,17 @@ fn quadratic_form(angle: f64, phi: f64, [x, y]: [Wide; 2]) -> Wide {
     (c - sin_phi) * x * x + wide(2.0) * s * x * y - (c + sin_phi) * y * y
 }
 
-/// Eq. (70) for every model, and what takes its place in the others. In the crate's order of rows
-/// and columns, against the paper's, the row of mass moves from the fourth to the last place and the
-/// column of density likewise: two cyclic permutations of three, both even, so the sign stays.
+/// The determinant of the steady equations equals eq. (70) for Harris–Grekova and the analogous formulas below for the
+/// other models. In the crate the mass row and the density column are last, in the paper fourth: two even permutations,
+/// which leave the sign unchanged. e = ξ·V.
 ///
-/// - Harris–Grekova, ν > 0: −2 q ρI cos(φ − 2ν) e²𝒜², as printed. For ν = 0 mass and density are
-///   gone and one e with them: −2 q ρI cos φ e 𝒜².
-/// - Plastic potential: without spin ρIe is gone, and the kinematic factor cos(φ − 2ν) 𝒜 of (68)
-///   becomes 𝒜 with sin ν for sin φ, so that the two families differ unless ν = φ.
-/// - Double shearing: without ρIe, but the rotation row has 2 sin(φ − ν) e in the angle's column.
-///   A permutation through it takes ρe of one momentum row, p of the other and the volume row:
-///   −ρe · 2 sin(φ − ν) e · (e₅₁e₁₄ + e₅₂e₂₄) besides, columns and rows named as in the paper with
-///   p for 4. That term makes the steady equations depend on inertia.
+/// - Harris–Grekova, ν > 0: −2 q ρI cos(φ − 2ν) e²𝒜², as printed. For ν = 0 the mass row and the density column are
+///   absent, and with them one factor e: −2 q ρI cos φ e 𝒜².
+/// - Plastic potential: without spin the factor ρIe is absent. The kinematic factor cos(φ − 2ν) 𝒜 of (68) becomes 𝒜 with
+///   sin ν in place of sin φ, so that stress and velocity characteristics differ unless ν = φ.
+/// - Double shearing: the factor ρIe is absent, and the rotation row has the entry 2 sin(φ − ν) e in the column of ψ. The
+///   permutations through this entry add −ρe · 2 sin(φ − ν) e · (e₅₁e₁₄ + e₅₂e₂₄), in the numbering of the paper with
+///   column 4 for p. This term makes the steady equations depend on inertia.
 #[test]
 fn steady_determinant_is_eq_70() {
     let mut worst = 0.0f64;
@@ -86,7 +85,7 @@ fn steady_determinant_is_eq_70() {
             };
             let mut expected = -(wide(2.0) * q * form(phi) * kinematic);
             if kind == registry::DOUBLE_SHEARING {
-                // ξ − sin φ n and cos(φ − ν) ξ − sin ν n, n the reflection of ξ about Ψ.
+                // ξ − sin φ n and cos(φ − ν) ξ − sin ν n, where n is ξ reflected about the axis Ψ.
                 let angle = wide(state.stress_angle);
                 let (s, c) = (angle + angle).sin_cos();
                 let along = |sine: Wide| {
@@ -120,9 +119,8 @@ fn steady_determinant_is_eq_70() {
     println!("largest deviation from (70), of the permanent: {worst:.1e}");
 }
 
-/// The characteristic directions ψ_σ ± ε and the streamlines are double for Harris–Grekova: the
-/// determinant vanishes there like the square of the distance, for general ν. Fails if stress and
-/// velocity characteristics do not coincide.
+/// In the Harris–Grekova model the characteristic directions ψ_σ ± ε and the streamlines are double for general ν: the
+/// determinant vanishes quadratically there, since stress and velocity characteristics coincide.
 #[test]
 fn harris_grekova_characteristics_are_double() {
     let mut random = Random::new(450);
@@ -140,13 +138,13 @@ fn harris_grekova_characteristics_are_double() {
             continue;
         }
         for line in lines {
-            // Normals to the characteristic, turned off it by h and h/2: det ~ h².
+            // Normals to the characteristic, rotated by h and h/2: det ~ h².
             let at = |h: f64| {
                 let (s, c) = wide(line + h).sin_cos();
                 steady_determinant(&system, [-s, c]).0
             };
             let (h, k) = (1e-4, 5e-5);
-            // Ratio 4 but for the cubic term, of relative size a few h / (distance of the others).
+            // The ratio is 4 up to the cubic term, of relative size a few h/(distance to the other characteristics).
             let ratio = at(h) / at(k);
             assert!((ratio - 4.0).abs() < 0.05, "ratio {ratio} at {line}");
             let other = at(-h) / at(h);
@@ -155,16 +153,15 @@ fn harris_grekova_characteristics_are_double() {
     }
 }
 
-/// The exact dispersion relation for ν = 0 with all background gradients,
+/// det(ςA + i k·B + C) equals the exact dispersion relation for ν = 0 with all background gradients,
 ///
 /// ```text
 /// {c₅₅ [(G̃·ξ) y + ρ G̃⊥·(∇V ξ⊥)] − (G̃×H̃) ik𝒜} (I y + c₃₃) + c₅₃ (c₃·ξ⊥)(G̃×H̃) = 0,
 /// y = ρ (ς + ik·V),
 /// ```
 ///
-/// against det(ςA + i k·B + C) of the crate's matrices at random complex ς and k. The left-hand side
-/// is the determinant divided by −cos φ ik: continuity is written as cos φ ik ξ·v in the crate, and
-/// elimination along ξ⊥ changes the sign once. All constituents are computed here from the state.
+/// at random complex ς and real k. The left-hand side is the determinant divided by −cos φ ik: the crate writes
+/// continuity as cos φ ik ξ·v, and elimination along ξ⊥ changes the sign once. All terms are computed here from the state.
 #[test]
 fn dispersion_relation_for_zero_dilatancy() {
     let mut random = Random::new(460);
@@ -191,7 +188,7 @@ fn dispersion_relation_for_zero_dilatancy() {
         let relative = (determinant - factor * relation).abs() / scale;
         worst = worst.max(relative);
         assert!(relative < TOLERANCE, "off by {relative:e} of the sum of all terms");
-        // The scale is not an excuse: the determinant is a good part of it.
+        // The comparison is significant: the determinant is not negligible relative to the scale.
         assert!(determinant.abs() > 1e-9 * scale);
     }
     println!("largest deviation of the dispersion relation, of the permanent: {worst:.1e}");
@@ -222,8 +219,8 @@ fn closed_dispersion(
     let g = [xi[0] - sin_phi * n1, xi[1] - sin_phi * n2];
     let h = [two * q * n2, -(two * q * n1)];
 
-    // c₁₄, c₂₄ and c₁₅, c₂₅ from n(2Ψ) = (cos 2Ψ, sin 2Ψ) and its turn m: the divergence of the
-    // stress is sin φ ∇·(p S) with S the reflection about Ψ, and its derivatives by p and ψ.
+    // c₁₄, c₂₄ and c₁₅, c₂₅: derivatives with respect to p and ψ of the divergence of the stress, sin φ ∇·(p S) with the
+    // reflection S about the axis Ψ.
     let (s, c) = (psi + psi).sin_cos();
     let [a1, a2] = flow.stress_angle_gradient.map(wide);
     let [p1, p2] = flow.pressure_gradient.map(wide);
@@ -246,7 +243,7 @@ fn closed_dispersion(
     let c55 = -(wide(4.0) * rate * cos_2delta);
     let c53 = two * sin_phi;
 
-    // ∇V for ν = 0.
+    // Velocity gradient ∇V for ν = 0.
     let (shear, normal) = (psi + delta + psi + delta).sin_cos();
     let turn = wide(flow.half_vorticity);
     let gradient = [[rate * normal, rate * shear - turn], [rate * shear + turn, -(rate * normal)]];
@@ -264,9 +261,8 @@ fn closed_dispersion(
         + times(c53 * (c3[0] * xi_turned[0] + c3[1] * xi_turned[1]), cross)
 }
 
-/// Double-sliding free-rotating: one row fewer than columns, so that every ς has an amplitude (the
-/// pencil is singular); and the rows are independent, so that it is one equation that is missing
-/// and not more.
+/// The double-sliding free-rotating model has one row fewer than columns, so every ς has an eigenvector (the pencil is
+/// singular); its rows are independent, so exactly one equation is missing.
 #[test]
 fn free_rotating_lacks_one_equation() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {

@@ -1,5 +1,5 @@
-//! `Model::closed_form` against the determinant of the linearised equations, expanded in 31 digits
-//! from the crate's matrices and scanned over all directions of the wave vector.
+//! Closed-form verdicts against the determinant of the linearised equations, expanded in 31 digits and scanned over the
+//! directions of the wave vector.
 
 mod support;
 
@@ -12,21 +12,22 @@ use wellposed_models::flow::{FlowKind, Model};
 use wellposed_models::registry;
 use wellposed_models::{ClosedForm, LinearisedSystem};
 
-/// States of each test, and directions scanned for each.
+/// Number of states of each test; [`DIRECTIONS`] is the number of directions scanned per state.
 const STATES: usize = 100;
 const DIRECTIONS: usize = 240;
 
-/// So short a wave that lower orders are of relative size 1e-10 or less.
+/// Wave number, 1/m, at which terms of lower order in k are of relative size 1e-10 or less.
 const SHORT: f64 = 1e12;
 
-/// A state with all gradients and accelerations but without velocity, which only adds −ik·V.
+/// Random parameters and state with all gradients and accelerations, but zero velocity, which would only shift ς by
+/// −ik·V.
 fn sample(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parameters, State) {
     let parameters = states::random_parameters(random, kind, dilatancy);
     let state = states::random_state(random, kind, dilatancy);
     (parameters, State { velocity: [0.0; 2], ..state })
 }
 
-/// A state without gradients, accelerations and rotational stress.
+/// Random parameters and state without gradients, accelerations and rotational stress.
 fn uniform(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parameters, State) {
     let (mut parameters, full) = sample(random, kind, dilatancy);
     parameters.rotational_strength = parameters.rotational_strength.map(|_| 0.0);
@@ -42,7 +43,7 @@ fn uniform(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parame
     (parameters, state)
 }
 
-/// Linearised equations of a state, and the closed-form verdict of the model.
+/// Linearised equations, background flow and closed-form verdict of a state.
 fn judged(
     kind: FlowKind,
     parameters: &Parameters,
@@ -53,13 +54,13 @@ fn judged(
     (states::symbol(&model, &flow), flow, model.closed_form(&flow))
 }
 
-/// The determinant at k = [`SHORT`] for a wave vector at this angle.
+/// Determinant as a polynomial in ς at k = [`SHORT`] for the wave vector at `angle` (rad).
 fn dispersion(system: &LinearisedSystem<2>, angle: f64) -> Polynomial {
     let (s, c) = wide(angle).sin_cos();
     states::dispersion(system, [wide(SHORT) * c, wide(SHORT) * s])
 }
 
-/// lim ς/k² of the one root of order 2: the sum of all roots.
+/// Limit of ς/k² of the only root of order 2 in k, from the sum of all roots.
 fn leading_of_order_2(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     let polynomial = dispersion(system, angle);
     let [.., next, last] = polynomial[..] else { panic!("no roots") };
@@ -67,8 +68,8 @@ fn leading_of_order_2(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     (root.re * wide(SHORT.powi(-2))).value()
 }
 
-/// lim |ς|/k of two roots ±ck, real or imaginary (then negative): from the sum of the products of
-/// all pairs of roots, −c²k².
+/// Limit |ς|/k of two roots ±ck, positive if they are real and negative if imaginary, from the sum of the products of all
+/// pairs of roots, −c²k².
 fn leading_of_order_1(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     let polynomial = dispersion(system, angle);
     let [.., second, _, last] = polynomial[..] else { panic!("one root") };
@@ -76,7 +77,7 @@ fn leading_of_order_1(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     square.abs().sqrt().copysign(square)
 }
 
-/// The coefficient and direction of a closed form against the greatest value over all directions.
+/// Checks the coefficient and direction of a closed form against the values `at` of all directions and their maximum.
 fn check_growth(found: Option<ClosedForm>, wanted: u8, at: impl Fn(f64) -> f64) {
     let Some(ClosedForm::Grows { order, coefficient, direction }) = found else {
         panic!("grows with order {wanted}, yet {found:?}")
@@ -89,6 +90,7 @@ fn check_growth(found: Option<ClosedForm>, wanted: u8, at: impl Fn(f64) -> f64) 
     }
 }
 
+/// Double shearing: order 1, coefficient and direction of the closed form agree with the determinant.
 #[test]
 fn double_shearing_grows_with_order_1() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
@@ -101,6 +103,7 @@ fn double_shearing_grows_with_order_1() {
     }
 }
 
+/// Plastic potential: order 2, coefficient and direction of the closed form agree with the determinant.
 #[test]
 fn plastic_potential_grows_with_order_2() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
@@ -115,6 +118,7 @@ fn plastic_potential_grows_with_order_2() {
     }
 }
 
+/// Harris–Grekova, ν = 0: the closed form agrees with the leading root in all directions, for |Δ| below and above 45°.
 #[test]
 fn harris_grekova_without_dilatancy_turns_on_the_noncoaxiality() {
     let mut random = Random::new(620);
@@ -135,7 +139,8 @@ fn harris_grekova_without_dilatancy_turns_on_the_noncoaxiality() {
     assert!(well_posed > STATES / 2 && growing > STATES / 2);
 }
 
-/// The sign of the highest coefficient in all directions, against that of a coaxial flow.
+/// Harris–Grekova, ν > 0: the verdict agrees with the sign of the coefficient of the highest power of ς over all
+/// directions, relative to the sign in a coaxial flow.
 #[test]
 fn harris_grekova_with_dilatancy_turns_on_the_highest_coefficient() {
     let mut random = Random::new(630);
@@ -144,7 +149,7 @@ fn harris_grekova_with_dilatancy_turns_on_the_highest_coefficient() {
         let (parameters, mut state) =
             uniform(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Positive);
         if n % 4 == 0 {
-            // One of the two zeros lies where 𝒜 = 0.
+            // For this Δ one of the two zeros is at 𝒜 = 0.
             let turn = if n % 8 == 0 { 0.5 } else { -0.5 } * parameters.dilatancy_angle;
             state.noncoaxiality = Some((0.25 * PI + turn) * if n % 16 < 8 { 1.0 } else { -1.0 });
         }
@@ -168,12 +173,12 @@ fn harris_grekova_with_dilatancy_turns_on_the_highest_coefficient() {
                 let [left, right] =
                     [-1e-7, 1e-7].map(|turn| highest(&system, direction + turn).signum());
                 assert!(left * right < 0.0, "no change of sign at {direction}");
-                // Not where the numerator of ς vanishes as well.
+                // The direction is away from 𝒜 = 0, where the numerator of ς vanishes too.
                 let gap =
                     (2.0 * (flow.stress.angle - direction)).cos() - parameters.friction_angle.sin();
                 assert!(gap.abs() > 1e-3);
             }
-            // Either the quartic, or too near to a bound to tell.
+            // No verdict: either the coefficient is the root of a quartic, or |Δ| is too close to the bound.
             None => {
                 let bound =
                     states::model(registry::HARRIS_GREKOVA, &parameters).noncoaxiality_bound();
@@ -187,7 +192,7 @@ fn harris_grekova_with_dilatancy_turns_on_the_highest_coefficient() {
     assert!(well_posed > STATES / 4 && unbounded > STATES / 4, "{well_posed}, {unbounded}");
 }
 
-/// One equation too few; with the spin given those that there are determine the rest.
+/// The free-rotating model has one equation fewer than unknowns; with a prescribed spin it is determinate.
 #[test]
 fn free_rotating_lacks_one_equation() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
@@ -208,7 +213,7 @@ fn free_rotating_lacks_one_equation() {
     }
 }
 
-/// A formula abstains if rounding or the range of doubles leaves doubt.
+/// A formula returns no verdict if rounding errors, the range of doubles or its assumptions make it uncertain.
 #[test]
 fn formulas_are_silent_where_there_is_doubt() {
     let mut random = Random::new(650);
@@ -224,7 +229,7 @@ fn formulas_are_silent_where_there_is_doubt() {
             let noncoaxiality = Some(0.25 * PI + distance);
             silent(kind, &parameters, &State { noncoaxiality, ..state }, "beside 45°");
         }
-        // A spin as great as the flow rule allows leaves half the digits of Δ.
+        // Near the largest spin that the flow rule allows, Δ has only half of its digits.
         let greatest = state.shear_rate / parameters.friction_angle.sin() * (1.0 - 1e-15);
         let spin = Some(state.half_vorticity + greatest);
         let fast = State { spin, noncoaxiality: None, rotational_stress: None, ..state };

@@ -1,8 +1,8 @@
 //! Closed forms of the models against the roots of det(ςA + i k·B + C) at large k.
 //!
-//! The determinant is expanded over all permutations in 31 digits from the crate's matrices in a
-//! background without gradients (but the velocity's), where the corrections to the leading terms
-//! are of relative size (rates of the background)/(leading growth rate).
+//! The determinant is expanded over all permutations in 31 digits, in a background without gradients except the velocity
+//! gradient, where the corrections to the leading terms are of relative size (rates of the background)/(leading growth
+//! rate).
 
 mod support;
 
@@ -34,13 +34,13 @@ fn uniform(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parame
     (parameters, state)
 }
 
-/// The determinant in the direction of β = 2(Ψ_Σ − ψ_K).
+/// Determinant as a polynomial in ς in the direction with β = 2(Ψ_Σ − ψ_K).
 fn dispersion(model: &Model, flow: &Flow, k: f64, beta: Wide) -> Polynomial {
     let (s, c) = (wide(flow.stress.angle) - beta * wide(0.5)).sin_cos();
     states::dispersion(&states::symbol(model, flow), [wide(k) * c, wide(k) * s])
 }
 
-/// Newton's method from a guess; the relative step must vanish.
+/// Finds a root by Newton's method from `guess`; asserts that the last relative step is below 1e-20.
 fn root_near(polynomial: &[Complex], guess: Complex) -> Complex {
     let slope: Polynomial =
         polynomial.iter().enumerate().skip(1).map(|(n, &c)| c * complex(n as f64, 0.0)).collect();
@@ -53,16 +53,16 @@ fn root_near(polynomial: &[Complex], guess: Complex) -> Complex {
     x
 }
 
-/// Minus the sum of all roots: the next coefficient below the leading one.
+/// Sum of all roots: minus the second-highest coefficient divided by the highest.
 fn sum_of_roots(polynomial: &[Complex]) -> Complex {
     let [.., next, last] = polynomial else { panic!("a constant") };
     -(*next / *last)
 }
 
-/// Harris–Grekova, ν = 0, gradients zero and |Δ| on both sides of 45°: `leading_coefficient` is
-/// lim ς/k². The other root is of order one, so the sum of roots over k² has relative error
-/// (rates ~ 10)/(k² × 1e-3): below 1e-13 at k = 1e9. The doubles of the entries are right to 1e-15,
-/// amplified by the distance from 𝒜 = 0 and from |Δ| = 45° (1/0.05 each): tolerance 1e-12.
+/// Harris–Grekova, ν = 0, zero gradients, |Δ| below and above 45°: `leading_coefficient` equals lim ς/k². The other root
+/// is of order one, so the sum of the roots over k² has the relative error (rates ~ 10)/(k² × 1e-3), below 1e-13 at
+/// k = 1e9. The entries have relative errors of 1e-15, amplified near 𝒜 = 0 and |Δ| = 45° (by 1/0.05 each): tolerance
+/// 1e-12.
 #[test]
 fn harris_grekova_leading_coefficient() {
     let mut random = Random::new(500);
@@ -90,8 +90,8 @@ fn harris_grekova_leading_coefficient() {
     println!("Harris–Grekova: {worst:.1e}");
 }
 
-/// Double shearing, ν = 0: roots ±k × `leading_coefficient` − ik·V. At k = 1e12 the roots' product
-/// is −k² × square with relative corrections (rates)/(k c), c of order 0.1 m/s: below 1e-9.
+/// Double shearing, ν = 0, at rest: the roots are ±k × `leading_coefficient`. At k = 1e12 the relative corrections are
+/// (rates)/(kc) with c of order 0.1 m/s: tolerance 1e-9.
 #[test]
 fn double_shearing_leading_coefficient() {
     let mut random = Random::new(510);
@@ -119,8 +119,8 @@ fn double_shearing_leading_coefficient() {
     println!("double shearing: {worst:.1e}");
 }
 
-/// With all gradients and a velocity the roots of double shearing are −ik·V ± k c to order k: the
-/// drift −ik·V is common to both. Fails if V A were left out or taken twice.
+/// With all gradients and a velocity the roots of double shearing are −ik·V ± kc to order k, with the same drift −ik·V:
+/// the advection term V·∇ enters exactly once.
 #[test]
 fn double_shearing_drifts_with_the_material() {
     let mut random = Random::new(511);
@@ -138,14 +138,14 @@ fn double_shearing_drifts_with_the_material() {
         let (s, c) = (state.stress_angle - 0.5 * beta).sin_cos();
         let drift = c * state.velocity[0] + s * state.velocity[1];
         for root in roots {
-            // Corrections: rates and gradients × velocities over k, below 1e-6 of metres per second.
+            // Corrections: (rates and gradients × velocities)/k, below 1e-6 m/s.
             assert!((root.im.value() / k + drift).abs() < 1e-6);
         }
     }
 }
 
-/// Plastic potential, every ν: `leading_coefficient` is lim ς/k² in every direction, with its sign
-/// (positive exactly in the sector between sin ν and sin φ).
+/// Plastic potential, all ν: `leading_coefficient` equals lim ς/k² in every direction, and is positive exactly in the
+/// sector where cos β lies between sin ν and sin φ.
 #[test]
 fn plastic_potential_leading_coefficient() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive, Dilatancy::Associated] {
@@ -172,21 +172,21 @@ fn plastic_potential_leading_coefficient() {
             let polynomial = dispersion(&model, &flow, k, wide(beta));
             let root = root_near(&polynomial, complex(closed * k * k, 0.0));
             let truth = (root / complex(k * k, 0.0)).re.value();
-            // The largest root: the sum of all agrees (the others are of order k at most).
+            // It is the largest root: the sum of all roots agrees, since the others are of order k at most.
             let sum = (sum_of_roots(&polynomial) / complex(k * k, 0.0)).re.value();
             assert!((sum / truth - 1.0).abs() < 1e-6);
-            // Entries to 1e-15, over gaps down to 1e-3 from either zero.
+            // Errors of the entries of 1e-15, amplified by up to 1e3 near a zero of the coefficient.
             worst = worst.max((closed / truth - 1.0).abs());
             assert!((closed / truth - 1.0).abs() < 1e-11, "{closed:e} against {truth:e}");
         }
-        // Thin or absent where associated.
+        // The unstable sector is empty exactly for associated flow.
         assert_eq!(inside == 0, dilatancy == Dilatancy::Associated);
         println!("plastic potential {dilatancy:?}: {worst:.1e}");
     }
 }
 
-/// `worst`: no direction grows faster, and that one grows so fast. Against the pencil, by a fine
-/// scan of the sector.
+/// `PlasticPotential::worst` returns the largest growth rate and its direction; verified by a scan of the roots of the
+/// determinant over the directions.
 #[test]
 fn plastic_potential_worst_direction() {
     let mut random = Random::new(530);
@@ -211,7 +211,7 @@ fn plastic_potential_worst_direction() {
             (sum / complex(k * k, 0.0)).re.value()
         };
         let beta = cosine.acos();
-        // Second order in the direction, so to rounding over the gap squared.
+        // An error of the direction enters quadratically: tolerance = rounding over the squared gap.
         assert!((at(beta) / rate - 1.0).abs() < 1e-11, "{} {rate}", at(beta));
         for n in 0..100 {
             let other = at(std::f64::consts::PI * f64::from(n) / 100.0);
@@ -223,13 +223,13 @@ fn plastic_potential_worst_direction() {
     }
 }
 
-/// The bound on |Δ| of Harris–Grekova, ν = 0 and ν > 0, from the pencil: outside it the coefficient of
-/// the highest power of ς has the wrong sign in some direction, inside it has it in none. In a uniform background
-/// that coefficient is k² (a + b cos β + c sin β) (measured at three directions, checked at a
-/// fourth), so it keeps its sign exactly while |a| > √(b² + c²). The root in Δ by bisection.
+/// The bound on |Δ| of Harris–Grekova, ν = 0 and ν > 0, agrees with the determinant: beyond the bound the coefficient of
+/// the highest power of ς changes sign in some direction, below it in none. In a uniform background this coefficient is
+/// k² (a + b cos β + c sin β), fitted in three directions and checked in a fourth, so it has one sign exactly if
+/// |a| > √(b² + c²). The limit Δ is found by bisection.
 ///
-/// Tolerance: entries to 1e-15 over the slope of the deciding quantity, which is of order of
-/// the quantity itself per radian but for ν near φ or 0: 1e-10.
+/// Tolerance 1e-10: errors of the entries of 1e-15 divided by the slope of |a| − √(b² + c²) in Δ, which is small for ν
+/// near φ or 0.
 #[test]
 fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
@@ -240,11 +240,11 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
             let model = states::model(registry::HARRIS_GREKOVA, &parameters);
             let closed = model.noncoaxiality_bound().unwrap();
             let k = 7.0;
-            // Mean and amplitude of the highest coefficient over the directions.
+            // Mean a and amplitude √(b² + c²) of the highest coefficient over the directions, normalised.
             let decides = |delta: f64| {
                 let flow = states::flow(&model, &State { noncoaxiality: Some(delta), ..state });
                 let highest = |beta: f64| {
-                    // ik·(number) or a number: take the part that there is.
+                    // The highest coefficient is real.
                     let polynomial = dispersion(&model, &flow, k, wide(beta));
                     assert_eq!(polynomial.len(), if dilatancy == Dilatancy::Zero { 3 } else { 4 });
                     let last = *polynomial.last().unwrap();
@@ -252,7 +252,7 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
                     last.re.value()
                 };
                 let (east, north, west) = (highest(0.0), highest(1.25), highest(2.5));
-                // a + b cos β + c sin β through three points.
+                // Fit a + b cos β + c sin β to three directions.
                 let rows = [
                     [1.0, 1.0, 0.0],
                     [1.0, 1.25f64.cos(), 1.25f64.sin()],
@@ -268,8 +268,8 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
                 assert!((highest(4.0) - fourth).abs() < 1e-11 * size, "no trigonometric line");
                 [a / size, b.hypot(c) / size]
             };
-            // Positive: has the sign that it has in a coaxial flow, in all directions. (For ν = 0 it
-            // changes sign in all directions at once.)
+            // Positive if the coefficient has the same sign as in a coaxial flow in all directions. (For ν = 0 it
+            // changes sign in all directions at the same Δ.)
             let coaxial = decides(0.0)[0].signum();
             let decides = |delta: f64| {
                 let [mean, amplitude] = decides(delta);
@@ -287,16 +287,15 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
             }
             worst = worst.max((inside - closed).abs());
             assert!((inside - closed).abs() < 1e-10, "{inside} from the pencil, {closed} closed");
-            // The other sign of Δ has the same bound.
+            // Negative Δ has the same bound.
             assert!(decides(-closed + 1e-6) > 0.0 && decides(-closed - 1e-6) < 0.0);
         }
         println!("bound on Δ, {dilatancy:?}: {worst:.1e}");
     }
 }
 
-/// Inside the bound the leading growth rate of dilatant Harris–Grekova is nowhere positive, outside it
-/// is in some direction, positive and as large as one likes: roots at k = 1e9, not only the highest
-/// coefficient.
+/// Harris–Grekova, ν > 0: for |Δ| below the bound the leading growth rate is not positive in any direction, beyond it is
+/// positive in some direction; verified by the roots at k = 1e9, not only by the highest coefficient.
 #[test]
 fn noncoaxiality_bound_separates_growth() {
     let mut random = Random::new(550);
@@ -317,8 +316,8 @@ fn noncoaxiality_bound_separates_growth() {
                 })
                 .fold(f64::MIN, f64::max)
         };
-        // The sum of the roots is the leading one: the others are of lower order in k. Next to the
-        // directions with 𝒜 = 0 it is zero to the accuracy of the entries.
+        // The sum of the roots equals the leading root, since the others are of lower order in k. Near directions with
+        // 𝒜 = 0 it is zero up to errors of the entries.
         let scale = state.pressure / state.density / state.shear_rate;
         assert!(greatest(0.95 * bound) <= 1e-9 * scale);
         assert!(greatest(bound + 0.05) > 1e-6 * scale);

@@ -1,4 +1,4 @@
-//! Hooke's law, the energy density and isotropy.
+//! Hooke's law, energy density and isotropy of elastic solids.
 
 use crate::random_solids::{cubic, solid};
 use crate::support::Random;
@@ -10,14 +10,14 @@ use wellposed_models::solid::stress::Component;
 use wellposed_models::solid::stress::Stress;
 use wellposed_models::solid::symbol::{Velocity, space};
 
-/// λ tr(Λ) δ + 2μ Λˢ + 2α Λᵃ.
+/// Hooke's law λ tr(Λ) δ + 2μ Λˢ + 2α Λᵃ.
 fn hooke([trace, symmetric, antisymmetric]: [f64; 3], t: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::identity() * (trace * t.trace())
         + (t + t.transpose()) * symmetric
         + (t - t.transpose()) * antisymmetric
 }
 
-/// ½λ (tr Λ)² + μ|Λˢ|² + α|Λᵃ|².
+/// Energy density ½λ (tr Λ)² + μ|Λˢ|² + α|Λᵃ|².
 fn density([trace, symmetric, antisymmetric]: [f64; 3], t: &Matrix3<f64>) -> f64 {
     let (s, a) = ((t + t.transpose()) * 0.5, (t - t.transpose()) * 0.5);
     0.5 * trace * t.trace().powi(2)
@@ -46,7 +46,7 @@ fn check_structure<const D: usize>(rates: &RateEquations<D>) {
     assert_eq!(form.q, -form.q.transpose());
 }
 
-/// U = (v, ω, D e): ½UᵀAU is the energy density, and D e is Hooke's law in tensors.
+/// Checks for U = (v, ω, De) that ½UᵀAU is the energy density and that De agrees with Hooke's law for tensors.
 fn check_energy<const D: usize>(random: &mut Random, solid: &Isotropic) {
     let layout = solid.layout::<D>();
     let rates = solid.rates::<D>();
@@ -96,7 +96,7 @@ fn check_energy<const D: usize>(random: &mut Random, solid: &Isotropic) {
     // Condition numbers of random moduli reach 100.
     assert!((own - energy).abs() <= 1e-13 * energy, "{own} {energy}");
 
-    // Carried stresses: Hooke's law, too, with nothing strained across the plane.
+    // Carried (out-of-plane) stresses follow Hooke's law with zero out-of-plane strain.
     let all: Vec<Component> = layout.all_stresses().collect();
     let stiffness = solid.stiffness(layout.all_stresses());
     for (row, component) in all.iter().enumerate() {
@@ -111,6 +111,7 @@ fn check_energy<const D: usize>(random: &mut Random, solid: &Isotropic) {
     }
 }
 
+/// Energy, Hooke's law, symmetry of the matrices and number of unknowns of random solids in 2 and 3 dimensions.
 #[test]
 fn energy_is_that_of_the_formula() {
     let mut random = Random::new(3);
@@ -128,7 +129,7 @@ fn energy_is_that_of_the_formula() {
     check_structure(&cubic(&mut random).rates());
 }
 
-/// D (R e Rᵀ) = R (D e) Rᵀ.
+/// The stiffness of isotropic solids commutes with rotations: D(R e Rᵀ) = R (D e) Rᵀ.
 #[test]
 fn stiffness_is_isotropic() {
     let mut random = Random::new(5);

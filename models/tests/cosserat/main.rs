@@ -1,5 +1,5 @@
-//! Elastic solids against the equations as published, typed out by hand, and against what energy and
-//! rotations demand of them.
+//! Elastic solids against the published equations, written out by hand, and against the energy balance and rotational
+//! invariance.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors")]
 
 mod energy;

@@ -1,4 +1,4 @@
-//! Moduli: inequalities that are checked, compliances and back.
+//! Moduli of elastic solids: checked inequalities, and conversion to compliances and back.
 
 use crate::random_solids::{cubic, solid};
 use crate::support::{Random, decades};
@@ -8,8 +8,8 @@ use wellposed_models::solid::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances,
 };
 
-/// Every inequality is refused with its name and the number, at zero and below, and for what is no
-/// number.
+/// A violated inequality (value zero, negative, NaN or infinite) is rejected with the inequality and the value in the
+/// error.
 #[test]
 fn broken_inequalities_are_refused() {
     type Break = fn(&mut Isotropic, f64);
@@ -79,18 +79,19 @@ fn broken_inequalities_are_refused() {
         assert!(error.allowed.contains(inequality), "{error}");
         assert!(error.found.contains(number), "{error}");
     }
-    // Not isotropic, though 3λ + 2μ > 0 alone would allow it: each inequality stands for itself.
+    // Couple moduli with 3β + 2γ = 0 are rejected although the force moduli are valid.
     let dense_foam = CoupleModuli { beta: -1.0, gamma: 1.5, eta: 1.0 };
     let foam = Microrotation { couple: Some(dense_foam), ..microrotation };
     assert_eq!(Isotropic::new(1.0, 1.0, 1.0, Some(foam)).unwrap_err().input, "beta");
 }
 
+/// Conversion of moduli to compliances and back, the published relations, and rejection of cubic compliances.
 #[test]
 fn compliances_and_moduli() {
     let mut random = Random::new(9);
     for _ in 0..1000 {
         let mut solid = solid(&mut random, 2);
-        // From rubber to foam; α from 1e-3 to 1e3 times μ.
+        // Moduli over eleven decades; α from 1e-3 to 1e3 times μ.
         let scale = decades(&mut random, 0.0, 11.0);
         (solid.lambda, solid.mu) = (solid.lambda * scale, solid.mu * scale);
         let alpha = solid.mu * decades(&mut random, -3.0, 3.0);
@@ -100,21 +101,21 @@ fn compliances_and_moduli() {
         assert_eq!(c.alpha2, couple.gamma + couple.eta);
         assert!(c.anisotropy().abs() <= 1e-12, "{:e}", c.anisotropy());
         let [lambda, mu, own_alpha] = c.isotropic_moduli().unwrap();
-        // a₂ − b₂ loses what a₂ and b₂ have in common: α/μ or μ/α digits' worth.
+        // Cancellation in a₂ ∓ b₂ amplifies rounding errors by α/μ or μ/α.
         let close = |own: f64, exact: f64, size: f64| {
             assert!((own - exact).abs() <= 1e-13 * size, "{own:e} {exact:e} of {solid:?}");
         };
         close(lambda, solid.lambda, solid.lambda.abs() + solid.mu);
         close(mu, solid.mu, solid.mu);
         close(own_alpha, alpha, alpha + alpha * alpha / solid.mu);
-        // The published relations.
+        // Published relations between compliances and moduli.
         let of = |a: f64, b: f64| [a, b].map(|x| x / ((a - b) * (a + b)));
         let size = solid.lambda.abs() + 2.0 * solid.mu + alpha;
         let [sum, cross] = of(c.a1, c.b1);
         close(sum, solid.lambda + 2.0 * solid.mu, size);
         close(cross, solid.lambda, size);
 
-        // Cubic ones are refused, even when they are so by a millionth.
+        // Cubic compliances are rejected, even with a relative anisotropy of 1e-6.
         let mut turned = c;
         turned.a1 *= 1.0 + 1e-6;
         let error = turned.isotropic_moduli().unwrap_err();
@@ -124,7 +125,7 @@ fn compliances_and_moduli() {
     assert_eq!(PlaneCompliances::from_isotropic(&solid(&mut random, 1)), None);
     assert_eq!(PlaneCompliances::from_isotropic(&solid(&mut random, 0)), None);
 
-    // Speeds of cubic solids depend on direction, of isotropic ones they do not.
+    // Wave speeds depend on the direction in cubic solids only.
     let spread = |form: &SymmetricForm<2>| {
         let principal = SymmetricForm { q: form.q.clone() * 0.0, ..form.clone() };
         let [along, across] = [[1.0, 0.0], [0.6, 0.8]].map(|n| frequencies(&principal, n));

@@ -1,4 +1,4 @@
-//! Plane strain: the equations of Sadovskii and Sadovskaya.
+//! Plane-strain equations against Sadovskii & Sadovskaya (2019).
 
 use crate::random_solids::{cubic, solid};
 use crate::support::Random;
@@ -7,9 +7,9 @@ use wellposed_models::LinearisedSystem;
 use wellposed_models::common::rates::SymmetricForm;
 use wellposed_models::solid::parameters::{Isotropic, Microrotation, PlaneCompliances};
 
-/// Sadovskii & Sadovskaya (2019, "Plane strain state") in the order (v₁, v₂, ω₃, σ₁₁, σ₂₂, σ₂₁, σ₁₂,
-/// μ₃₁, μ₃₂): the left sides of
-/// ρ₀v̇₁ = σ₁₁,₁ + σ₁₂,₂; ρ₀v̇₂ = σ₂₁,₁ + σ₂₂,₂; J₀ω̇₃ = μ₃₁,₁ + μ₃₂,₂ + σ₂₁ − σ₁₂; the laws.
+/// Symmetric form written out by hand from Sadovskii & Sadovskaya (2019, "Plane strain state") for the unknowns
+/// (v₁, v₂, ω₃, σ₁₁, σ₂₂, σ₂₁, σ₁₂, μ₃₁, μ₃₂): the balances
+/// ρ₀v̇₁ = σ₁₁,₁ + σ₁₂,₂; ρ₀v̇₂ = σ₂₁,₁ + σ₂₂,₂; J₀ω̇₃ = μ₃₁,₁ + μ₃₂,₂ + σ₂₁ − σ₁₂; then the constitutive laws.
 fn typed(c: &PlaneCompliances) -> SymmetricForm<2> {
     let PlaneCompliances { a1, b1, a2, b2, alpha2, density: r, inertia: i } = *c;
     let k = 1.0 / alpha2;
@@ -60,9 +60,10 @@ fn assert_close(own: &DMatrix<f64>, typed: &DMatrix<f64>, tolerance: f64, what: 
     assert!(error <= tolerance * typed.amax().max(1.0), "{what}: {error:e}\n{own}\n{typed}");
 }
 
-/// The tolerance leaves room for the inverse of an inverse: condition numbers up to 10.
+/// Tolerance for matrices inverted twice, with condition numbers up to 10.
 const INVERSE: f64 = 1e-14;
 
+/// The rate equations of random cubic and isotropic Cosserat solids in plane strain equal the published equations.
 #[test]
 fn plane_equations_are_the_published_ones() {
     let mut random = Random::new(1);
@@ -79,8 +80,8 @@ fn plane_equations_are_the_published_ones() {
         assert_close(&own.a, &expected.a, 10.0 * INVERSE, "A");
         assert_eq!((&own.b, &own.q), (&expected.b, &expected.q));
 
-        // Solved for the rates of the stresses: A of momenta, spin and ones; the rows of the laws are
-        // −A⁻¹B and −A⁻¹Q.
+        // The linearised system is solved for the stress rates: A holds density, inertia and ones, and the rows of the
+        // constitutive laws are −A⁻¹B and −A⁻¹Q of the symmetric form.
         let mut linear = LinearisedSystem::default();
         rates.linearise(&mut linear);
         let value = |m: &wellposed_models::common::system::Matrix| m.map(|entry| entry.value);
@@ -98,7 +99,8 @@ fn plane_equations_are_the_published_ones() {
     }
 }
 
-/// Plane equations by the moduli: σ̇₁₁ = (λ + 2μ)v₁,₁ + λv₂,₂, σ̇₂₁ = (μ + α)(v₂,₁ − ω₃) + (μ − α)(v₁,₂ + ω₃)…
+/// The plane-strain equations in terms of the moduli, written out by hand:
+/// σ̇₁₁ = (λ + 2μ)v₁,₁ + λv₂,₂, σ̇₂₁ = (μ + α)(v₂,₁ − ω₃) + (μ − α)(v₁,₂ + ω₃), …
 #[test]
 fn plane_equations_with_moduli() {
     let mut random = Random::new(2);
@@ -122,7 +124,7 @@ fn plane_equations_with_moduli() {
     (c[(5, 2)], c[(6, 2)]) = (2.0 * alpha, -2.0 * alpha);
     for axis in 0..2 {
         assert_close(&linear.b[axis].map(|x| x.value), &b[axis], 1e-15, "B");
-        // Structural zeros stay exact, and every other entry has a bound.
+        // Structural zeros are exact; every other entry has a rounding bound.
         for (own, typed) in linear.b[axis].iter().zip(b[axis].iter()) {
             assert_eq!(own.is_structural_zero(), *typed == 0.0);
         }
@@ -130,7 +132,7 @@ fn plane_equations_with_moduli() {
     assert_close(&linear.c.map(|x| x.value), &c, 1e-15, "C");
     assert_eq!(linear.a[(2, 2)].value, inertia);
 
-    // Reduced: the first seven; classical: without the spin, one shear stress.
+    // Reduced Cosserat solid: the first seven unknowns; classical solid: no spin, one shear stress.
     let reduced =
         Isotropic { microrotation: Some(Microrotation { alpha, inertia, couple: None }), ..solid };
     reduced.rates::<2>().linearise(&mut linear);

@@ -11,7 +11,7 @@ fn couple_moduli(random: &mut Random) -> CoupleModuli {
     CoupleModuli { beta, gamma, eta: random.within(0.2, 2.0) }
 }
 
-/// Classical, reduced or Cosserat, with moduli of order one, none equal.
+/// Random classical (`theory` 0), reduced Cosserat (1) or Cosserat (2) solid with moduli of order one.
 pub fn solid(random: &mut Random, theory: usize) -> Isotropic {
     let mu = random.within(0.5, 2.0);
     let lambda = mu * (random.within(0.1, 3.0) - 2.0 / 3.0);
@@ -24,7 +24,7 @@ pub fn solid(random: &mut Random, theory: usize) -> Isotropic {
     Isotropic::new(lambda, mu, density, (theory > 0).then_some(microrotation)).unwrap()
 }
 
-/// Compliances of no isotropic solid.
+/// Random compliances of a cubic (anisotropic) solid.
 pub fn cubic(random: &mut Random) -> PlaneCompliances {
     let (a1, a2) = (random.within(0.5, 2.0), random.within(0.5, 2.0));
     PlaneCompliances {

@@ -1,4 +1,4 @@
-//! Strain rates of velocity gradients and spins.
+//! Strain rates due to velocity gradients, spins and spin gradients.
 
 use crate::random_solids::solid;
 use crate::support::Random;
@@ -7,14 +7,14 @@ use nalgebra::{DVector, Matrix3};
 use wellposed_models::solid::stress::Component::Force;
 use wellposed_models::solid::symbol::{Velocity, plane};
 
-/// εᵢⱼₖ.
+/// Permutation symbol εᵢⱼₖ.
 fn permutation(i: usize, j: usize, k: usize) -> f64 {
     let (i, j, k) = (i as f64, j as f64, k as f64);
     (j - i) * (k - j) * (k - i) / 2.0
 }
 
-/// Strain rates of a velocity gradient, a spin and its gradient: Λ̇ᵢⱼ = ∂ⱼvᵢ + εᵢⱼₖωₖ, Ṁᵢⱼ = ∂ⱼωᵢ; and
-/// none in a rigid rotation, vᵢ = εᵢₖⱼωₖxⱼ.
+/// The strain operators give Λ̇ᵢⱼ = ∂ⱼvᵢ + εᵢⱼₖωₖ and Ṁᵢⱼ = ∂ⱼωᵢ for random velocity gradients, spins and spin
+/// gradients, and zero for a rigid rotation vᵢ = εᵢₖⱼωₖxⱼ.
 #[test]
 fn strain_rates() {
     let mut random = Random::new(4);
@@ -34,7 +34,7 @@ fn strain_rates() {
                 rate += &rates.gradient[axis] * along;
             }
             let own = layout.velocities.iter().map(|v| match v {
-                Velocity::Translation(_) => 0.3, // of no consequence: translations do not strain
+                Velocity::Translation(_) => 0.3, // arbitrary: uniform translations cause no strain
                 Velocity::Spin(k) => spin[*k],
             });
             rate + &rates.rotation * DVector::from_iterator(rates.velocities(), own)
@@ -53,7 +53,7 @@ fn strain_rates() {
             assert!((own - expected).abs() <= 1e-15, "{component:?}: {own} {expected}");
         }
     }
-    // In the plane Λ̇₂₁ = ∂₁v₂ − ω₃ and the spin gets σ₂₁ − σ₁₂.
+    // In plane strain Λ̇₂₁ = ∂₁v₂ − ω₃, and σ₂₁ − σ₁₂ is the source of spin.
     let layout = plane(solid(&mut random, 2).theory());
     let place = layout.stresses.iter().position(|c| *c == Force(1, 0)).unwrap();
     assert_eq!(layout.rotation()[(place, 2)], -1.0);

@@ -1,4 +1,4 @@
-//! Tensors of stress and strain, and their components.
+//! Random tensors, stress components and their conjugate strains.
 
 use crate::support::Random;
 use nalgebra::Matrix3;
@@ -17,7 +17,8 @@ pub fn of(component: Component, force: &Matrix3<f64>, couple: &Matrix3<f64>) -> 
     component.value_in(&Stress { force: rows(force), couple: rows(couple) })
 }
 
-/// Work-conjugate strain rate of a component: twice the tensor component for symmetric ones off the diagonal.
+/// Strain rate that is work-conjugate to a stress component: twice the symmetric tensor component for shear stresses of
+/// classical solids.
 pub fn conjugate(component: Component, strain: &Matrix3<f64>, bend: &Matrix3<f64>) -> f64 {
     match component {
         Force(i, j) => strain[(i, j)],

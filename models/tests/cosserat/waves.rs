@@ -1,4 +1,4 @@
-//! Plane waves: wave speeds, dispersion of the reduced solid and limits.
+//! Plane waves in elastic solids: wave speeds, dispersion of the reduced Cosserat solid, and limits.
 
 use crate::random_solids::{solid, unit};
 use crate::support::{Random, decades};
@@ -43,6 +43,7 @@ fn check_speeds<const D: usize>(solid: &Isotropic, random: &mut Random, zeros: u
     }
 }
 
+/// The closed-form speeds equal the eigenvalues of the principal part, including the number of zero speeds.
 #[test]
 fn speeds_are_those_of_the_symbol() {
     let mut random = Random::new(6);
@@ -56,7 +57,7 @@ fn speeds_are_those_of_the_symbol() {
     }
 }
 
-/// The homogeneous medium of the unit test of SPECFEM++ (Princeton).
+/// Wave speeds of the homogeneous medium in the unit test of SPECFEM++ (Princeton) against the published values.
 #[test]
 fn published_speeds() {
     let couple = CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 };
@@ -74,8 +75,8 @@ fn published_speeds() {
     close(Isotropic { microrotation: None, ..solid }.speeds().shear, 1732.05, 1e-2);
 }
 
-/// Transverse waves of the reduced solid, exactly: k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²), with nothing
-/// between ω₁ = ω₀/√(1 + α/μ) and ω₀ = √(4α/j).
+/// Transverse waves of the reduced Cosserat solid satisfy k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²), with a band gap between
+/// ω₁ = ω₀/√(1 + α/μ) and ω₀ = √(4α/j).
 #[test]
 fn reduced_dispersion() {
     let mut random = Random::new(7);
@@ -87,7 +88,7 @@ fn reduced_dispersion() {
         let direction: [f64; 2] = unit(&mut random);
         let form = solid.rates::<2>().symmetric().unwrap();
         let own = frequencies(&form, direction.map(|x| x * number));
-        // Seven: ± two transverse, ± longitudinal, one at rest.
+        // Seven frequencies: two transverse and one longitudinal pair ±ω, and one zero.
         let longitudinal = solid.speeds().longitudinal * number;
         let mut positive: Vec<f64> = own[4..].to_vec();
         let nearest = positive
@@ -102,7 +103,7 @@ fn reduced_dispersion() {
         assert!(positive[0] < edge && positive[1] > natural, "{positive:?} {edge} {natural}");
         for frequency in positive {
             let w = inertia * frequency * frequency;
-            // Cleared of the fraction, which has a pole at ω₁.
+            // Multiplied by the denominator, which vanishes at ω₁.
             let left = number * number * (4.0 * alpha * mu - (mu + alpha) * w);
             let right = solid.density * frequency * frequency * (4.0 * alpha - w);
             let size = number * number * (4.0 * alpha * mu + (mu + alpha) * w)
@@ -112,8 +113,8 @@ fn reduced_dispersion() {
     }
 }
 
-/// Limits, each with its rate: j → 0 or k → 0 (the rotation follows), c → √(μ/ρ) of the classical solid
-/// with an error of order jk²; γ, η → 0, the reduced solid with an error of order γ + η.
+/// Limits and their convergence order. For j → 0 (or k → 0) the shear wave speed tends to √(μ/ρ) of the classical solid
+/// with an error of order jk²; for γ, η → 0 the Cosserat solid tends to the reduced one with an error of order γ + η.
 #[test]
 fn limits() {
     let mut random = Random::new(8);

@@ -1,14 +1,14 @@
-//! Printed and corrected formulas compared with the truth.
+//! Comparison of printed and corrected formulas with reference values.
 
 use crate::support::Complex;
 
-/// 31 digits, minus those that sums of a few hundred products lose.
+/// Relative tolerance of calculations with 31 digits and sums of a few hundred products.
 pub const EXACT: f64 = 1e-22;
-/// A printed form counts as wrong beyond this fraction of the truth's own size; the states are
-/// generic, so a wrong form is off by a number of order one in nearly all of them.
+/// Relative error beyond which a printed formula counts as wrong. The states are generic, so the error of a wrong formula
+/// is of order one in nearly all of them.
 const WRONG: f64 = 1e-4;
 
-/// Counts where a printed form misses the truth and insists on the corrected one.
+/// Counts the states in which a printed formula is wrong, and asserts that the corrected formula is right.
 #[derive(Default)]
 pub struct Comparison {
     pub compared: usize,
@@ -16,7 +16,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// `size`: of the terms that make up the truth.
+    /// Adds one comparison; `truth` is the reference value and `size` the magnitude of its terms.
     pub fn add(&mut self, truth: Complex, printed: Complex, corrected: Complex, size: f64) {
         let size = size.max(truth.abs());
         let corrected = (corrected - truth).abs();
@@ -28,7 +28,7 @@ impl Comparison {
         self.printed_wrong += usize::from((printed - truth).abs() > WRONG * size);
     }
 
-    /// The printed form is wrong in practically every generic state.
+    /// Asserts that the printed formula is wrong in at least 95 % of the states.
     pub fn finish(self) {
         assert!(self.compared >= 200);
         assert!(

@@ -6,8 +6,8 @@ use crate::support::{Complex, Random, determinant, evaluate, product, quadratic_
 use crate::system::{Incompressible, STATES, random_wave};
 use wellposed_models::registry;
 
-/// A₁/k⁸ of eq. (138): ē₅₂ is printed for ē₄₂ in its first brace, ē₂₅ for ē₂₄ in its second. Truth:
-/// the coefficient of (ρς)³ of det F (110), expanded. With either misprint alone it fails.
+/// A₁/k⁸ of eq. (138) is printed with ē₅₂ in place of ē₄₂ in the first brace and ē₂₅ in place of ē₂₄ in the second.
+/// Reference: the coefficient of (ρς)³ of the expanded det F (110). Each misprint alone makes the formula wrong.
 #[test]
 fn eq_138_scaled_coefficient() {
     let mut random = Random::new(10);
@@ -44,8 +44,8 @@ fn eq_138_scaled_coefficient() {
         let printed =
             [value(bar[4][1], bar[1][4]), value(bar[4][1], bar[1][3]), value(bar[3][1], bar[1][4])];
         for (comparison, printed) in comparisons.iter_mut().zip(printed) {
-            // The terms with the misprints are small beside I f², the rounding is not: what
-            // counts as wrong is any deviation of a million times the tolerance.
+            // The misprinted terms are small relative to I f² but far above rounding: an error of a million times the
+            // tolerance counts as wrong.
             let size = truth.abs();
             let off = (corrected - truth).abs();
             assert!(off <= EXACT * size, "corrected (138) is off by {off:e} of {size:e}");
@@ -56,9 +56,9 @@ fn eq_138_scaled_coefficient() {
     comparisons.into_iter().for_each(Comparison::finish);
 }
 
-/// Eq. (121): det F (110) is a quintic, but its factor ς²(f + gρς) was brought in by the elimination.
-/// Truth: det(Aς + E) expanded in 31 digits; the coefficients of ς³, ς⁴, ς⁵ are reached by no
-/// permutation, so they are exactly absent, and det F is that factor times the determinant.
+/// Eq. (121): det F (110) is a quintic, but its factor ς²(f + gρς) is introduced by the elimination. Reference:
+/// det(Aς + E) expanded in 31 digits. No permutation contributes to ς³, ς⁴ and ς⁵, so the determinant is quadratic, and
+/// det F is the factor times the determinant.
 #[test]
 fn eq_121_spurious_factor() {
     let mut random = Random::new(14);
@@ -74,21 +74,21 @@ fn eq_121_spurious_factor() {
         let zero = Complex::default();
         let spurious = [zero, zero, own.f, own.g * own.density];
         let expected = product(&spurious, &exact);
-        // Equal up to a constant factor (momentum rows times f + gρς, and ρ², and signs).
+        // Equal up to a constant factor (from the scaling of the momentum rows, ρ² and signs).
         let factor = quintic[5] / expected[5];
         for (degree, (&q, &x)) in quintic.iter().zip(&expected).enumerate() {
             let size = quintic.iter().map(|c| c.abs()).fold(0.0, f64::max);
             assert!((q - factor * x).abs() <= 1e-20 * size, "coefficient of ς^{degree}");
         }
-        // The crate's pencil has the same degree.
+        // The determinant of the crate's linearised system has the same degree.
         let model = states::model(registry::HARRIS_GREKOVA, &system.parameters);
         let own = states::symbol(&model, &system.flow);
         assert_eq!(states::dispersion(&own, wave).len(), 3);
     }
 }
 
-/// Eq. (131): of its cubic's three roots −f/(gρ) is none of the system's, and neither is the "neutral"
-/// ς = 0 of the text before it: the determinant does not vanish there.
+/// Eq. (131): the root −f/(gρ) of the cubic is not a root of the system, nor is the "neutral" ς = 0 of the text before
+/// the equation: the determinant does not vanish there.
 #[test]
 fn eq_131_roots_that_are_none() {
     let mut random = Random::new(15);

@@ -1,12 +1,12 @@
-//! Errata of the elimination: eqs (100)–(126).
+//! Errata of the eliminated equations: eqs (100)–(126).
 
 use crate::comparison::{Comparison, EXACT};
 use crate::elimination::Elimination;
 use crate::support::{Complex, Random, complex};
 use crate::system::{Incompressible, STATES, random_complex, random_wave};
 
-/// Eq. (100): e₅₁ × first + e₅₂ × second momentum row. Printed with the coefficient of ψ for that of
-/// p. Truth: the rows themselves, summed at an amplitude that satisfies the rotation row.
+/// Eq. (100), the sum of e₅₁ × first and e₅₂ × second momentum row, is printed with the coefficient of ψ in place of the
+/// coefficient of p. Reference: the rows summed for an amplitude that satisfies the rotation row.
 #[test]
 fn eq_100_coefficient_of_pressure() {
     let mut random = Random::new(5);
@@ -16,7 +16,7 @@ fn eq_100_coefficient_of_pressure() {
         let e = system.e(random_wave(&mut random));
         let frequency = random_complex(&mut random);
         let mut z: [Complex; 5] = std::array::from_fn(|_| random_complex(&mut random));
-        // Pressures of the size of the other terms.
+        // Scales the pressure amplitude to the magnitude of the other terms.
         z[3] = z[3] * complex(system.state.density, 0.0);
         z[2] = -((e[4][0] * z[0] + e[4][1] * z[1] + e[4][4] * z[4]) / e[4][2]);
         let rs = Complex::from(system.density()) * frequency;
@@ -32,8 +32,8 @@ fn eq_100_coefficient_of_pressure() {
     comparison.finish();
 }
 
-/// Eqs (101)–(104): f₅₁ is printed with e₁₅, e₂₅. Truth: ψ for v = (1, 0), ω = 0 by elimination. The
-/// other three of (104) and (101), (102) themselves hold.
+/// Eqs (101)–(104): f₅₁ is printed with e₁₅ and e₂₅ in place of e₁₄ and e₂₄. Reference: ψ for v = (1, 0), ω = 0 by
+/// elimination. The other three coefficients of (104) and eqs (101), (102) are correct.
 #[test]
 fn eq_104_f51() {
     let mut random = Random::new(6);
@@ -62,8 +62,7 @@ fn eq_104_f51() {
     comparison.finish();
 }
 
-/// Eq. (105): g₄₃ is printed twice, with both signs of what is −g₅₃. Truth: p and ψ for v = 0,
-/// ω = 1 by elimination.
+/// Eq. (105): g₄₃ is printed twice, as −g₅₃ and as g₅₃. Reference: p and ψ for v = 0, ω = 1 by elimination.
 #[test]
 fn eq_105_g43_g53() {
     let mut random = Random::new(7);
@@ -78,16 +77,16 @@ fn eq_105_g43_g53() {
         let printed = e[4][2] * (e[3][0] * e[0][3] + e[3][1] * e[1][3]);
         first.add(p, printed * rs, own.gs[0][2] * rs, 0.0);
         second.add(p, -(printed * rs), own.gs[0][2] * rs, 0.0);
-        // The second line is g₅₃.
+        // The second printed line is g₅₃.
         assert!((psi + printed * rs).abs() <= EXACT * psi.abs());
     }
     first.finish();
     second.finish();
 }
 
-/// Eq. (107): columns 5, 6 are printed where the 5×5 system has its columns 4, 5 (p, ψ). Truth: the
-/// reduced momentum rows by elimination at two frequencies. There is no sixth column; whichever
-/// column is taken for it, the printed form fails. Eq. (108), i = 0, holds with the correction only.
+/// Eq. (107) is printed with columns 5 and 6 in place of columns 4 and 5 (p, ψ) of the 5×5 system. Reference: the reduced
+/// momentum rows by elimination at two frequencies. With any column in place of the missing sixth one the printed form is
+/// wrong. Eq. (108), i = 0, holds only with the correction.
 #[test]
 fn eq_107_columns() {
     let mut random = Random::new(8);
@@ -98,7 +97,7 @@ fn eq_107_columns() {
         let own = Elimination::new(&system, random_wave(&mut random));
         for (number, comparison) in comparisons.iter_mut().enumerate() {
             let (row, column) = (number / 3, number % 3);
-            // Without g ρ²ς² on the diagonal and divided by ρς, what is left is h + i/(ρς).
+            // The entry minus g ρ²ς² on the diagonal, divided by ρς, equals h + i/(ρς).
             let [first, second] =
                 [random_complex(&mut random), random_complex(&mut random)].map(|frequency| {
                     let rs = own.density * frequency;
@@ -130,8 +129,8 @@ fn eq_107_columns() {
     vanishing.finish();
 }
 
-/// Eqs (123)–(125) hold as printed once (105), (107) are corrected.
-/// Eq. (126): b₄ⱼ is printed for e₄ⱼ; a coefficient of one axis has not even the right power of k.
+/// Eqs (123)–(125) are correct as printed once (105) and (107) are corrected. Eq. (126) is printed with b₄ⱼ in place of
+/// e₄ⱼ, which also has the wrong power of k.
 #[test]
 fn eq_126_e4j() {
     let mut random = Random::new(9);

@@ -3,8 +3,7 @@
 use crate::support::{Complex, Polynomial, Wide, complex};
 use crate::system::Incompressible;
 
-/// The constituents of the paper's elimination, eqs (103)–(105), the ones without errors as
-/// printed, the others corrected.
+/// Coefficients of the paper's elimination, eqs (103)–(105), with printed errors corrected.
 #[derive(Clone, Copy)]
 pub struct Elimination {
     pub e: [[Complex; 5]; 5],
@@ -13,7 +12,7 @@ pub struct Elimination {
     pub g: Complex,
     /// Coefficients of v₁, v₂ in the numerators of p (row 0) and ψ (row 1).
     pub fs: [[Complex; 2]; 2],
-    /// Coefficients of ρς v₁, ρς v₂, ρς ω in the same.
+    /// Coefficients of ρς v₁, ρς v₂, ρς ω in the numerators of p (row 0) and ψ (row 1).
     pub gs: [[Complex; 3]; 2],
 }
 
@@ -50,9 +49,9 @@ impl Elimination {
         }
     }
 
-    /// p and ψ from v₁, v₂, ω by Cramer's rule: continuity times momentum (99), and rotation times
-    /// momentum with the frequency carried over by the rotation row itself (100), multiplied out
-    /// here from the rows and not from the printed equations. Times f + gρς.
+    /// Computes p and ψ, multiplied by f + gρς, from v₁, v₂, ω by Cramer's rule from two combinations of rows: the momentum
+    /// rows weighted by the continuity row (99), and weighted by the rotation row, which also eliminates ρς v (100). The
+    /// combinations are computed from the rows, not from the printed equations.
     pub fn directly(&self, frequency: Complex, v: [Complex; 3]) -> [Complex; 2] {
         let e = &self.e;
         let rs = self.density * frequency;
@@ -71,7 +70,7 @@ impl Elimination {
         ]
     }
 
-    /// Entries of the two momentum rows after the elimination, times f + gρς; column 0, 1, 2.
+    /// Entry (`row`, `column`) of the momentum rows after the elimination, multiplied by f + gρς; columns v₁, v₂, ω.
     pub fn reduced_directly(&self, frequency: Complex, row: usize, column: usize) -> Complex {
         let mut v = [Complex::default(); 3];
         v[column] = complex(1.0, 0.0);
@@ -84,7 +83,7 @@ impl Elimination {
         own * (self.f + self.g * rs) + self.e[row][3] * p + self.e[row][4] * psi
     }
 
-    /// h_ij of eq. (107) with the columns `p` and `psi` (zero-based) for those of e.
+    /// Coefficient h_ij of eq. (107) with `p` and `psi` (zero-based) as columns of e.
     pub fn h(&self, row: usize, column: usize, p: usize, psi: usize) -> Complex {
         let mut h = self.e[row][p] * self.gs[0][column] + self.e[row][psi] * self.gs[1][column];
         if column < 2 {
@@ -96,7 +95,7 @@ impl Elimination {
         h
     }
 
-    /// F of eq. (110) as polynomials in ς.
+    /// Matrix F of eq. (110) as polynomials in ς.
     pub fn reduced(&self, inertia: Wide) -> Vec<Vec<Polynomial>> {
         let rho = self.density;
         let mut matrix: Vec<Vec<Polynomial>> = (0..2)

@@ -4,8 +4,8 @@ use crate::comparison::Comparison;
 use crate::support::{Random, Real, Wide, wide};
 use crate::system::{Incompressible, STATES};
 
-/// c₅₅ is printed as −2 Q_D cos 2Δ; the rotation equation's derivative with respect to ψ is twice
-/// that.
+/// Eq. (83): c₅₅ is printed as −2 Q_D cos 2Δ; the derivative of the rotation equation with respect to ψ is
+/// −4 Q_D cos 2Δ.
 #[test]
 fn eq_83_c55() {
     let mut random = Random::new(1);
@@ -20,7 +20,7 @@ fn eq_83_c55() {
     comparison.finish();
 }
 
-/// c₃₁, c₃₂ are printed as ρI ∂ⱼΩ; the prescribed moment of inertia is convected as well.
+/// Eq. (83): c₃₁ and c₃₂ are printed as ρI ∂ⱼΩ; the advection of the prescribed moment of inertia adds ρΩ ∂ⱼI.
 #[test]
 fn eq_83_c31_c32() {
     let mut random = Random::new(2);
@@ -38,7 +38,7 @@ fn eq_83_c31_c32() {
     comparison.finish();
 }
 
-/// B²₅₁ is printed as sin φ.
+/// Eq. (86): B²₅₁ is printed as sin φ; the correct value is sin φ + cos 2Ψ.
 #[test]
 fn eq_86_b51() {
     let mut random = Random::new(3);
@@ -53,8 +53,8 @@ fn eq_86_b51() {
     comparison.finish();
 }
 
-/// Q_Σ is printed with 4Σ₁₂², which is the deviator only of a symmetric stress. Truth: the deviator
-/// that the stress was made from, r = ±m.
+/// Eq. (87): Q_Σ is printed with 4Σ₁₂², which is valid only for a symmetric stress. Reference: the deviator from which a
+/// stress with r = ±m is constructed.
 #[test]
 fn eq_87_deviator() {
     let mut random = Random::new(4);
@@ -71,7 +71,7 @@ fn eq_87_deviator() {
         let printed = deviator(stress[0][1] + stress[0][1]);
         let corrected = deviator(stress[0][1] + stress[1][0]);
         comparison.add(q.into(), printed.into(), corrected.into(), 0.0);
-        // The crate's tensor leads to the same deviator.
+        // The crate's stress tensor has the same deviator.
         let tensor = system.flow.stress.tensor();
         let own = 0.5 * (tensor[0][0] - tensor[1][1]).hypot(tensor[0][1] + tensor[1][0]);
         assert!((own / q.value() - 1.0).abs() < 1e-14);

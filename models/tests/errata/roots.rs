@@ -1,12 +1,12 @@
-//! Errata of the roots and of degenerate directions: eqs (142)–(163).
+//! Errata of the roots and degenerate directions: eqs (142)–(163).
 
 use crate::comparison::Comparison;
 use crate::support::{RIGHT_ANGLE, Random, Real, Wide, complex, quadratic_roots, wide};
 use crate::system::{Incompressible, STATES};
 
-/// Eq. (149), for whose c₅₅ the printed (83) was used, is twice too large. Truth: the larger root of
-/// the exact determinant at k = 1e9 1/m in a uniform background, where corrections are of relative
-/// size 1/k² (a few thousand over 1e18).
+/// Eq. (149) is too large by a factor of two, since it uses the printed c₅₅ of (83). Reference: the larger root of the
+/// exact determinant at k = 1e9 1/m in a uniform background, where corrections are of relative size 1/k² (a few thousand
+/// over 1e18).
 #[test]
 fn eq_149_leading_root() {
     let mut random = Random::new(11);
@@ -26,15 +26,15 @@ fn eq_149_leading_root() {
             * (wide(1.0) - system.phi().sin() * beta.cos());
         let printed = (-(system.q * gap * gap / below)).value();
         let off = |x: f64| (root - complex(x, 0.0)).abs() / root.abs();
-        // ς/k² has the imaginary part −k·V/k², below 1e-6 of the rest here at |gap| ≥ 0.05.
+        // ς/k² has the imaginary part −k·V/k², below 1e-6 of the real part for |gap| ≥ 0.05.
         assert!(off(printed) > 0.9, "the printed (149) holds");
         assert!(off(printed / 2.0) < 1e-5, "off by {:e}", off(printed / 2.0));
         assert!((root.re.value() / (printed / 2.0) - 1.0).abs() < 1e-12);
     }
 }
 
-/// Eq. (150) against the halved (149), of which it is another form: printed with sin⁴ for one of the
-/// sines and a factor 4.
+/// Eq. (150), another form of (149), is printed with sin⁴ in place of one sin² and with a factor 4. Reference: (149)
+/// divided by two.
 #[test]
 fn eq_150_product_of_sines() {
     let mut random = Random::new(12);
@@ -49,7 +49,7 @@ fn eq_150_product_of_sines() {
         let (first, second) = ((x + quarter - half).sin(), (x - quarter + half).sin());
         let (first, second) = (first * first, second * second);
         let corrected = first * second * wide(2.0);
-        // The extra square, and without it the factor.
+        // Printed form, and the printed form without the extra square but with the wrong factor.
         let printed = [wide(4.0) * first * second * second, wide(4.0) * first * second];
         for (comparison, printed) in comparisons.iter_mut().zip(printed) {
             comparison.add(truth.into(), printed.into(), corrected.into(), 1e-3);
@@ -58,8 +58,8 @@ fn eq_150_product_of_sines() {
     comparisons.into_iter().for_each(Comparison::finish);
 }
 
-/// Eq. (160): the degenerate wave vectors (154) have the direction (−sin, cos) of Ψ ± ε; printed with
-/// (sin, cos). Truth: the stress and the velocity characteristics (67), (68), from the matrices.
+/// Eq. (160): the degenerate wave vectors (154) have the direction (−sin, cos) of the angle Ψ ± ε; printed is (sin, cos).
+/// Reference: the stress and velocity characteristics (67), (68) from the matrices.
 #[test]
 fn eq_160_degenerate_directions() {
     let mut random = Random::new(13);
@@ -76,15 +76,15 @@ fn eq_160_degenerate_directions() {
                 [stress.value().abs() / system.q.value(), velocity.value().abs()]
             };
             assert!(factors([-s, c]).iter().all(|x| *x < 1e-28));
-            // For the printed form both are 2|sin Ψ| × a factor, zero only for special Ψ.
+            // For the printed direction both factors vanish only for special Ψ.
             let special = (s * c).value().abs() < 1e-2;
             assert!(special || factors([s, c]).iter().all(|x| *x > 1e-3));
         }
     }
 }
 
-/// Eqs (142)–(145): the root of order k² is claimed to be double. Truth: of the two roots one grows
-/// like k² and the other like k.
+/// Eqs (142)–(145) claim that the root of order k² is double; one of the two roots is of order k² and the other at most
+/// of order k.
 #[test]
 fn eq_142_to_145_simple_root() {
     let mut random = Random::new(16);
@@ -99,13 +99,13 @@ fn eq_142_to_145_simple_root() {
         };
         let (near, far) = (roots_at(1e9), roots_at(1e10));
         let order = |n: usize| (far[n].abs() / near[n].abs()).log10();
-        // Corrections of relative size (gradients)/k/gap², below 1e-4 here.
+        // Corrections are of relative size (gradients)/(k gap²), below 1e-4.
         assert!((order(0) - 2.0).abs() < 1e-3, "order {} in k", order(0));
         assert!(order(1) < 1.001, "order {} in k", order(1));
     }
 }
 
-/// Eq. (163): in a degenerate direction ς = 0 is claimed to be a triple root; it is none at all.
+/// Eq. (163) claims that ς = 0 is a triple root in a degenerate direction; it is not a root.
 #[test]
 fn eq_163_no_zero_root() {
     let mut random = Random::new(17);

@@ -1,4 +1,4 @@
-//! The linearised equations of a random incompressible flow, from the nonlinear ones.
+//! Linearised equations of a random incompressible flow, derived from the nonlinear equations.
 
 use crate::support::equations::{SPIN, linearised};
 use crate::support::states::{self, Dilatancy};
@@ -9,12 +9,12 @@ use wellposed_models::registry;
 
 pub const STATES: usize = 250;
 
-/// An incompressible background and its linearisation, from the nonlinear equations.
+/// An incompressible background and its linearisation, derived from the nonlinear equations.
 pub struct Incompressible {
     pub parameters: Parameters,
     pub state: State,
     pub flow: Flow,
-    /// Columns v₁ v₂ ω p ψ.
+    /// Matrix A; columns v₁, v₂, ω, p, ψ.
     pub a: [[Wide; 5]; 5],
     pub b: [[[Wide; 5]; 5]; 2],
     pub c: [[Wide; 5]; 5],
@@ -55,7 +55,7 @@ impl Incompressible {
         }
     }
 
-    /// A background with no gradient but the velocity gradient.
+    /// A random background without gradients except the velocity gradient.
     pub fn uniform(random: &mut Random) -> Self {
         let kind = registry::HARRIS_GREKOVA;
         let parameters = states::random_parameters(random, kind, Dilatancy::Zero);
@@ -79,7 +79,7 @@ impl Incompressible {
     pub fn inertia(&self) -> Wide {
         wide(self.parameters.moment_of_inertia.expect("Harris–Grekova has one"))
     }
-    /// cos 2Δ
+    /// Cosine cos 2Δ of twice the non-coaxiality.
     pub fn coaxiality(&self) -> Wide {
         let delta = wide(self.flow.noncoaxiality);
         (delta + delta).cos()
@@ -90,7 +90,7 @@ impl Incompressible {
         [c, s]
     }
 
-    /// E = i k·B + C (eqs 92, 93).
+    /// Matrix E = i k·B + C (eqs 92, 93).
     pub fn e(&self, wave: [Wide; 2]) -> [[Complex; 5]; 5] {
         std::array::from_fn(|i| {
             std::array::from_fn(|j| Complex {
@@ -100,7 +100,7 @@ impl Incompressible {
         })
     }
 
-    /// det(A ς + E), exactly (eq. 97).
+    /// Determinant det(Aς + E) as a polynomial in ς, expanded in 31 digits (eq. 97).
     pub fn dispersion(&self, wave: [Wide; 2]) -> Polynomial {
         let e = self.e(wave);
         let matrix: Vec<Vec<Polynomial>> = (0..5)

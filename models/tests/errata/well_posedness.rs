@@ -1,4 +1,4 @@
-//! Errata of the verdicts drawn from limits along rays: eqs (130), (136) and the abstract.
+//! Errata of the verdicts derived from limits along rays: eqs (130), (136) and the abstract.
 
 use crate::support::states::{self, Dilatancy};
 use crate::support::{
@@ -9,25 +9,24 @@ use wellposed_models::flow::harris_grekova::parameters::HarrisGrekova;
 use wellposed_models::flow::state::Coulomb;
 use wellposed_models::registry;
 
-/// Eqs (130), (136) take k → ∞ in each direction by itself. That does not bound the growth: in
+/// Eqs (130), (136) take the limit k → ∞ in each direction separately, which does not bound the growth rate. In
 ///
 /// ```text
 /// ∂ₜw = ∂₁²∂₂²w + ∂₂⁶w,   ς = k₁²k₂² − k₂⁶,
 /// ```
 ///
-/// a first-order system in w and its derivatives with constant coefficients like (77), ς tends to
-/// −∞ or is 0 along every ray, so that (130) calls it well-posed, while the supremum over all
-/// directions grows like k³ (at k₂ ≈ (k²/3)^¼).
+/// written as a first-order system like (77) for w and its derivatives, ς tends to −∞ or is 0 along every ray, so that
+/// it is well-posed by (130), whereas the supremum over all directions grows like k³ (at k₂ ≈ (k²/3)^¼).
 #[test]
 fn eq_130_and_136_limits_along_rays() {
-    // Unknowns w, ∂₁w, ∂₁²w, ∂₁²∂₂w, ∂₂w, ∂₂²w … ∂₂⁵w; last row first: ∂ₜw = ∂₂(∂₁²∂₂w) + ∂₂(∂₂⁵w).
+    // Unknowns w, ∂₁w, ∂₁²w, ∂₁²∂₂w, ∂₂w, ∂₂²w … ∂₂⁵w; row 0 is ∂ₜw = ∂₂(∂₁²∂₂w) + ∂₂(∂₂⁵w).
     let dispersion = |wave: [f64; 2]| {
         let mut matrix: Vec<Vec<Polynomial>> = vec![vec![vec![]; 9]; 9];
         let i_k = wave.map(|k| complex(0.0, k));
         matrix[0][0] = vec![0.0.into(), 1.0.into()];
         matrix[0][3] = vec![-i_k[1]];
         matrix[0][8] = vec![-i_k[1]];
-        // Row n defines unknown n as the derivative of another.
+        // Row n defines unknown n as the derivative of another unknown.
         for (n, axis, of) in
             [(1, 0, 0), (2, 0, 1), (3, 1, 2), (4, 1, 0), (5, 1, 4), (6, 1, 5), (7, 1, 6), (8, 1, 7)]
         {
@@ -41,7 +40,7 @@ fn eq_130_and_136_limits_along_rays() {
     let expected = 2.5f64 * 2.5 * 0.7 * 0.7 - 0.7f64.powi(6);
     assert!((dispersion([2.5, 0.7]) - expected).abs() < 1e-12);
 
-    // Along every one of 181 rays the limit is −∞, or 0 along the first axis.
+    // Along each of 181 rays the limit is −∞, or 0 along the first axis.
     for degree in 0..=180 {
         let (sine, cosine) = match degree {
             0 | 180 => (0.0, 1.0),
@@ -50,7 +49,7 @@ fn eq_130_and_136_limits_along_rays() {
         let far = dispersion([1e6 * cosine, 1e6 * sine]);
         assert!(far <= 0.0, "along {degree} degrees: {far:e}");
     }
-    // Over all directions at one k the growth is unbounded, of order 3 in k.
+    // The supremum over all directions at fixed k is of order 3 in k.
     let supremum = |k: f64| {
         (1..20_000)
             .map(|n| {
@@ -63,10 +62,9 @@ fn eq_130_and_136_limits_along_rays() {
     assert!(near > 0.0 && ((far / near).log10() - 3.0).abs() < 0.01, "{near:e} {far:e}");
 }
 
-/// Growth in the layer of the model itself. As k → ∞ with β − β₀ = s/k fixed times 1/k (a layer around a
-/// degenerate direction), Re ς tends to a function of s that is greater, somewhere in the layer,
-/// than its limits along all rays, the degenerate one included: the bound on the growth is not
-/// seen by (130).
+/// Growth in a layer around a degenerate direction β₀ of the model: as k → ∞ with fixed s = (β − β₀)k, Re ς tends to a
+/// function of s that exceeds, somewhere in the layer, the limits along all rays including the degenerate one. So the
+/// limits of (130) do not give the bound on the growth rate.
 #[test]
 fn eq_130_and_136_layers_of_the_model() {
     let mut random = Random::new(18);
@@ -83,7 +81,7 @@ fn eq_130_and_136_layers_of_the_model() {
             roots.map(|x| x.re.value()).into_iter().fold(f64::MIN, f64::max)
         };
         let ends = [RIGHT_ANGLE - system.phi(), system.phi() - RIGHT_ANGLE];
-        // Along the rays: the slow root, and the degenerate directions exactly.
+        // Limits along rays: the slow root, and the roots in the degenerate directions.
         let slow = -(system.c[2][2] / (system.density() * system.inertia())).value();
         let along_rays = ends.map(growth).into_iter().fold(slow, f64::max);
         let in_layers = (-100..=100)
@@ -95,9 +93,9 @@ fn eq_130_and_136_layers_of_the_model() {
     assert!(found >= 10, "the layers never exceed the rays: found {found}");
 }
 
-/// Abstract and section 8: "incompressible flows are well-posed" holds only for |Ψ_D − Ψ_Σ| < π/4.
-/// Beyond, a root of the exact determinant grows like k² with the coefficient of (149) halved; within,
-/// the growth tends to a number.
+/// Abstract and section 8: "incompressible flows are well-posed" holds only for |Ψ_D − Ψ_Σ| < π/4. For larger
+/// non-coaxiality a root of the exact determinant grows like k² with half the coefficient of (149); for smaller
+/// non-coaxiality the growth rate tends to a constant.
 #[test]
 fn abstract_only_below_45_degrees() {
     let mut random = Random::new(19);
@@ -133,11 +131,11 @@ fn abstract_only_below_45_degrees() {
                 beta.value(),
             );
             assert!(coefficient > 0.0);
-            // Gradients over k: below 1e-6 × 1/gap² at k = 1e10.
+            // Corrections of relative size (gradients)/k: below 1e-6/gap² at k = 1e10.
             assert!((growth(1e10) / 1e20 / coefficient - 1.0).abs() < 1e-4);
         } else {
             within += 1;
-            // The slow root, −c₃₃/(ρI) + O(1/(k gap²)); the other is far to the left.
+            // The slow root is −c₃₃/(ρI) + O(1/(k gap²)); the other has a large negative real part.
             let slow = -(system.c[2][2] / (system.density() * system.inertia())).value();
             assert!((growth(1e10) - slow).abs() < 1e-3 * (1.0 + slow.abs()));
         }
