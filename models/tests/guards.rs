@@ -1,4 +1,4 @@
-//! Bounds where they are hardest to keep, and inputs that a case file would not let through.
+//! Rounding bounds in ill-conditioned cases, and invalid inputs that case files exclude.
 
 mod support;
 
@@ -8,7 +8,8 @@ use wellposed_models::Rounded;
 use wellposed_models::flow::state::State;
 use wellposed_models::registry;
 
-/// Δ from a given spin goes through an arc sine, whose error is 1/cos 2Δ times that of its argument.
+/// The rounding bound covers the error of Δ derived from a given spin by an arc sine, which amplifies the error of its
+/// argument by 1/cos 2Δ.
 #[test]
 fn bounds_hold_where_the_spin_is_given() {
     let mut random = Random::new(77);
@@ -36,7 +37,7 @@ fn bounds_hold_where_the_spin_is_given() {
     assert_eq!(beyond, 0, "of 2000; the worst error is {worst:.0} bounds");
 }
 
-/// A spin within a unit in the last place of the greatest one leaves the sign of cos 2Δ open.
+/// For a spin within two units in the last place of the largest admissible one the sign of cos 2Δ is uncertain.
 #[test]
 fn greatest_spin_is_marginal() {
     let parameters = testkit::flows::Parameters {
@@ -63,8 +64,7 @@ fn greatest_spin_is_marginal() {
     }
 }
 
-/// An angle converted from the degrees of a case carries the rounding of the decimal, of π/180 and
-/// of the product: up to three, not one.
+/// The bound of an angle converted from degrees covers the three roundings of the decimal, of π/180 and of the product.
 #[test]
 fn converted_angles_lie_within_their_bound() {
     let mut beyond = 0;
@@ -76,7 +76,7 @@ fn converted_angles_lie_within_their_bound() {
     assert_eq!(beyond, 0, "of 8999 angles with two decimals");
 }
 
-/// Numbers that are none are refused, like those of density, pressure and shear rate.
+/// NaN and infinity are rejected in every quantity of a state.
 #[test]
 fn every_number_of_a_state_must_be_finite() {
     let mut random = Random::new(5);
@@ -108,7 +108,7 @@ fn every_number_of_a_state_must_be_finite() {
     assert!(accepted.is_empty(), "{accepted:?}");
 }
 
-/// A spin given to a model without one is refused, not a failed debug assertion.
+/// A spin given to a model without spin is rejected with an error, not by a failed debug assertion.
 #[test]
 fn spin_of_a_model_without_one_is_refused() {
     for kind in [registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL] {
@@ -121,20 +121,20 @@ fn spin_of_a_model_without_one_is_refused() {
     }
 }
 
-/// Products that underflow are not structural zeros.
+/// A product that underflows is not a structural zero.
 #[test]
 fn underflow_is_no_structural_zero() {
     let tiny = Rounded::given(1e-200);
     assert_eq!((tiny * tiny).sign(), None, "{:?}", tiny * tiny);
 }
 
-/// The bound itself is rounded, but never below the error that it bounds.
+/// The computed bound is rounded upwards, so it is never below the error.
 #[test]
 fn bound_is_rounded_upwards() {
     let u = f64::EPSILON / 2.0;
     let a = Rounded { value: 1.0, bound: u };
     let b = Rounded { value: u, bound: u * u };
-    // The largest number that a + b may stand for: 1 + 2u + u².
+    // The largest exact value of a + b is 1 + 2u + u².
     let own = a + b;
     let exact = wide(1.0) + wide(2.0 * u) + wide(u * u);
     assert!((exact - wide(own.value) - wide(own.bound)).value() <= 0.0, "{own:?}");

@@ -1,11 +1,11 @@
-//! The law of an elastic interlayer: against a dense solution of its equations, welded sides, energy, symmetry.
+//! Face law of an elastic interlayer: dense solution of its equations, welded limit, energy balance, mirror symmetry.
 
 use nalgebra::{DMatrix, DVector};
 use testkit::random::Random;
 use wellposed_models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
 use wellposed_models::interface::{FaceLaw, Incoming};
 
-/// A face with numbers over some decades.
+/// Random law, incoming invariants, time step and memory (V, S) of a face, with coefficients over four decades.
 fn face(random: &mut Random) -> (ElasticInterlayer<f64>, Incoming<f64>, f64, [f64; 2]) {
     let mut power = || 10f64.powf(random.within(-2.0, 2.0));
     let law = ElasticInterlayer { mass: power(), compliance: power() };
@@ -15,7 +15,7 @@ fn face(random: &mut Random) -> (ElasticInterlayer<f64>, Incoming<f64>, f64, [f6
     (law, Incoming { impedance, invariant }, step, memory)
 }
 
-/// v⁻, v⁺, σ⁻, σ⁺ and the new V and S from the equations of the midpoint rule as they stand.
+/// Solves the equations of the midpoint rule for v⁻, v⁺, σ⁻, σ⁺ and the new V and S.
 fn solve(
     law: &ElasticInterlayer<f64>,
     incoming: &Incoming<f64>,
@@ -38,6 +38,7 @@ fn solve(
     matrix.lu().solve(&DVector::from_row_slice(&right)).expect("regular")
 }
 
+/// A step of the face law agrees with the dense solution of the equations of both sides and of the layer.
 #[test]
 fn a_step_solves_the_equations_of_both_sides_and_the_layer() {
     let mut random = Random::new(1);
@@ -48,7 +49,7 @@ fn a_step_solves_the_equations_of_both_sides_and_the_layer() {
         let found = law.advance(&incoming, step, &mut memory);
         let [before, after] = found.states;
         let [z, y] = incoming.impedance;
-        // Each in units of what it is made of.
+        // Scale of the results relative to the coefficients.
         let scale = (memory[1].abs() + 1.0) * (z.max(y) / z.min(y)) / z.min(y).min(1.0);
         for (found, expected) in [
             (before.velocity, expected[0]),
@@ -62,12 +63,12 @@ fn a_step_solves_the_equations_of_both_sides_and_the_layer() {
         }
     }
     println!("{worst:e}");
-    // Condition of the equations over four decades of each coefficient.
+    // The tolerance allows for the condition number with coefficients over four decades.
     assert!(worst < 1e-11, "{worst:e}");
 }
 
-/// Without mass and compliance: the Riemann problem of both sides, v = (R⁻ + R⁺)/(z⁻ + z⁺),
-/// s = (z⁻R⁺ − z⁺R⁻)/(z⁻ + z⁺).
+/// Without mass and compliance the law gives the solution of the Riemann problem, v = (R⁻ + R⁺)/(z⁻ + z⁺),
+/// σ = (z⁻R⁺ − z⁺R⁻)/(z⁻ + z⁺).
 #[test]
 fn a_layer_without_mass_and_compliance_is_welded() {
     let mut random = Random::new(2);
@@ -79,7 +80,7 @@ fn a_layer_without_mass_and_compliance_is_welded() {
         let velocity = (before + after) / (z + y);
         let stress = (z * after - y * before) / (z + y);
         for state in found.states {
-            // Cancellation of z v against R, and of R⁺ against R⁻ over z.
+            // The tolerance allows for cancellation in zv − R and in (R⁺ − R⁻)/z.
             let size = 2.0 * (z.max(y) / z.min(y));
             assert!((state.velocity - velocity).abs() < 8.0 * f64::EPSILON * size / z.min(y));
             assert!((state.stress - stress).abs() < 8.0 * f64::EPSILON * size);
@@ -87,6 +88,7 @@ fn a_layer_without_mass_and_compliance_is_welded() {
     }
 }
 
+/// The energy balance of a step holds to rounding: gain of the layer = work of both sides.
 #[test]
 fn what_both_sides_put_in_is_what_the_layer_gains() {
     let mut random = Random::new(3);
@@ -100,7 +102,7 @@ fn what_both_sides_put_in_is_what_the_layer_gains() {
         incoming.invariant = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
         let before = energy(&memory);
         let found = law.advance(&incoming, step, &mut memory);
-        // With the power of all waves that come and go, ½(zv² + σ²/z) on each side.
+        // The scale includes the power of incoming and outgoing waves, ½(zv² + σ²/z) on each side.
         let passes = |side: usize| {
             let (own, z) = (found.states[side], incoming.impedance[side]);
             0.5 * (z * own.velocity * own.velocity + own.stress * own.stress / z)
@@ -115,7 +117,7 @@ fn what_both_sides_put_in_is_what_the_layer_gains() {
     assert!(turnover > 0.01);
 }
 
-/// Seen from the other side velocities have the other sign.
+/// Reflection of the axis: with both sides exchanged the results are bitwise equal up to the sign of the velocities.
 #[test]
 fn a_mirrored_layer_has_mirrored_bits() {
     let mut random = Random::new(4);
@@ -138,7 +140,7 @@ fn a_mirrored_layer_has_mirrored_bits() {
     }
 }
 
-/// K = ρ′c′²/δ, and the impedance √(mK) is that of the material of the layer, ρ′c′.
+/// The stiffness of the layer is K = ρ′c′²/δ, and √(mK) equals the impedance ρ′c′ of its material.
 #[test]
 fn a_layer_has_the_impedance_of_its_material() {
     let material = ElasticMaterial {

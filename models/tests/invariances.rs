@@ -1,5 +1,4 @@
-//! Invariances of the linearised equations: rotation of the frame, superposed rigid spin, Galilean
-//! shift, units.
+//! Invariances of the linearised equations: rotation of the frame, superposed rigid spin, Galilean shift, change of units.
 
 mod support;
 
@@ -29,8 +28,8 @@ fn each_vector(state: &State, f: impl Fn([f64; 2]) -> [f64; 2]) -> State {
     }
 }
 
-/// The matrix that turns the first two entries of a column of unknowns (of residuals) and leaves
-/// the others: in all models the velocities (the momenta) stand first.
+/// Matrix that rotates the first two unknowns or equations (in all models the velocities or momentum balances) by `angle`
+/// and is the identity on the others.
 fn turning(size: usize, angle: f64) -> Vec<Vec<f64>> {
     let (s, c) = angle.sin_cos();
     let mut matrix = vec![vec![0.0; size]; size];
@@ -42,7 +41,7 @@ fn turning(size: usize, angle: f64) -> Vec<Vec<f64>> {
     matrix
 }
 
-/// L M Rᵀ with its rounding bounds.
+/// Product L M Rᵀ with rounding bounds.
 fn transformed(
     left: &[Vec<f64>],
     matrix: impl Fn(usize, usize) -> Rounded,
@@ -67,12 +66,11 @@ fn transformed(
         .collect()
 }
 
-/// In a frame turned by an angle A and C turn as tensors in their velocity columns and momentum rows,
-/// and Bⁱ as well as the components of a vector besides.
+/// Under a rotation of the frame A and C transform as tensors in their velocity columns and momentum rows, and Bⁱ also as
+/// the components of a vector.
 ///
-/// Tolerance: twice the rounding bounds of both sides. The turned state is itself rounded, by a few
-/// units in the last place of each of its vectors, and the bound of every term that such a vector
-/// enters has collected as many.
+/// Tolerance: twice the rounding bounds of both sides. The vectors of the rotated state are rounded by a few units in the
+/// last place, which the bounds of the terms that contain them cover.
 #[test]
 fn rotation_of_the_frame() {
     let mut worst = 0.0f64;
@@ -124,8 +122,7 @@ fn rotation_of_the_frame() {
     println!("rotation of the frame: {worst:.2} of the tolerance");
 }
 
-/// A quarter turn of a state maps axes on axes: B¹ → B² and so on with exact permutations of the
-/// entries' names, a case in which nothing cancels.
+/// A rotation by 90° maps axes to axes: the entries of A, B¹, B² and C are permuted up to signs, without cancellation.
 #[test]
 fn quarter_turn_swaps_axes() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -140,7 +137,7 @@ fn quarter_turn_swaps_axes() {
             };
             let before = states::symbol(&model, &states::flow(&model, &state));
             let after = states::symbol(&model, &states::flow(&model, &after));
-            // The new first axis is the old second: ∂₁' = ∂₂ up to sign, v₁' = −v₂, v₂' = v₁.
+            // New and old components: ∂₁' = −∂₂, ∂₂' = ∂₁, v₁' = −v₂, v₂' = v₁.
             let old = |i: usize| [(1, -1.0), (0, 1.0)].get(i).copied().unwrap_or((i, 1.0));
             for i in 0..before.equations.len() {
                 for j in 0..before.unknowns.len() {
@@ -161,9 +158,9 @@ fn quarter_turn_swaps_axes() {
     }
 }
 
-/// Superposed rigid spin: half the vorticity and the spin shift together (Δ stays). Then C changes
-/// by ρ w (∇V's antisymmetric part) in the momentum rows and by ρ w ∇I in the spin row, and nothing
-/// else changes: not A, not B, not the trace, not the columns of stress.
+/// A superposed rigid spin w shifts half the vorticity and the spin equally at constant Δ. Then C changes by ±ρw (the
+/// antisymmetric part of ∇V) in the momentum rows and by ρw ∇I in the spin row; all other entries of A, B and C are
+/// unchanged.
 #[test]
 fn superposed_rigid_spin() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -200,7 +197,7 @@ fn superposed_rigid_spin() {
                     };
                     let (old, new) = (before.c[(i, j)], after.c[(i, j)]);
                     let off = (new.value - old.value - change).abs();
-                    // w and s₂₁ + w are rounded once more each.
+                    // w and s₂₁ + w have one more rounding error each.
                     let bound = old.bound + new.bound + 4.0 * f64::EPSILON * change.abs();
                     assert!(off <= bound, "{kind:?} ({i}, {j})");
                 }
@@ -209,7 +206,7 @@ fn superposed_rigid_spin() {
     }
 }
 
-/// Galilean shift: only `velocity` changes, A, B, C keep every bit.
+/// A Galilean shift changes only `velocity`; A, B and C are bitwise unchanged.
 #[test]
 fn galilean_shift() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -229,8 +226,8 @@ fn galilean_shift() {
     }
 }
 
-/// Units changed by powers of two: every entry scales by the unit of its equation over the unit of
-/// its unknown, to the bit (no constant with a hidden unit, no absolute threshold).
+/// Under a change of units by powers of two every entry scales bitwise by the unit of its equation over the unit of its
+/// unknown: there is no constant with a hidden unit and no absolute threshold.
 #[test]
 fn scaling_of_units() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -313,13 +310,13 @@ fn scaling_of_units() {
     }
 }
 
-/// Filling a system again leaves nothing of the model before, whatever its size.
+/// Writing into a reused system gives the same result as writing into a new one, whatever model it held before.
 #[test]
 fn reused_system_holds_nothing_of_the_last_model() {
     let mut random = Random::new(990);
     let mut reused = LinearisedSystem::default();
     for _ in 0..STATES {
-        // In any order: a model must not inherit from another of the same size.
+        // Models in random order, including different models of the same size.
         let (kind, dilatancy) = VARIANTS[random.below(VARIANTS.len())];
         let parameters = states::random_parameters(&mut random, kind, dilatancy);
         let model = states::model(kind, &parameters);

@@ -1,8 +1,8 @@
 //! The linearised equations and the derived background against the nonlinear equations.
 //!
-//! The nonlinear equations (`support/equations.rs`) are written from the tensors of Harris &
-//! Grekova (2005) and differentiated automatically in arithmetic of 31 digits. A wrong sign, factor,
-//! transpose or forgotten term in any entry of A, B or C of any model makes these tests fail.
+//! The nonlinear equations (`support/equations.rs`) are written with the tensors of Harris & Grekova (2005) and
+//! differentiated automatically in arithmetic of 31 digits. A wrong sign, factor or transpose or a missing term in any
+//! entry of A, B or C of any model makes these tests fail.
 
 mod support;
 
@@ -17,9 +17,9 @@ const STATES: usize = 300;
 /// Every entry of A, Bⁱ + Vᵢ A and C is the derivative of the nonlinear equation named by its row
 /// with respect to the unknown named by its column.
 ///
-/// Tolerance: the entry's own rounding bound, which must contain the truth (computed from the same
-/// doubles), plus 31-digit noise. So that the bound cannot be an excuse it must itself be below
-/// 1e-12 of the entry's natural size, the largest value that the entry takes in the ensemble.
+/// Tolerance: the rounding bound of the entry, which must cover the reference value (computed from the same doubles), plus
+/// the rounding error of 31 digits. The bound itself must be below 1e-12 of the largest value of the entry in the
+/// ensemble.
 #[test]
 fn symbol_is_the_derivative_of_the_nonlinear_equations() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -78,8 +78,7 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
         }
         let mut worst = [0.0f64; 2];
         for (place, [size, deviation, bound]) in &sizes {
-            // Structural zeros: no deviation beyond the noise of 31 digits and no bound, so that
-            // the analysis knows them as such.
+            // Structural zeros have a zero bound, by which the analysis recognises them.
             let structural = *size < 1e-18;
             assert!(!structural || *bound == 0.0, "{kind:?} {dilatancy:?} {place:?}: {bound:e}");
             let natural = if structural { 1.0 } else { *size };
@@ -98,9 +97,9 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
 /// The derived background (velocity gradient, spin, acceleration, body moment, stress angle rate)
 /// satisfies every nonlinear equation of its model.
 ///
-/// Natural size of a residual: the sum of the absolute values of (derivative × value) over all the
-/// derivatives it is linear in. Tolerance 1e-13 of it: some ten roundings of doubles in what the
-/// crate derives, the residual itself in 31 digits.
+/// Scale of a residual: the sum of the absolute values of (coefficient × derivative of an unknown) over all derivatives.
+/// Tolerance: 1e-13 of this scale, for about ten roundings of doubles in the derived quantities; the residual is computed
+/// in 31 digits.
 #[test]
 fn derived_background_satisfies_the_nonlinear_equations() {
     let mut worst = 0.0f64;
@@ -110,7 +109,7 @@ fn derived_background_satisfies_the_nonlinear_equations() {
             let parameters = states::random_parameters(&mut random, kind, dilatancy);
             let model = states::model(kind, &parameters);
             let mut state = states::random_state(&mut random, kind, dilatancy);
-            // All three admissible rotational stresses, and the default.
+            // The three admissible rotational stresses and the default.
             if let Some(m) = parameters.rotational_strength {
                 state.rotational_stress = [None, Some(m), Some(-m), Some(0.0)][number % 4];
             }
@@ -145,8 +144,8 @@ fn derived_background_satisfies_the_nonlinear_equations() {
     println!("largest relative residual of a background: {worst:.1e}");
 }
 
-/// Derived numbers against the definitions they carry: Q_D and Ψ_D from the velocity gradient
-/// (eqs 84, 85), half the vorticity, and Δ = Ψ_D − Ψ_Σ with its sign.
+/// The derived velocity gradient has the given Q_D and Ψ_D (eqs 84, 85), half vorticity and Δ = Ψ_D − Ψ_Σ including its
+/// sign.
 #[test]
 fn velocity_gradient_has_the_given_rate_angle_and_vorticity() {
     for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
@@ -160,7 +159,7 @@ fn velocity_gradient_has_the_given_rate_angle_and_vorticity() {
             let (normal, shear) = (g[0][0] - g[1][1], g[0][1] + g[1][0]);
             let rate = 0.5 * normal.hypot(shear);
             let angle = 0.5 * shear.atan2(normal);
-            // Modulo half a turn; tolerance: a handful of roundings of numbers of order ten.
+            // Angles modulo π; the tolerance allows for a few roundings of numbers of order ten.
             let wrong = (angle - state.stress_angle - state.noncoaxiality.unwrap_or(0.0)).sin();
             assert!((rate / state.shear_rate - 1.0).abs() < 1e-13);
             assert!(wrong.abs() < 1e-13, "{kind:?}: Ψ_D is off by {wrong:e}");

@@ -1,5 +1,5 @@
-//! Normals of yield sets against differences of their values, and the stiffness while yielding against
-//! the formula for all conditions at once.
+//! Yield normals against finite differences of the yield function, and the tangent stiffness against the formula for all
+//! conditions at once.
 
 mod support;
 
@@ -70,7 +70,7 @@ fn interlayer(random: &mut Random) -> Interlayer {
     .unwrap()
 }
 
-/// The flow in place of the normal: what an associated solid has.
+/// The condition with associated flow: flow direction equal to the yield normal.
 fn associated(mut condition: ActiveCondition) -> ActiveCondition {
     condition.flow = condition.normal;
     condition
@@ -84,8 +84,8 @@ fn components() -> impl Iterator<Item = Component> {
         .chain(pairs.map(|(i, j)| Component::Couple(i, j)))
 }
 
-/// ∂f/∂s by central differences over ±h: wrong by h² f'''/6 and by rounding over h, 1e-10 each for
-/// stresses, and radii of curvature, of order 0.1 and more.
+/// Checks `gradient` against ∂f/∂s by central differences over ±h. Truncation error h² f'''/6 and rounding error over h
+/// are about 1e-10 each for stresses and radii of curvature of order 0.1 and more.
 fn check_gradient(value: impl Fn(&Stress) -> f64, gradient: &Stress, stress: &Stress) -> f64 {
     const H: f64 = 2e-6;
     let mut worst = 0.0f64;
@@ -100,6 +100,7 @@ fn check_gradient(value: impl Fn(&Stress) -> f64, gradient: &Stress, stress: &St
     worst
 }
 
+/// Normals are gradients of the yield function, flow directions gradients of the plastic potential.
 #[test]
 fn normals_are_gradients() {
     let mut random = Random::new(1);
@@ -110,12 +111,12 @@ fn normals_are_gradients() {
         let condition = set.condition(&stress).unwrap();
         let value = |s: &Stress| YieldSet::from(set).value(s);
         worst = worst.max(check_gradient(value, &condition.normal, &stress));
-        // The flow is that of the potential, f with the dilatancy.
+        // The flow direction is the gradient of the plastic potential: f with the dilatancy in place of the friction.
         let potential = Mises { friction: set.dilatancy, ..set };
         let value = |s: &Stress| YieldSet::from(potential).value(s);
         worst = worst.max(check_gradient(value, &condition.flow, &stress));
 
-        // Of eight half-spaces the one that is nearest is the value; the others are 0.01 away.
+        // The yield function is the maximum over the eight half-spaces; it must exceed the other values by 0.01.
         let set = interlayer(&mut random);
         let couple = set.couple.unwrap();
         let values: Vec<f64> = [0, 1]
@@ -135,7 +136,7 @@ fn normals_are_gradients() {
         if values.iter().filter(|v| **v > greatest - 0.01).count() > 1 {
             continue;
         }
-        // Of the opposite signs, the one that meets the stress first.
+        // The half-space, including its sign, that attains the maximum.
         let value = |s: &Stress| YieldSet::from(set).value(s);
         let (nearest, _) = set
             .half_spaces()
@@ -151,8 +152,8 @@ fn normals_are_gradients() {
     assert_eq!(interlayer(&mut random).half_spaces().count(), 8);
 }
 
-/// A deviator 1e-9 of the pressure keeps its normal: the components are exact, and so are their
-/// differences.
+/// The normal of a deviator of 1e-9 times the pressure is exact to rounding, since the differences of the normal stresses
+/// are exact.
 #[test]
 fn normals_under_pressure() {
     let set = Mises::drucker_prager(1.0, 0.5, 0.5);
@@ -170,6 +171,7 @@ fn normals_under_pressure() {
     }
 }
 
+/// Zero stress is an interior point of sets with strength, and the apex of a set without strength.
 #[test]
 fn zero_stress_is_inside() {
     let mut random = Random::new(2);
@@ -181,7 +183,7 @@ fn zero_stress_is_inside() {
         assert!(set.value(&zero) < 0.0 && set.active(&zero, 1e-9).is_empty());
     }
     assert_eq!(mises(&mut random).condition(&zero), None);
-    // Without strength the apex is zero stress itself: on the boundary, all conditions active.
+    // Without strength zero stress is the apex: on the boundary, all conditions active.
     let couple = InterlayerCouple { strength: 0.0, friction: 0.5, dilatancy: 0.5 };
     let set = Interlayer {
         shear_strength: 0.0,
@@ -193,7 +195,7 @@ fn zero_stress_is_inside() {
     assert_eq!(YieldSet::from(set).active(&zero, 1e-9).len(), 8);
 }
 
-/// Constants out of range are refused by name.
+/// Constants out of range are rejected with their name.
 #[test]
 fn constants_are_checked() {
     let sound = Mises::drucker_prager(1.0, 0.5, 0.1);
@@ -228,13 +230,13 @@ fn constants_are_checked() {
     }
 }
 
-// ---------------------------------------------------------------- tangent
+// ---------------------------------------------------------------- Tangent stiffness
 
 fn vector(stresses: &[Component], gradient: &Stress) -> Vec<f64> {
     stresses.iter().map(|c| c.derivative(gradient)).collect()
 }
 
-/// D − DM(H + NᵀDM)⁻¹NᵀD in twice the precision, H diagonal.
+/// Computes D − DM(H + NᵀDM)⁻¹NᵀD in double-double precision; H is diagonal.
 fn direct(
     d: &[Vec<Wide>],
     normals: &[Vec<Wide>],
@@ -247,7 +249,7 @@ fn direct(
         .iter()
         .map(|m| (0..size).map(|i| sum(&mut (0..size).map(|j| d[i][j] * m[j]))).collect())
         .collect();
-    // Gauss elimination of (H + NᵀDM | NᵀD), rows exchanged for the largest pivot.
+    // Gauss–Jordan elimination of (H + NᵀDM | NᵀD) with partial pivoting.
     let mut rows: Vec<Vec<Wide>> = (0..count)
         .map(|a| {
             let left = (0..count).map(|b| {
@@ -295,8 +297,8 @@ fn values(matrix: &Matrix) -> DMatrix<f64> {
     matrix.map(|entry| entry.value)
 }
 
-/// Solids in the plane and in space, each with conditions that it can have: one of Mises, one to four
-/// of the layers.
+/// Test case: elastic stiffness in plane strain or in space, and active conditions: one Mises condition, or one to four
+/// interlayer conditions.
 struct Case {
     stresses: Vec<Component>,
     elastic: Matrix,
@@ -315,7 +317,7 @@ fn case(random: &mut Random, number: usize) -> Case {
         let condition = mises(random).condition(&stress).unwrap();
         vec![ActiveCondition { hardening: random.within(0.0, 0.5), ..condition }]
     } else {
-        // One sign of each pair, in random order; in classical solids σ₂₁ = σ₁₂ and no couples.
+        // One sign of each condition, in random order; no couple conditions without couple stress.
         let set = interlayer(random);
         let set = if theory == Theory::Cosserat { set } else { Interlayer { couple: None, ..set } };
         let mut pairs: Vec<ActiveCondition> = set
@@ -334,6 +336,8 @@ fn case(random: &mut Random, number: usize) -> Case {
     Case { stresses, elastic, conditions }
 }
 
+/// The tangent stiffness annihilates normals and flow directions of ideal conditions, does not depend on their order, and
+/// for associated flow is symmetric, positive semidefinite and at most the elastic stiffness.
 #[test]
 fn tangent_keeps_to_the_conditions() {
     let mut random = Random::new(4);
@@ -351,28 +355,28 @@ fn tangent_keeps_to_the_conditions() {
             worst_null = worst_null.max(null);
             assert!(null <= 1e-13, "{null:e}");
         }
-        // Independent of the order.
+        // The result does not depend on the order of the conditions.
         let mut reversed = conditions.clone();
         reversed.reverse();
         let other = values(&tangent(&elastic, &stresses, &reversed).unwrap());
         worst_order = worst_order.max((&own - other).amax() / size);
         assert!(worst_order <= 1e-13, "{worst_order:e}");
-        // Of an associated flow: symmetric, and at least 0, and at most the elastic stiffness.
+        // For associated flow: symmetric, positive semidefinite, and at most the elastic stiffness.
         let conditions: Vec<ActiveCondition> = conditions.into_iter().map(associated).collect();
         let own = values(&tangent(&elastic, &stresses, &conditions).unwrap());
         assert!((&own - own.transpose()).amax() <= 1e-14 * size);
         let least = |m: DMatrix<f64>| m.symmetric_eigenvalues().min();
         assert!(least(own.clone()) >= -1e-13 * size);
         assert!(least(values(&elastic) - &own) >= -1e-13 * size);
-        // Something has yielded.
+        // The tangent stiffness differs from the elastic stiffness.
         assert!((values(&elastic) - &own).amax() > 1e-3 * size);
     }
     println!("order {worst_order:e}, null directions {worst_null:e}");
     assert!(several > 500, "{several}");
 }
 
-/// The bounds cover what the formula for all conditions at once, in twice the precision, makes of the
-/// numbers as given and of numbers that differ by what their bounds allow.
+/// The rounding bounds of the tangent stiffness cover the formula for all conditions at once, evaluated in double-double
+/// precision for the given inputs and for inputs perturbed within their bounds.
 #[test]
 fn tangent_is_the_direct_formula_within_its_bounds() {
     let mut random = Random::new(5);
@@ -386,7 +390,7 @@ fn tangent_is_the_direct_formula_within_its_bounds() {
             let mut moved = |x: &Rounded| wide(x.value) + wide(x.bound * part());
             let d: Vec<Vec<Wide>> =
                 elastic.row_iter().map(|row| row.iter().map(&mut moved).collect()).collect();
-            // The plastic modulus is a decimal from a file.
+            // The plastic modulus is rounded from a decimal: perturb it by one unit roundoff.
             let hardening: Vec<f64> = conditions
                 .iter()
                 .map(|c| c.hardening * (1.0 + if perturbed { -UNIT_ROUNDOFF } else { 0.0 }))
@@ -422,17 +426,18 @@ fn tangent_is_the_direct_formula_within_its_bounds() {
     }
     println!("off by {worst:e}, bounds up to {widest:e}");
     assert!(worst <= 1e-13, "{worst:e}");
-    // A bound that says nothing would cover everything.
+    // The bounds are not too wide.
     assert!(widest <= 1e-10, "{widest:e}");
 }
 
+/// Conditions with linearly dependent normals are skipped.
 #[test]
 fn dependent_normals_are_passed_over() {
     let mut random = Random::new(6);
     for number in 0..500 {
         let Case { stresses, elastic, conditions } = case(&mut random, number);
-        // A list twice over; associated and without hardening, since two of the same hardening
-        // conditions share the flow.
+        // Every condition twice; associated and without hardening, since with hardening the plastic flow would be
+        // distributed over equal conditions.
         let ideal: Vec<ActiveCondition> = conditions
             .into_iter()
             .map(|c| ActiveCondition { hardening: 0.0, ..associated(c) })
@@ -441,8 +446,8 @@ fn dependent_normals_are_passed_over() {
         let twice: Vec<ActiveCondition> = ideal.iter().chain(&ideal).copied().collect();
         assert_eq!(tangent(&elastic, &stresses, &twice).unwrap(), once);
     }
-    // In the apex all eight are active: four span (σ₁₁, σ₂₁, m₃₁), four the rest, and nothing is left,
-    // in whatever order.
+    // At the apex all eight conditions are active: four normals span (σ₁₁, σ₂₁, m₃₁), the other four span the remaining
+    // stresses, so the tangent stiffness is zero in any order.
     let solid = solid(&mut random, Theory::Cosserat);
     let stresses = plane(Theory::Cosserat).stresses;
     let elastic = solid.stiffness(stresses.iter().copied());
@@ -457,8 +462,8 @@ fn dependent_normals_are_passed_over() {
     }
 }
 
-/// n·Dm of the cone is μ + κκ̂K: with too much contraction, or softening, there is no response, and the
-/// number is in the message; a little less and there is.
+/// For a Drucker–Prager cone n·Dm = μ + κκ̂K. If contraction or softening makes H + n·Dm ≤ 0, the error contains the value;
+/// slightly above the critical dilatancy the tangent stiffness exists.
 #[test]
 fn no_response() {
     let mut random = Random::new(7);
@@ -488,14 +493,14 @@ fn no_response() {
             assert_eq!(error.condition, "yield");
             assert!(error.to_string().contains(&format!("{:e}", error.value)), "{error}");
         }
-        // Just enough.
+        // Slightly above the critical dilatancy.
         let set = Mises::drucker_prager(1.0, friction, critical * 0.9999);
         assert!(tangent(&elastic, stresses, &[set.condition(&stress).unwrap()]).is_ok());
     }
 }
 
-/// Where n·Dm is zero to within rounding no sign can be asserted: refused, not divided by, and not taken
-/// for the rest of a dependent normal.
+/// If n·Dm is zero to within rounding, its sign is uncertain: the result is an error, not a division by it, and the
+/// condition is not mistaken for a linearly dependent one.
 #[test]
 fn no_response_at_the_critical_dilatancy() {
     let mut random = Random::new(8);
@@ -520,8 +525,8 @@ fn no_response_at_the_critical_dilatancy() {
     assert_eq!(passed_over, 0, "of 200");
 }
 
-/// σ̇ of the solid that yields ideally at `stress` under the strain rate `strain`: the law itself, with
-/// the normals of that stress.
+/// Computes the stress rate of an ideally plastic solid that yields at `stress` under the strain rate `strain`, from the
+/// nonlinear law with the normal and flow direction at `stress`.
 fn stress_rate(
     elastic: &DMatrix<f64>,
     set: &Mises,
@@ -539,8 +544,8 @@ fn stress_rate(
     elastic * (strain - m * rate)
 }
 
-/// A background that flows at the rate Λ without change of stress: perturbations of its stress relax
-/// as −D_t Λ∇²f, by differences of the nonlinear law.
+/// In a background that flows plastically at the rate Λ with constant stress, perturbations of the stress relax with the
+/// matrix −D_t Λ∇²f; verified by finite differences of the nonlinear law.
 #[test]
 fn perturbations_of_a_flowing_background_relax_by_the_curvature() {
     let random = &mut Random::new(31);
@@ -568,7 +573,7 @@ fn perturbations_of_a_flowing_background_relax_by_the_curvature() {
         assert!((&curvature - curvature.transpose()).amax() < 1e-14 * curvature.amax());
         let least = curvature.clone().symmetric_eigenvalues().min();
         assert!(least > -1e-14 * curvature.amax(), "{least:e}");
-        // A multiple of the stress keeps its direction.
+        // Scaling of the stress does not change the flow direction: the curvature along it is zero.
         let along = DVector::from_fn(list.len(), |i, _| {
             let mut deviator = tensor;
             let mean = (0..3).map(|i| deviator.force[i][i]).sum::<f64>() / 3.0;
@@ -595,6 +600,6 @@ fn perturbations_of_a_flowing_background_relax_by_the_curvature() {
         }
     }
     println!("{worst:e}");
-    // Central differences: h² of the third derivatives, and rounding over h.
+    // Errors of central differences: h² times third derivatives, and rounding over h.
     assert!(worst < 1e-6);
 }

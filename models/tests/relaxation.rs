@@ -1,4 +1,4 @@
-//! The standard linear solid against closed forms, integration of its rate equations and quadrature.
+//! Standard linear solid against closed forms, numerical integration of its rate equations and quadrature.
 
 use nalgebra::Complex;
 use testkit::random::Random;
@@ -9,7 +9,7 @@ use wellposed_models::solid::stress::Stress;
 
 type Tensor = [[f64; 3]; 3];
 
-/// Relaxed moduli λ, μ, then μ₁ and τ.
+/// Relaxed moduli λ and μ; [`BRANCH`] is μ₁ and [`TIME`] is τ.
 const RELAXED: [f64; 2] = [1.3, 0.7];
 const BRANCH: f64 = 0.45;
 const TIME: f64 = 0.8;
@@ -29,7 +29,7 @@ fn trace(t: &Tensor) -> f64 {
     t[0][0] + t[1][1] + t[2][2]
 }
 
-/// A symmetric deviator.
+/// Random symmetric deviator.
 fn deviator(random: &mut Random) -> Tensor {
     let t = tensor(|_, _| 0.0).map(|row| row.map(|_| random.signed(0.1, 1.0)));
     let mean = trace(&t) / 3.0;
@@ -40,8 +40,8 @@ fn double_product(a: &Tensor, b: &Tensor) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
 }
 
-/// Force stress of a strain deviator, a volume change, a viscous strain and an antisymmetric part: from the springs, by
-/// the relaxed moduli and the branch.
+/// Force stress from the strain deviator `e`, the volumetric strain, the viscous strain `a` and the antisymmetric stress,
+/// by the relaxed moduli and the Maxwell branch.
 fn force(e: &Tensor, volume: f64, a: &Tensor, antisymmetric: &Tensor) -> Tensor {
     let bulk = RELAXED[0] + 2.0 / 3.0 * RELAXED[1];
     tensor(|i, j| {
@@ -66,8 +66,8 @@ fn assert_near(found: &Tensor, expected: &Tensor, within: f64) {
     }
 }
 
-/// s(t) = 2μ_R e + 2μ₁e exp(−t/τ) from a sudden strain on, in steps of any length; mean stress, antisymmetric part and
-/// couple stress stay.
+/// After a step of strain the deviator relaxes as s(t) = 2μ_R e + 2μ₁e exp(−t/τ) for random time steps; mean stress,
+/// antisymmetric stress and couple stress are constant.
 #[test]
 fn stress_relaxes_at_constant_strain() {
     let (solid, mut random) = (solid(), Random::new(1));
@@ -92,8 +92,8 @@ fn stress_relaxes_at_constant_strain() {
     assert!(time > 3.0 * TIME);
 }
 
-/// Creep under constant stress, which an elastic strain at constant viscous strain restores after each relaxation: first
-/// order to the closed form e = s/(2μ_R) [1 − (μ₁/μ_U) exp(−t μ_R/(μ_U τ))].
+/// Creep under constant stress, restored after each relaxation by an elastic strain at constant viscous strain, converges
+/// with order 1 to the closed form e = s/(2μ_R) [1 − (μ₁/μ_U) exp(−t μ_R/(μ_U τ))].
 #[test]
 fn strain_creeps_at_constant_stress() {
     let solid = solid();
@@ -120,11 +120,12 @@ fn strain_creeps_at_constant_stress() {
         let order = (pair[0] / pair[1]).log2();
         assert!((0.98..1.02).contains(&order), "{errors:?}");
     }
-    // Extrapolated to steps of length zero.
+    // Richardson extrapolation of the error to zero step length.
     assert!((2.0 * errors[2] - errors[1]).abs() < 2e-6, "{errors:?}");
 }
 
-/// τȧ = e − a by the classical Runge–Kutta scheme in 4000 steps.
+/// The viscous strain and the dissipation agree with τȧ = e − a integrated by the classical Runge–Kutta method in 4000
+/// steps.
 #[test]
 fn viscous_strain_solves_its_equation() {
     let (solid, mut random) = (solid(), Random::new(2));
@@ -162,7 +163,7 @@ fn viscous_strain_solves_its_equation() {
     }
 }
 
-/// The stored energy is that of the springs, and falls by what is dissipated, to rounding, for any step.
+/// The stored energy equals the energy of the springs, and decreases by the dissipated energy to rounding for any step.
 #[test]
 fn energy_falls_by_the_dissipation() {
     let (solid, mut random) = (solid(), Random::new(3));
@@ -188,7 +189,7 @@ fn energy_falls_by_the_dissipation() {
     }
 }
 
-/// Steps without length do nothing; endless ones end at rest; all are finite.
+/// Steps of zero length change nothing, very long steps reach the relaxed state, and all results are finite.
 #[test]
 fn steps_of_any_length() {
     let solid = solid();
@@ -211,8 +212,8 @@ fn steps_of_any_length() {
     }
 }
 
-/// The moduli of oscillations and of decaying modes are ς times the Laplace transform of what a unit of strain relaxes to,
-/// 2μ(ς) = ς∫exp(−ςt) s(t) dt, by Simpson's rule on the stresses that relaxation gives.
+/// The complex modulus is ς times the Laplace transform of the stress relaxation after a unit step of strain,
+/// 2μ(ς) = ς∫exp(−ςt) s(t) dt, evaluated by Simpson's rule.
 #[test]
 fn complex_modulus_is_the_transform_of_relaxation() {
     let solid = solid();
@@ -230,7 +231,7 @@ fn complex_modulus_is_the_transform_of_relaxation() {
                 _ if index % 2 == 1 => 4.0,
                 _ => 2.0,
             };
-            // What stays for ever, 2μ_R, has the transform 2μ_R/ς.
+            // The constant part 2μ_R has the transform 2μ_R/ς.
             let relaxing = stress.force[0][1] - 2.0 * RELAXED[1];
             sum += (-rate * (f64::from(index) * h)).exp() * (weight * relaxing * h / 3.0);
             solid.relax(&mut stress, &mut strain, h);
@@ -242,7 +243,7 @@ fn complex_modulus_is_the_transform_of_relaxation() {
         let difference = solid.longitudinal_modulus(rate) - expected * (4.0 / 3.0) - bulk;
         assert!(difference.norm() < 2e-9);
     }
-    // Slow and fast oscillations see the relaxed and the unrelaxed solid.
+    // Limits of low and high frequency: the relaxed and the unrelaxed moduli.
     for (frequency, limit) in [(1e-9, solid.relaxed()), (1e9, solid.unrelaxed())] {
         let rate = Complex::new(0.0, frequency);
         assert!((solid.shear_modulus(rate) - limit.mu).norm() < 1e-8);
@@ -251,7 +252,7 @@ fn complex_modulus_is_the_transform_of_relaxation() {
     }
 }
 
-/// Both ways to state the solid agree, and each names the constant that cannot be.
+/// Both constructors give the same solid, and both reject invalid constants with their name.
 #[test]
 fn constants_are_checked() {
     let own = solid();
@@ -281,7 +282,8 @@ fn constants_are_checked() {
     }
 }
 
-/// In single precision the same formula, to its rounding; in plane strain that of space.
+/// Increments in single precision agree with double precision to rounding; increments in plane strain equal those in
+/// space.
 #[test]
 fn other_numbers_and_dimensions() {
     let step = solid().relaxation_over(0.3);
@@ -295,7 +297,7 @@ fn other_numbers_and_dimensions() {
     let stress = SymmetricTensor { normal: [0.7, -0.2, 1.1], shear: [0.4] };
     let strain = SymmetricTensor { normal: [0.1, 0.3, -0.4], shear: [-0.2] };
     let plane = step.increments(stress, strain);
-    // Means play no part.
+    // Increments do not depend on the mean stress and strain.
     let shifted = SymmetricTensor { normal: stress.normal.map(|x| x + 0.75), ..stress };
     let means = step
         .increments(shifted, SymmetricTensor { normal: strain.normal.map(|x| x - 0.5), ..strain });

@@ -1,4 +1,4 @@
-//! Optimised parts of the return mapping in SIMD lanes give the same bits as the plain formulas.
+//! Optimised operations of the return mapping are bitwise equal to the plain formulas.
 
 mod support;
 
@@ -6,6 +6,7 @@ use support::{Random, decades};
 use wellposed_models::common::number::{Number, third};
 use wellposed_models::yield_set::return_mapping::{Equation, PARTS};
 
+/// `third` is bitwise equal to the division by 3 in double and single precision.
 #[test]
 fn thirds_are_quotients_to_the_bit() {
     let mut random = Random::new(81);
@@ -22,7 +23,7 @@ fn thirds_are_quotients_to_the_bit() {
     }
 }
 
-/// Newton's method as it is written down: two divisions for the step, until it is none.
+/// Plain Newton's method: two divisions per step, until the step is zero.
 fn newton<N: Number>(equation: &Equation<N>) -> N {
     let mut x = N::ZERO;
     loop {
@@ -44,7 +45,7 @@ fn newton<N: Number>(equation: &Equation<N>) -> N {
     }
 }
 
-/// How often roots by [`Equation::root`] are others.
+/// Number of random equations for which [`Equation::solve`] differs from the plain Newton's method.
 fn others<N: Number + PartialEq>(seed: u64) -> usize {
     let mut random = Random::new(seed);
     let draw = |number: usize| {
@@ -55,7 +56,7 @@ fn others<N: Number + PartialEq>(seed: u64) -> usize {
             std::array::from_fn(|_| random.within(0.0, 1.0) * stress * stress);
         let rates: [f64; PARTS] = std::array::from_fn(|_| decades(&mut random, -1.0, 1.0) * 1e9);
         let shear = squares[..count].iter().sum::<f64>().sqrt();
-        // From next to the surface to far beyond.
+        // From close to the yield surface to far outside.
         let room = shear / (1.0 + decades(&mut random, -13.0, 3.0));
         let a = [0.0, decades(&mut random, -2.0, 1.0) * 1e9][number / PARTS % 2];
         let [squares, rates] = [squares, rates].map(|own| own.map(N::from_f64));
@@ -66,6 +67,7 @@ fn others<N: Number + PartialEq>(seed: u64) -> usize {
     (0..200_000).map(draw).filter(|is_other| *is_other).count()
 }
 
+/// `Equation::solve` is bitwise equal to the plain Newton's method in double and single precision.
 #[test]
 fn roots_are_those_of_newtons_method_to_the_bit() {
     assert_eq!(others::<f64>(82), 0);

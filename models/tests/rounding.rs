@@ -1,4 +1,4 @@
-//! `Rounded` against arithmetic of 31 digits: its bounds hold, and they are not silly.
+//! `Rounded` against arithmetic of 31 digits: the bounds cover the errors and are not far too large.
 
 mod support;
 
@@ -6,8 +6,8 @@ use support::{Random, Real, Wide, wide};
 use wellposed_models::Rounded;
 use wellposed_models::common::rounding::UNIT_ROUNDOFF;
 
-/// A rounded number, the number that it stands for, and the largest magnitude on the way to it,
-/// against which 31 digits count.
+/// A rounded number, its exact value in 31 digits, and the largest magnitude of an intermediate result, which scales the
+/// error of the 31 digits.
 #[derive(Clone, Copy)]
 struct Tracked {
     rounded: Rounded,
@@ -16,8 +16,7 @@ struct Tracked {
 }
 
 impl Tracked {
-    /// A literal, or a given double whose exact value lies within half a unit in the last place:
-    /// anywhere, or at the very end.
+    /// Random number: exact, or with an exact value inside or at an end of the interval of half a unit in the last place.
     fn leaf(random: &mut Random) -> Self {
         let value = random.generic(1.0, 10.0) * 10f64.powi(random.below(7) as i32 - 3);
         Self::given(random, value)
@@ -67,12 +66,11 @@ impl Tracked {
     }
 }
 
-/// Random programs of fifteen steps on a shared pool, so that terms come back with the opposite
-/// sign and cancel: after every step the error is within the bound, and a sign that is asserted is
-/// the sign of the exact number.
+/// Random sequences of fifteen operations on a shared pool of numbers, so that terms recur with opposite sign and cancel.
+/// After every operation the error is within the bound, and a certain sign is the sign of the exact number.
 ///
-/// Slack: the bounds are themselves sums of a few doubles rounded to nearest (1e-12 relative is
-/// far more than that), and the reference has 31 digits of the largest intermediate (1e-28).
+/// Tolerance: 1e-12 of the bound, for the rounding of the bound itself, and 1e-28 of the largest intermediate result, for
+/// the 31 digits of the reference.
 #[test]
 fn bounds_hold_in_random_programs() {
     let mut random = Random::new(800);
@@ -86,7 +84,7 @@ fn bounds_hold_in_random_programs() {
                 1 | 2 => a.difference(b),
                 3 | 4 => a.product(b),
                 5 => a.quotient(b),
-                // Larger arguments lose digits that no bound on the angle is at fault for.
+                // Larger arguments are excluded: their reduction loses digits of the reference.
                 6 if a.rounded.value.abs() < 1e3 => a.sine(),
                 7 if a.rounded.value.abs() < 1e3 => a.cosine(),
                 _ => {
@@ -100,7 +98,7 @@ fn bounds_hold_in_random_programs() {
             if !bound.is_finite() {
                 continue;
             }
-            // No under- or overflow: neither is covered by the model of rounding.
+            // Underflow and overflow are excluded: the rounding model does not cover them.
             let in_range = |x: f64| x == 0.0 || (1e-60..1e60).contains(&x.abs());
             if !in_range(value) || !in_range(next.size) || bound > 1e60 {
                 continue;
@@ -130,8 +128,8 @@ fn bounds_hold_in_random_programs() {
     assert!(steps > 100_000 && cancelled > 1_000 && unsure > 1_000);
 }
 
-/// The bound of a simple expression is within a factor of 50 of the worst error seen in 2,000
-/// draws with inputs at the ends of their intervals; a bound that is a guess would not be.
+/// The bound of a simple expression is at most 50 times the largest error in 2,000 random samples with inputs at the ends
+/// of their intervals.
 #[test]
 fn bounds_of_simple_expressions_are_near_the_worst_case() {
     type Expression = fn([Tracked; 6]) -> Tracked;
@@ -163,15 +161,14 @@ fn bounds_of_simple_expressions_are_near_the_worst_case() {
     }
 }
 
-/// Around the zeros of sine and cosine and in the difference of neighbours the sign is asserted
-/// exactly as far as the interval allows.
+/// Near zeros of sin x and 1 − cos x a certain sign is correct, and both certain and uncertain signs occur.
 #[test]
 fn signs_near_zero() {
     let mut random = Random::new(820);
     let (mut sure, mut unsure) = (0, 0);
     for _ in 0..5_000 {
         let turns = random.below(8) as f64;
-        // From 1 to 1e4 units in the last place off the zero of the sine.
+        // At a distance of 1 to 1e4 units in the last place from a zero of the sine.
         let offset = 10f64.powf(random.within(-16.5, -12.0));
         let value =
             turns * std::f64::consts::PI + random.generic(0.5, 1.0) * offset * (1.0 + turns);
@@ -190,7 +187,7 @@ fn signs_near_zero() {
     assert!(sure > 500 && unsure > 500, "{sure} {unsure}");
 }
 
-/// A divisor whose interval contains zero gives no bound and no sign; one that does not gives both.
+/// Division by a number whose interval contains zero gives an infinite bound and no sign; otherwise the bound is finite.
 #[test]
 fn division_by_what_may_be_zero_has_no_bound() {
     let mut random = Random::new(830);
@@ -201,7 +198,7 @@ fn division_by_what_may_be_zero_has_no_bound() {
         assert_eq!((x / zero).bound, f64::INFINITY);
         assert_eq!((x / zero).sign(), None);
         assert_eq!((x / Rounded::ZERO).sign(), None);
-        // Exact zeros too, zero over zero included.
+        // Division by an exact zero, including zero by zero.
         assert_eq!((x / Rounded::ZERO).bound, f64::INFINITY);
         assert_eq!((Rounded::ZERO / Rounded::ZERO).bound, f64::INFINITY);
         let near = Rounded { value: y.value, bound: 0.999 * y.value.abs() };
@@ -211,7 +208,7 @@ fn division_by_what_may_be_zero_has_no_bound() {
     }
 }
 
-/// Structural zeros: sums with them change nothing, products with them are exact.
+/// Adding a structural zero changes nothing; a product with a structural zero is a structural zero.
 #[test]
 fn structural_zeros() {
     let mut random = Random::new(840);

@@ -1,4 +1,4 @@
-//! Solids: one elastic law by moduli and by compliances, and stresses scaled onto yield.
+//! Elastic laws by moduli and by compliances, and stresses scaled onto yield.
 
 use wellposed_models::elastoplastic::{Plastic, Solid, scale_onto_yield};
 use wellposed_models::solid::parameters::{
@@ -38,6 +38,7 @@ fn sets() -> [YieldSet; 3] {
     ]
 }
 
+/// A Cosserat solid by moduli and the same solid by compliances have equal properties and rate equations.
 #[test]
 fn moduli_and_their_compliances_are_one_law() {
     let moduli = ElasticLaw::from(cosserat());
@@ -59,6 +60,7 @@ fn moduli_and_their_compliances_are_one_law() {
     assert_eq!(Solid::new(compliances, 3, None).dimensions, 2);
 }
 
+/// A classical solid has no microrotation and no internal length.
 #[test]
 fn a_classical_solid_has_no_length() {
     let solid = Isotropic::new(2e9, 1.5e9, 2000.0, None).unwrap();
@@ -68,6 +70,7 @@ fn a_classical_solid_has_no_length() {
     assert!(law.rotation().is_none());
 }
 
+/// A scaled stress is on the yield surface and does not depend on the magnitude of the direction.
 #[test]
 fn scaled_stresses_lie_on_the_yield_surface() {
     for set in sets() {
@@ -75,7 +78,7 @@ fn scaled_stresses_lie_on_the_yield_surface() {
             let stress = scale_onto_yield(&set, pressure, &direction()).unwrap();
             let size = stress.force.as_flattened().iter().fold(0.0f64, |a, x| a.max(x.abs()));
             assert!(set.value(&stress).abs() <= 1e-12 * size, "{set:?} {pressure}");
-            // The direction, whatever its size.
+            // The magnitude of the direction has no influence.
             let mut doubled = direction();
             doubled.force = doubled.force.map(|row| row.map(|x| 2.0 * x));
             doubled.couple = doubled.couple.map(|row| row.map(|x| 2.0 * x));
@@ -86,6 +89,7 @@ fn scaled_stresses_lie_on_the_yield_surface() {
     }
 }
 
+/// Directions that never yield, negative rates and pressures outside the yield set are rejected.
 #[test]
 fn stresses_that_never_yield_are_refused() {
     let refused = |set: YieldSet, pressure: f64, direction: &Stress, rate: f64, words: &str| {
@@ -103,6 +107,7 @@ fn stresses_that_never_yield_are_refused() {
     refused(slack, 0.0, &direction(), 0.0, "no strength under this pressure");
 }
 
+/// Active interlayer conditions are selected by index.
 #[test]
 fn layers_yield_by_index() {
     let plastic = Plastic::with_active(layers().into(), &[0, 3]).unwrap();

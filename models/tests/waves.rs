@@ -1,4 +1,4 @@
-//! The two statements of elastic solids, as pairs of waves and as matrices, held against each other.
+//! The two statements of an elastic law, velocity–stress pairs and matrices, compared with each other.
 
 mod support;
 
@@ -28,7 +28,7 @@ fn solid(random: &mut Random, theory: Theory) -> Isotropic {
     Isotropic::new(lambda, random.within(0.8, 2.0), random.within(0.5, 2.0), microrotation).unwrap()
 }
 
-/// U̇ = Σ Bⁱ∂ᵢU + QU of the matrices, solved for U̇, by name.
+/// Linearised equations solved for the rates, U̇ = Σ Bⁱ∂ᵢU + QU, with the names of the unknowns.
 struct Matrices<const D: usize> {
     names: Vec<String>,
     gradient: [DMatrix<f64>; D],
@@ -101,6 +101,7 @@ fn compare<const D: usize>(
     }
 }
 
+/// The velocity–stress pairs and the spin rotation of isotropic solids agree with the matrices.
 #[test]
 fn pairs_are_the_matrices() {
     let random = &mut Random::new(51);
@@ -116,6 +117,7 @@ fn pairs_are_the_matrices() {
     }
 }
 
+/// The velocity–stress pairs and the spin rotation of solids by compliances agree with the matrices.
 #[test]
 fn pairs_of_compliances_are_the_matrices() {
     let random = &mut Random::new(52);
@@ -134,6 +136,7 @@ fn pairs_of_compliances_are_the_matrices() {
     }
 }
 
+/// The state components have the names of the unknowns of the rate equations.
 #[test]
 fn fields_are_those_of_the_matrices() {
     let random = &mut Random::new(53);
@@ -156,7 +159,7 @@ fn fields_are_those_of_the_matrices() {
     }
 }
 
-/// Against the series of its generator, and the energy ½jω² + ½a²/α.
+/// The spin rotation agrees with a Runge–Kutta solution of its equations and conserves the energy ½jω² + ½a²/α.
 #[test]
 fn the_rotation_is_exact() {
     let random = &mut Random::new(54);
@@ -166,7 +169,7 @@ fn the_rotation_is_exact() {
         let state = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
         let duration = random.within(0.0, 3.0);
         let found = rotation.turn(state, duration);
-        // ω̇ = −2a/j, ȧ = 2αω in many small exact-to-fourth-order steps.
+        // ω̇ = −2a/j, ȧ = 2αω by the classical Runge–Kutta method.
         let steps = 2000;
         let h = duration / f64::from(steps);
         let rate = |[w, a]: [f64; 2]| [-2.0 * a / own.inertia, 2.0 * own.alpha * w];
@@ -189,7 +192,7 @@ fn the_rotation_is_exact() {
     }
 }
 
-/// ½ s·D⁻¹s by the stiffness of the other statement.
+/// The stored energy equals ½ s·D⁻¹s with the stiffness matrix D.
 #[test]
 fn stored_energy_is_that_of_hookes_law() {
     let random = &mut Random::new(55);

@@ -1,4 +1,4 @@
-//! Projections compared with Clarabel, a conic solver.
+//! Closest-point projections against the conic solver Clarabel.
 
 use crate::interlayer::{Degenerate, constants, interlayer_set, plane_solid};
 use crate::mises::{
@@ -13,7 +13,7 @@ use clarabel::solver::{
 };
 use wellposed_models::solid::stress::Stress;
 
-/// argmin ½|w − w̄|² with A w + (in the cones) = b.
+/// Solves min ½|w − w̄|² subject to Aw + t = b with t in the cones; `center` is w̄, `rows` is A.
 fn clarabel(
     center: &[f64],
     rows: &[Vec<f64>],
@@ -45,14 +45,14 @@ fn half_square_distance(a: &[f64], b: &[f64]) -> f64 {
     0.5 * a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>()
 }
 
-/// How far the own answer lies above the solver's, relatively, and the distance between them.
+/// Relative excess of the objective of `own` over the objective of `theirs` (the solver), and the distance of the two.
 fn compare(own: &[f64], theirs: &[f64], center: &[f64]) -> (f64, f64) {
     let (mine, reference) =
         (half_square_distance(own, center), half_square_distance(theirs, center));
     ((mine - reference) / reference, (2.0 * half_square_distance(own, theirs)).sqrt())
 }
 
-/// Orthonormal 3×3 matrices: five symmetric deviators, three antisymmetric ones, δ/√3.
+/// Orthonormal basis of 3×3 matrices: five symmetric deviators, three antisymmetric matrices, δ/√3.
 fn basis() -> [[[f64; 3]; 3]; 9] {
     let mut basis = [[[0.0; 3]; 3]; 9];
     let half = 0.5f64.sqrt();
@@ -69,6 +69,7 @@ fn basis() -> [[[f64; 3]; 3]; 9] {
     basis
 }
 
+/// Projections onto cones of Mises type agree with the solution of the second-order cone program.
 #[test]
 fn mises_projections_match_a_conic_solver() {
     let basis = basis();
@@ -87,7 +88,7 @@ fn mises_projections_match_a_conic_solver() {
         }
         let scale = energy(&solid, &trial).sqrt();
         let (d, p) = (stiffnesses(&solid), weights(&set));
-        // Coordinates in which the energy is ½|w|²: s = √D w, part by part.
+        // Coordinates w in which the energy is ½|w|²: s = √D w for each part.
         let part_of = |number: usize| match number {
             0..5 => Some(0),
             5..8 => Some(1),
@@ -112,7 +113,7 @@ fn mises_projections_match_a_conic_solver() {
             .iter()
             .filter_map(|&n| part_of(n).map(|part| (0.5 * p[part] * d[part]).sqrt()))
             .fold(0.0, f64::max);
-        // (k − κσ_m, √½p s …) in the second-order cone, divided by its largest coefficient.
+        // (k − κσ_m, √(½p) s, …) is in the second-order cone; divided by the largest coefficient.
         let mut rows = vec![vec![0.0; used.len()]; 1 + used.len()];
         let mut b = vec![0.0; 1 + used.len()];
         b[0] = strength / size;
@@ -134,6 +135,7 @@ fn mises_projections_match_a_conic_solver() {
     println!("Mises: objective at most {above:e} above, stresses {apart:e} apart");
 }
 
+/// Projections onto interlayer sets agree with the solution of the quadratic program.
 #[test]
 fn interlayer_projections_match_a_conic_solver() {
     let (mut above, mut apart) = (f64::NEG_INFINITY, 0.0f64);
@@ -158,7 +160,7 @@ fn interlayer_projections_match_a_conic_solver() {
         if solid.norm(&std::array::from_fn(|i| trial[i] - stress[i])) < 0.1 * scale {
             continue;
         }
-        // Orthonormal coordinates: sums and differences over √2 times the root of the compliance.
+        // Orthonormal coordinates in the energy norm: sums and differences of stresses times roots of compliances.
         let roots = |[a, b]: [f64; 2]| [(0.5 * (a - b)).sqrt(), (0.5 * (a + b)).sqrt()];
         let ([ns, nd], [ss, sd]) = (roots(solid.normal), roots(solid.shear));
         let couple = solid.couple.map_or(0.0, |a| a.recip().sqrt());
@@ -172,7 +174,7 @@ fn interlayer_projections_match_a_conic_solver() {
             }
             all.iter().map(|x| x / scale).collect()
         };
-        // Rows of the conditions in those coordinates: the stresses of unit coordinates.
+        // Rows of the conditions in these coordinates, from the stresses of unit coordinates.
         let n = coordinates(&trial).len();
         let stress_of = |coordinate: usize| -> [f64; 6] {
             let mut s = [0.0; 6];

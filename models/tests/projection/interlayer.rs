@@ -1,4 +1,4 @@
-//! Pyramids of an interlayer: optimality, and the stress across the plane.
+//! Projection onto interlayer yield sets: optimality, and the out-of-plane stress.
 
 use crate::random_solids::{Rotation, solid};
 use crate::residuals::{OPTIMALITY, Residuals};
@@ -7,11 +7,11 @@ use wellposed_models::solid::parameters::{Isotropic, PlaneCompliances};
 use wellposed_models::yield_set::parameters::{Interlayer, InterlayerCouple};
 use wellposed_models::yield_set::projection::PlaneMetric;
 
-/// A plane solid as this test knows it: compliances, α₂, and whether σ₂₁ = σ₁₂ throughout.
+/// Plane-strain solid by its compliances, computed independently of the crate.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     pub normal: [f64; 2],
-    /// a₂, b₂; classical: strain of σ₁₂ = σ₂₁ under both, 1/(2μ), and 0.
+    /// Compliances a₂, b₂, 1/Pa; in classical solids 1/(2μ) and 0.
     pub shear: [f64; 2],
     pub couple: Option<f64>,
     pub classical: bool,
@@ -32,7 +32,7 @@ impl Plane {
         }
     }
 
-    /// D⁻¹ s for the difference of two stresses.
+    /// Computes the strain D⁻¹s of a stress difference s.
     pub fn strain(&self, s: &[Wide; 6]) -> [f64; 6] {
         let pair = |[a, b]: [f64; 2], x: Wide, y: Wide| (wide(a) * x - wide(b) * y).value();
         let couple = |x: Wide| self.couple.map_or(0.0, |modulus| x.value() / modulus);
@@ -52,14 +52,14 @@ impl Plane {
     }
 }
 
-/// [k, κ] of shear and couple conditions.
+/// Strength and friction [k, κ] of the shear and couple conditions.
 pub fn constants(set: &Interlayer) -> [[f64; 2]; 2] {
     let couple = set.couple.map_or([0.0, 0.0], |c| [c.strength, c.friction]);
     [[set.shear_strength, set.shear_friction], couple]
 }
 
-/// The excess of e_n over what the conditions of one face put there, and the supremum of the work of
-/// e over the pyramid.
+/// For the strain e = (`normal`, `shear`, `couple`) of one face: the excess e_n − κ_τ|e_s| − κ_μ|e_c|, which is zero for
+/// a strain in the cone of the normals off the apex, and the support function sup e·w over the admissible stresses w.
 fn face_support(set: &Interlayer, [normal, shear, couple]: [f64; 3]) -> (f64, f64) {
     let [[tau, kappa_tau], [m, kappa_m]] = constants(set);
     let excess = normal - kappa_tau * shear.abs() - kappa_m * couple.abs();
@@ -103,7 +103,7 @@ fn interlayer_residuals(
     let change: [Wide; 6] = std::array::from_fn(|i| wide(trial[i]) - wide(stress[i]));
     let strain = solid.strain(&change);
     let (norm_trial, norm) = (solid.norm(trial), solid.norm(&stress));
-    // Components of e of energy norm 1 are at most these.
+    // Upper bounds of the components of a strain of energy norm 1.
     let compliance =
         [solid.normal[0], solid.shear[0], solid.couple.map_or(0.0, |a| 1.0 / a)].map(f64::sqrt);
     let scale = norm_trial * (compliance[0] + kappa_tau * compliance[1] + kappa_m * compliance[2]);
@@ -118,13 +118,13 @@ fn interlayer_residuals(
             support += most;
         }
         let work: f64 = stress.iter().zip(strain).map(|(s, e)| s * e).sum();
-        // Σ λ × (how far inside), each term of which is at least 0.
+        // Σ λ × distance from the conditions, a sum of non-negative terms.
         let complementarity = (work - support).abs() / work_scale;
         (normality, complementarity)
     };
     let (normality, complementarity) = if solid.classical {
-        // Only the sum of the two shear strains does work on σ₁₂ = σ₂₁: some division of it among the
-        // faces must do.
+        // Only the sum of the two shear strains does work on σ₁₂ = σ₂₁: the conditions must hold for some division of the
+        // sum between the faces.
         let sum = strain[2] + strain[3];
         let mut candidates = vec![sum, 0.0, 0.5 * sum];
         if kappa_tau > 0.0 {
@@ -154,7 +154,7 @@ fn interlayer_residuals(
 #[derive(Clone, Copy, Debug)]
 pub enum Degenerate {
     No,
-    /// τ₀/κ_τ = μ₀/κ_μ: four conditions meet in the apex.
+    /// τ₀/κ_τ = μ₀/κ_μ: the four conditions of a face meet at a common apex.
     CommonApex,
     /// Some strengths and frictions are zero.
     Zeros,
@@ -163,7 +163,7 @@ pub enum Degenerate {
 pub fn interlayer_set(random: &mut Random, degenerate: Degenerate, couple: bool) -> Interlayer {
     let shear_strength = decades(random, 3.0, 7.0);
     let shear_friction = decades(random, -2.0, 0.7);
-    // A length of about a block, as the couple stress has it.
+    // Length of the order of a block, m, by which couple and force constants differ.
     let length = decades(random, -3.0, 0.0);
     let mut own = InterlayerCouple {
         strength: shear_strength * length * decades(random, -1.0, 1.0),
@@ -179,7 +179,7 @@ pub fn interlayer_set(random: &mut Random, degenerate: Degenerate, couple: bool)
     match degenerate {
         Degenerate::No => {}
         Degenerate::CommonApex => {
-            // Powers of two: the apex is common to the last bit.
+            // Ratios are powers of two, so that the apices are bitwise equal.
             let ratio = 2f64.powi(-(random.below(10) as i32));
             own.strength = set.shear_strength * ratio;
             own.friction = set.shear_friction * ratio;
@@ -212,13 +212,13 @@ fn interlayer_trial(random: &mut Random, set: &Interlayer, solid: &Plane) -> [f6
     let drop = random.below(4);
     for (i, component) in trial.iter_mut().enumerate() {
         *component *= size;
-        // Planes and axes of symmetry.
+        // Some components zero: planes and axes of symmetry.
         if drop == 0 && random.below(2) == 0 && !(solid.classical && (2..4).contains(&i)) {
             *component = 0.0;
         }
     }
     if random.below(4) == 0 {
-        // On edges, faces and the apex, or just off them.
+        // On or near edges, faces and the apex.
         let off = if random.below(2) == 0 { 0.0 } else { decades(random, -16.0, -2.0) };
         for face in 0..2 {
             let cut_off = [(tau, kappa_tau), (m, kappa_m)]
@@ -240,7 +240,7 @@ fn interlayer_trial(random: &mut Random, set: &Interlayer, solid: &Plane) -> [f6
     trial
 }
 
-/// A plane solid: classical, reduced or Cosserat, or cubic.
+/// Random plane-strain solid: classical (`kind` 0), reduced Cosserat (1), Cosserat (2) or cubic (3).
 pub fn plane_solid(random: &mut Random, kind: usize) -> (Plane, PlaneMetric) {
     let rotation = [Rotation::Classical, Rotation::Reduced, Rotation::Cosserat][kind.min(2)];
     let isotropic = solid(random, rotation);
@@ -266,6 +266,7 @@ pub fn plane_solid(random: &mut Random, kind: usize) -> (Plane, PlaneMetric) {
     (plane, PlaneMetric::from(&compliances))
 }
 
+/// Projections onto interlayer sets satisfy the optimality conditions, also for degenerate sets.
 #[test]
 fn interlayer_projections_are_optimal() {
     let kinds = ["classical", "reduced", "Cosserat", "cubic"];
@@ -296,9 +297,9 @@ fn interlayer_projections_are_optimal() {
     }
 }
 
-/// Across the plane the stress follows from the same plastic strain: with Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) Hooke's
-/// law in space gives a plastic strain with nothing across the plane, whose work on no admissible stress is
-/// greater than on the projection; so it minimises the energy over σ₃₃, too.
+/// The out-of-plane stress follows from the same plastic strain: with Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) Hooke's law in space gives
+/// a plastic strain without out-of-plane component. Its work is largest at the projection among admissible stresses, so
+/// the projection minimises the energy over σ₃₃ too.
 #[test]
 fn stress_across_the_plane() {
     let mut random = Random::new(5);

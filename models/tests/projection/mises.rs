@@ -1,4 +1,4 @@
-//! Cones of Mises and Drucker-Prager type: optimality and radial return.
+//! Projection onto cones of Mises and Drucker–Prager type: optimality and radial return.
 
 use crate::random_solids::{Rotation, solid};
 use crate::residuals::{OPTIMALITY, Residuals};
@@ -9,7 +9,7 @@ use wellposed_models::yield_set::parameters::Mises;
 
 type Tensor = [[Wide; 3]; 3];
 
-/// Deviator, antisymmetric part, couple deviator, couple mean and couple antisymmetric part.
+/// Deviator and antisymmetric part of the force stress; deviator, mean and antisymmetric part of the couple stress.
 type Parts = [Tensor; 5];
 
 pub fn parts(stress: &Stress) -> (Wide, Parts) {
@@ -36,7 +36,7 @@ pub fn product(a: &Tensor, b: &Tensor) -> f64 {
     sum.fold(wide(0.0), |x, y| x + y).value()
 }
 
-/// The D of the five parts; 0 where the solid has none of them.
+/// Stiffnesses D of the five parts; 0 if the solid has no such part.
 pub fn stiffnesses(solid: &Isotropic) -> [f64; 5] {
     let couple = solid.couple().unwrap_or(CoupleModuli { beta: 0.0, gamma: 0.0, eta: 0.0 });
     [
@@ -59,7 +59,7 @@ pub fn bulk(solid: &Isotropic) -> f64 {
     solid.lambda + 2.0 / 3.0 * solid.mu
 }
 
-/// Twice the elastic energy.
+/// Twice the elastic energy, J/m³.
 pub fn energy(solid: &Isotropic, stress: &Stress) -> f64 {
     let (mean, parts) = parts(stress);
     let shares = parts.iter().zip(stiffnesses(solid));
@@ -87,14 +87,14 @@ fn mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Residuals 
         .sqrt();
     let size = shear + set.friction * mean.value().abs() + set.strength;
     let value = shear + set.friction * mean.value() - set.strength;
-    // The components, and not the parts, are rounded.
+    // Rounding errors scale with the stress components, which may exceed their parts.
     let largest = [&stress.force, &stress.couple]
         .map(|t| t.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs())));
     let heaviest = [p[0].max(p[1]), p[2].max(p[4])].map(f64::sqrt);
     let rounded = heaviest[0] * largest[0] + heaviest[1] * largest[1];
     let feasibility = (value / (size + rounded)).max(0.0);
 
-    // e, its dual norm √(2 Σ |e|²/p), and the multiplier.
+    // Plastic strain e, its dual norm √(2 Σ |e|²/p), and the multiplier λ.
     let mean_strain = (mean_trial - mean).value() / bulk(solid);
     let strain: Parts = std::array::from_fn(|j| {
         std::array::from_fn(|r| {
@@ -114,7 +114,7 @@ fn mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Residuals 
         .sum::<f64>()
         .sqrt();
     let multiplier = if set.friction > 0.0 { mean_strain / set.friction } else { dual };
-    // The dual norm of a strain of energy norm 1 is at most this.
+    // Upper bound of the dual norm of a strain of energy norm 1.
     let dual_scale = (0..5)
         .filter(|&j| p[j] * d[j] > 0.0)
         .map(|j| (2.0 / (p[j] * d[j])).sqrt())
@@ -127,11 +127,11 @@ fn mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Residuals 
     if set.friction == 0.0 {
         normality = normality.max(mean_strain.abs() * bulk(solid).sqrt() / norm_trial);
     }
-    // Where the cone is smooth the two agree: e is λn.
+    // Off the apex e = λn, so the dual norm equals the multiplier.
     if shear > 0.0 {
         normality = normality.max((dual - multiplier).abs() / (scale * norm_trial));
     }
-    // λ by projection onto n in the energy norm, which no small weight blows up.
+    // λ by projection of e onto n in the energy norm, which is well-conditioned for small weights.
     let along = |j: usize| d[j] * p[j] / (2.0 * shear);
     let fitted = (0..5).map(|j| along(j) * product(&strain[j], &parts[j])).sum::<f64>()
         + bulk(solid) * set.friction * mean_strain;
@@ -140,8 +140,8 @@ fn mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Residuals 
         .sum::<f64>()
         + bulk(solid) * set.friction.powi(2);
     let fitted = fitted / square;
-    // Away from the apex e is λ times the normal p s/2τ̄, whose direction is that of s to within the
-    // rounding of the components of s; where nothing limits a part, its e is 0.
+    // Off the apex e is λ times the normal p s/2τ̄, with the direction of s up to the rounding errors of the components
+    // of s; e is 0 for parts without limit (p = 0).
     let (mut residual, mut turned) = (0.0, 0.0);
     for j in (0..5).filter(|&j| d[j] > 0.0) {
         let share = if shear > 0.0 { fitted * p[j] / (2.0 * shear) } else { 0.0 };
@@ -161,7 +161,7 @@ fn mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Residuals 
     let complementarity = (work - multiplier * set.strength).abs()
         / (norm_trial * norm + (norm_trial * scale + multiplier) * set.strength);
 
-    // What is lost: the difference of the energies, which only a large loss shows.
+    // Energy lost, as the difference of the energies; accurate only for large losses.
     let lost = 0.5 * (energy(solid, trial) - energy(solid, &stress));
     assert!(projection.energy_lost >= 0.0, "{projection:?}");
     let energy_residual = (lost - projection.energy_lost).abs() / (norm_trial * norm_trial);
@@ -200,15 +200,15 @@ pub fn scaled(stress: &Stress, by: f64) -> Stress {
     Stress { force: scaled(stress.force), couple: scaled(stress.couple) }
 }
 
-/// From 1e-6 to 1e6 yield stresses, along every part alone, near the axis and around the normal
-/// cone of the apex.
+/// Random trial stress of 1e-6 to 1e6 times the strength: general, with some parts only, near the hydrostatic axis, near
+/// the boundary of the normal cone of the apex, or near the yield surface.
 fn mises_trial(random: &mut Random, set: &Mises, solid: &Isotropic) -> Stress {
     let mut trial = random_stress(random, set, solid);
     let size = decades(random, -6.0, 6.0);
     match random.below(5) {
         0 => scaled(&trial, size),
         1 => {
-            // Some parts only.
+            // A random subset of the parts.
             let keep: [bool; 5] = std::array::from_fn(|_| random.below(2) == 0);
             let (mean, parts) = parts(&trial);
             for i in 0..3 {
@@ -225,7 +225,7 @@ fn mises_trial(random: &mut Random, set: &Mises, solid: &Isotropic) -> Stress {
             scaled(&trial, size)
         }
         2 => {
-            // Towards the axis.
+            // Near the hydrostatic axis.
             let mean = mean_of(&trial);
             let mut near = scaled(&trial, decades(random, -12.0, 0.0));
             for i in 0..3 {
@@ -234,7 +234,7 @@ fn mises_trial(random: &mut Random, set: &Mises, solid: &Isotropic) -> Stress {
             scaled(&near, size)
         }
         3 => {
-            // Onto the edge of the apex's normal cone, a little inside, a little outside.
+            // Near the boundary of the normal cone of the apex, on both sides.
             let (d, p) = (stiffnesses(solid), weights(set));
             let (_, parts) = parts(&trial);
             let dual = (0..5)
@@ -256,7 +256,7 @@ fn mises_trial(random: &mut Random, set: &Mises, solid: &Isotropic) -> Stress {
             edge
         }
         _ => {
-            // Onto the surface, a little inside, a little outside.
+            // Near the yield surface, on both sides.
             let shear = set.equivalent_shear(&trial);
             let value = shear + set.friction * mean_of(&trial);
             if value <= 0.0 {
@@ -295,6 +295,7 @@ pub const SETS: [(&str, Rotation, bool, bool); 6] = [
     ("Cosserat-Drucker-Prager", Rotation::Cosserat, true, true),
 ];
 
+/// Projections onto cones of Mises type satisfy the optimality conditions.
 #[test]
 fn mises_projections_are_optimal() {
     for (number, (name, rotation, cone, micropolar)) in SETS.into_iter().enumerate() {
@@ -318,7 +319,7 @@ fn mises_projections_are_optimal() {
     }
 }
 
-/// With one stiffness in play the answer is a formula: radial return, and return to the cone.
+/// With one stiffness the projection has a closed form: radial return, return to the cone, and return to the apex.
 #[test]
 fn radial_return() {
     let solid = Isotropic::new(3.0, 2.0, 1.0, None).unwrap();
@@ -326,7 +327,7 @@ fn radial_return() {
     (trial.force[0][1], trial.force[1][0]) = (5.0, 5.0);
     let projection = Mises::von_mises(2.0).project(&solid, &trial);
     assert!((projection.stress.force[0][1] - 2.0).abs() < 1e-15);
-    // ½(25 − 4)/μ
+    // Energy lost: ½(25 − 4)/μ.
     assert!((projection.energy_lost - 5.25).abs() < 1e-14);
     // τ̄ = 5, σ_m = 1, κ = ½, K = 13/3: λ = (5 + ½ − 2)/(μ + κ²K) = 42/37.
     for i in 0..3 {
@@ -337,7 +338,7 @@ fn radial_return() {
     let multiplier = 42.0 / 37.0;
     assert!((projection.stress.force[1][0] - (5.0 - 2.0 * multiplier)).abs() < 1e-14);
     assert!((projection.stress.force[2][2] - (1.0 - multiplier * 0.5 * 13.0 / 3.0)).abs() < 1e-14);
-    // Far up the axis: the apex k/κ.
+    // A large mean stress maps to the apex, σ_m = k/κ.
     for i in 0..3 {
         trial.force[i][i] = 1000.0;
     }

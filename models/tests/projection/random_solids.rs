@@ -1,4 +1,4 @@
-//! Random solids with moduli as materials have them.
+//! Random solids with moduli of the magnitude of real materials.
 
 use crate::support::{Random, decades};
 use wellposed_models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
@@ -12,7 +12,7 @@ pub enum Rotation {
 
 pub fn solid(random: &mut Random, rotation: Rotation) -> Isotropic {
     let mu = decades(random, 6.0, 10.0);
-    // K between 0.03 and 30 times μ.
+    // Bulk modulus K from 0.03 to 30 times μ.
     let lambda = mu * (decades(random, -1.5, 1.5) - 2.0 / 3.0);
     let gamma = mu * decades(random, -6.0, 0.0);
     let couple = CoupleModuli {

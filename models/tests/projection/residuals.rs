@@ -1,9 +1,9 @@
-//! Residuals of the conditions of optimality.
+//! Residuals of the optimality conditions.
 
-/// The accuracy asked of every condition of optimality, relative to the terms that it compares.
+/// Tolerance of every optimality condition, relative to the magnitude of its terms.
 pub const OPTIMALITY: f64 = 1e-12;
 
-/// Greatest of the residuals, each over its own scale.
+/// Residuals of the optimality conditions, each divided by its scale.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Residuals {
     pub feasibility: f64,

@@ -1,10 +1,9 @@
-//! The nonlinear equations of the granular-flow models, written from the papers' tensors.
+//! Nonlinear equations of the granular-flow models, written with the tensors of the papers.
 //!
-//! Harris & Grekova (2005): stress (6) with the yield condition (13) at equality, momentum (7),
-//! spin (9), mass (18); kinematics as the sum of two dilatant shears and a rotation (32)–(36), from
-//! which the two shear strengths are eliminated here by solving for them. The plastic potential is
-//! differentiated. No formula is taken from the crate under test, only the order and the scaling of
-//! the equations that its documentation states: eqs (50), (51) multiplied out.
+//! Harris & Grekova (2005): stress (6) with the yield condition (13) at equality, momentum (7), spin (9), mass (18);
+//! kinematics as the sum of two dilatant shears and a rotation (32)–(36), where the two shear strengths are computed and
+//! eliminated. The plastic potential is differentiated. No formula is copied from the crate under test, only the
+//! documented order and scaling of its equations: eqs (50), (51) multiplied out.
 
 use super::{Dual, Real};
 
@@ -21,7 +20,7 @@ pub const EQUATIONS: [&str; 6] = ["momentum 1", "momentum 2", "spin", "volume", 
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rotation {
-    /// The intrinsic spin.
+    /// Intrinsic spin.
     Intrinsic,
     /// Rotation rate of the principal stress axes.
     StressAxes,
@@ -29,7 +28,7 @@ pub enum Rotation {
     Potential,
 }
 
-/// Constants and prescribed fields; not perturbed.
+/// Constants and prescribed fields, which are not perturbed.
 #[derive(Clone, Copy, Debug)]
 pub struct Prescribed<T> {
     pub rotation: Rotation,
@@ -78,7 +77,7 @@ impl<T: Real> Fields<T> {
         }
     }
 
-    /// ∂ₜ + v·∇ of an unknown.
+    /// Material derivative ∂ₜ + v·∇ of an unknown.
     pub fn material(&self, unknown: usize) -> T {
         self.by_time[unknown]
             + self.z[0] * self.by_space[0][unknown]
@@ -86,7 +85,7 @@ impl<T: Real> Fields<T> {
     }
 }
 
-/// Eq. (6) on yield; first index = face normal, as in the paper.
+/// Stress tensor on yield, eq. (6); first index = face normal, as in the paper.
 pub fn paper_stress<T: Real>(given: &Prescribed<T>, pressure: T, angle: T) -> [[T; 2]; 2] {
     let phi = given.friction_angle;
     let q = pressure * phi.sin() + given.cohesion * phi.cos();
@@ -96,7 +95,7 @@ pub fn paper_stress<T: Real>(given: &Prescribed<T>, pressure: T, angle: T) -> [[
     [[-pressure + q * c, r + q * s], [-r + q * s, -pressure - q * c]]
 }
 
-/// ∂₁σ₁ᵢ + ∂₂σ₂ᵢ by differentiating the tensor along both axes.
+/// Divergence ∂₁σ₁ᵢ + ∂₂σ₂ᵢ of the stress, by automatic differentiation of the tensor along both axes.
 fn divergence<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 2] {
     let lifted = given.lifted();
     let along = |axis: usize| {
@@ -110,7 +109,7 @@ fn divergence<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 2] {
     [0, 1].map(|i| by_first[0][i].slope + by_second[1][i].slope)
 }
 
-/// Γᵢⱼ = ∂ⱼvᵢ.
+/// Velocity gradient Γᵢⱼ = ∂ⱼvᵢ.
 fn velocity_gradient<T: Real>(fields: &Fields<T>) -> [[T; 2]; 2] {
     [0, 1].map(|i| [0, 1].map(|j| fields.by_space[j][i]))
 }
@@ -119,21 +118,21 @@ fn outer<T: Real>(a: [T; 2], b: [T; 2]) -> [[T; 2]; 2] {
     [0, 1].map(|i| [0, 1].map(|j| a[i] * b[j]))
 }
 
-/// Trace, Γ₁₁ − Γ₂₂, Γ₁₂ + Γ₂₁, Γ₁₂ − Γ₂₁.
+/// Parts of a tensor Γ: trace, Γ₁₁ − Γ₂₂, Γ₁₂ + Γ₂₁, Γ₁₂ − Γ₂₁.
 fn parts<T: Real>(g: [[T; 2]; 2]) -> [T; 4] {
     [g[0][0] + g[1][1], g[0][0] - g[1][1], g[0][1] + g[1][0], g[0][1] - g[1][0]]
 }
 
-/// Γ = k₁ t_β₁⊗n_α₂ − k₂ t_β₂⊗n_α₁ + Ω (eq. 32): the two strengths from the deviatoric symmetric
-/// part, then what is left over of the trace and of the antisymmetric part, times cos(φ − ν) and
-/// sin(φ − ν), the scaling of eqs (50), (51).
+/// Residuals of the kinematics Γ = k₁ t_β₁⊗n_α₂ − k₂ t_β₂⊗n_α₁ + Ω (eq. 32): the shear strengths k₁, k₂ are computed from
+/// the deviatoric symmetric part; the residuals of the trace and of the antisymmetric part are multiplied by cos(φ − ν)
+/// and sin(φ − ν), the scaling of eqs (50), (51).
 fn shears<T: Real>(given: &Prescribed<T>, fields: &Fields<T>, rotation: T) -> [T; 2] {
     let (phi, nu, psi) = (given.friction_angle, given.dilatancy_angle, fields.z[ANGLE]);
     let half = T::constant(0.5);
     // ε = π/4 + φ/2, and sin π/4 = cos π/4 = √½.
     let quarter = T::root_of_half();
     let turned = |angle: T, sign: f64| {
-        // cos and sin of angle ± π/4
+        // cos and sin of angle ± π/4.
         let (s, c) = angle.sin_cos();
         let sign = T::constant(sign);
         [quarter * (c - sign * s), quarter * (s + sign * c)]
@@ -159,12 +158,12 @@ fn shears<T: Real>(given: &Prescribed<T>, fields: &Fields<T>, rotation: T) -> [T
     ]
 }
 
-/// d = λ ∂g/∂σ with g = ½√((σ₁₁ − σ₂₂)² + (σ₁₂ + σ₂₁)²) + ½ (σ₁₁ + σ₂₂) sin ν: λ from the
-/// deviator, then what is left over of the trace, and the deviators' cross product.
+/// Residuals of the flow rule d = λ ∂g/∂σ with g = ½√((σ₁₁ − σ₂₂)² + (σ₁₂ + σ₂₁)²) + ½ (σ₁₁ + σ₂₂) sin ν: λ is computed
+/// from the deviator; the residuals are those of the trace and the cross product of the deviators of d and ∂g/∂σ.
 fn potential<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 2] {
     let stress = paper_stress(given, fields.z[PRESSURE], fields.z[ANGLE]);
     let [_, difference, shear, _] = parts(stress);
-    // ∂q/∂σ from q² = ¼(difference² + shear²), q itself from the yield condition.
+    // ∂q/∂σ from q² = ¼(difference² + shear²), with q from the yield condition.
     let phi = given.friction_angle;
     let q = fields.z[PRESSURE] * phi.sin() + given.cohesion * phi.cos();
     let quarter = T::constant(0.25);
@@ -177,7 +176,7 @@ fn potential<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 2] {
     [trace - lambda * m_trace, shear * m_normal - normal * m_shear]
 }
 
-/// Left-hand sides of all six equations; the body forces included.
+/// Residuals of all six equations, including body force and body moment.
 pub fn residuals<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 6] {
     let density = fields.z[DENSITY];
     let forces = divergence(given, fields);
@@ -204,13 +203,13 @@ pub fn residuals<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 6] {
     [momentum[0], momentum[1], spin, volume, rotation, mass]
 }
 
-/// The derivatives of the six equations at a point, entry \[equation\]\[unknown\].
+/// Derivatives of the six equations at a point, entry \[equation\]\[unknown\].
 pub struct Linearised<T> {
-    /// With respect to ∂ₜz.
+    /// Derivatives A with respect to ∂ₜz.
     pub a: [[T; 6]; 6],
-    /// With respect to ∂ᵢz, V A included.
+    /// Derivatives Bⁱ + VᵢA with respect to ∂ᵢz.
     pub b: [[[T; 6]; 6]; 2],
-    /// With respect to z.
+    /// Derivatives C with respect to z.
     pub c: [[T; 6]; 6],
 }
 

@@ -1,5 +1,5 @@
-//! Helpers shared by the tests of the models: random numbers, numbers of twice the precision, dual
-//! numbers, complex numbers, determinants. Nothing here knows a model.
+//! Helpers of the tests, independent of the models: random numbers, double-double numbers, dual numbers, complex numbers,
+//! determinants.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 pub mod equations;
@@ -9,12 +9,12 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub use testkit::random::Random;
 
-/// 10 to a power between the two.
+/// Random number 10ˣ with x uniform between `from` and `to`.
 pub fn decades(random: &mut Random, from: f64, to: f64) -> f64 {
     10f64.powf(random.within(from, to))
 }
 
-/// Numbers that can be differentiated.
+/// Real numbers that support automatic differentiation.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -24,7 +24,7 @@ pub trait Real:
     + Neg<Output = Self>
 {
     fn constant(value: f64) -> Self;
-    /// Sine and cosine at once.
+    /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self);
     fn sin(self) -> Self {
         self.sin_cos().0
@@ -32,11 +32,11 @@ pub trait Real:
     fn cos(self) -> Self {
         self.sin_cos().1
     }
-    /// √½
+    /// Square root √½.
     fn root_of_half() -> Self;
 }
 
-/// The sum of two doubles that do not overlap: about 31 decimal digits (Dekker 1971).
+/// Double-double number: the sum of two doubles that do not overlap, about 31 decimal digits (Dekker 1971).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wide {
     pub high: f64,
@@ -129,7 +129,7 @@ impl Real for Wide {
     fn constant(value: f64) -> Self {
         wide(value)
     }
-    /// Taylor's series after a reduction to |x| ≤ π/4.
+    /// Taylor series after argument reduction to |x| ≤ π/4.
     fn sin_cos(self) -> (Self, Self) {
         let turns = (self.high / RIGHT_ANGLE.high).round();
         let x = self - RIGHT_ANGLE * wide(turns);
@@ -155,7 +155,8 @@ impl Real for Wide {
     }
 }
 
-/// A value and its derivative with respect to one variable; nested, a mixed second derivative.
+/// Dual number: a value and its derivative with respect to one variable. A nested dual number has a mixed second
+/// derivative.
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<T> {
     pub value: T,
@@ -221,7 +222,7 @@ impl<T: Real> Real for Dual<T> {
     }
 }
 
-/// A complex number of twice the precision.
+/// A complex double-double number.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Complex {
     pub re: Wide,
@@ -294,7 +295,7 @@ impl Complex {
         if size.high == 0.0 {
             return self;
         }
-        // The larger part first: no cancellation.
+        // The larger part is computed first, without cancellation.
         let large = ((size + self.re.abs()) * wide(0.5)).sqrt();
         let small = self.im / (large + large);
         if self.re.high >= 0.0 {
@@ -307,7 +308,7 @@ impl Complex {
     }
 }
 
-/// A polynomial, coefficients from the constant up; no trailing exact zeros.
+/// A polynomial by its coefficients in ascending order, without trailing exact zeros.
 pub type Polynomial = Vec<Complex>;
 
 fn trimmed(mut polynomial: Polynomial) -> Polynomial {
@@ -344,8 +345,8 @@ pub fn quadratic_roots(polynomial: &[Complex]) -> [Complex; 2] {
     [half / *a, *c / half]
 }
 
-/// det of a matrix of polynomials by expansion over all permutations (Laplace with shared minors):
-/// no pivots, so that a coefficient no permutation reaches is exactly zero and absent.
+/// Determinant of a matrix of polynomials by Laplace expansion with shared minors. Without pivoting, a coefficient to which
+/// no permutation contributes is exactly zero and absent.
 pub fn determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
     let n = matrix.len();
     let mut minors: Vec<Polynomial> = vec![vec![]; 1 << n];
@@ -354,7 +355,7 @@ pub fn determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
         let row = set.count_ones() as usize - 1;
         let mut sum: Polynomial = vec![];
         for column in (0..n).filter(|column| set & (1 << column) != 0) {
-            // Columns of the set behind this one decide the sign.
+            // The sign depends on the number of columns of the set with a higher index.
             let odd = (set >> (column + 1)).count_ones() % 2 == 1;
             let term = product(&matrix[row][column], &minors[set & !(1 << column)]);
             sum.resize(sum.len().max(term.len()), Complex::default());
@@ -367,7 +368,7 @@ pub fn determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
     minors.pop().unwrap_or_default()
 }
 
-/// Determinant expansion of absolute values: the scale of the rounding of a determinant.
+/// Permanent of the absolute values: the scale of the rounding error of a determinant.
 pub fn permanent(matrix: &[Vec<f64>]) -> f64 {
     let n = matrix.len();
     let mut minors = vec![0.0; 1 << n];
@@ -382,7 +383,7 @@ pub fn permanent(matrix: &[Vec<f64>]) -> f64 {
     minors[(1 << n) - 1]
 }
 
-/// det of numbers.
+/// Determinant of a matrix of numbers.
 pub fn number_determinant(matrix: &[Vec<Complex>]) -> Complex {
     let polynomials: Vec<Vec<Polynomial>> =
         matrix.iter().map(|row| row.iter().map(|&x| trimmed(vec![x])).collect()).collect();

@@ -1,5 +1,4 @@
-//! Random models and states with unequal, generic constants, and their values in the variables
-//! of the nonlinear equations.
+//! Random models and states with generic constants, and their values in the variables of the nonlinear equations.
 
 use super::equations::{self, Fields, Prescribed, Rotation};
 use super::{Complex, Polynomial, Random, Real, Wide, determinant, permanent, wide};
@@ -38,7 +37,7 @@ pub fn random_parameters(random: &mut Random, kind: FlowKind, dilatancy: Dilatan
         dilatancy_angle: match dilatancy {
             Dilatancy::Zero => 0.0,
             Dilatancy::Associated => friction_angle,
-            // A plastic potential may dilate more than it rubs.
+            // For a plastic potential ν may exceed φ.
             Dilatancy::Positive if kind == registry::PLASTIC_POTENTIAL => random.within(0.1, 1.3),
             Dilatancy::Positive => friction_angle * random.within(0.1, 0.9),
         },
@@ -48,7 +47,7 @@ pub fn random_parameters(random: &mut Random, kind: FlowKind, dilatancy: Dilatan
     }
 }
 
-/// Everything non-zero that the model admits; |Δ| up to 85 degrees.
+/// Random state in which every quantity that the model admits is nonzero; |Δ| up to 85°.
 pub fn random_state(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> State {
     let mut pair =
         |least: f64, most: f64| [random.generic(least, most), random.generic(least, most)];
@@ -94,9 +93,9 @@ pub fn symbol(model: &Model, flow: &Flow) -> LinearisedSystem<2> {
     system
 }
 
-/// The background of the crate in the variables of the nonlinear equations. What the crate
-/// derives is taken from `flow`: if it is wrong, the residuals do not vanish. What no model
-/// determines (∂ₜp, body force, ∂ₜψ outside double shearing) is random.
+/// Background of the crate in the variables of the nonlinear equations. Quantities derived by the crate are taken from
+/// `flow`, so that an error makes the residuals nonzero. Quantities that the model does not determine (∂ₜp, body force,
+/// ∂ₜψ except in double shearing) are random.
 pub fn point(
     random: &mut Random,
     parameters: &Parameters,
@@ -163,9 +162,9 @@ pub fn point(
     (given, fields)
 }
 
-/// The background by solving the nonlinear equations for what they determine, in 31 digits and
-/// without the crate: tr d and rotation from the flow rule, accelerations and rate of density from
-/// the balances, body moment from the spin. Only Δ and r are taken as the crate reports them.
+/// Background from the nonlinear equations in 31 digits, independent of the crate: tr d and rotation from the flow rule,
+/// accelerations and density rate from the balances, body moment from the balance of spin. Only Δ and r are taken from
+/// the crate.
 pub fn exact_point(
     random: &mut Random,
     parameters: &Parameters,
@@ -185,7 +184,7 @@ pub fn exact_point(
         fields.by_space[0][1] = rate * sine + turn;
         fields.by_space[1][1] = half_trace - rate * cosine;
     };
-    // The root of a residual that is linear in what `set` sets.
+    // Solves for the root of a residual that is linear in the quantity that `set` assigns.
     let solve = |fields: &mut Fields<Wide>, row: usize, set: &dyn Fn(&mut Fields<Wide>, Wide)| {
         set(fields, zero);
         let at_zero = equations::residuals(&given, fields)[row];
@@ -207,13 +206,13 @@ pub fn exact_point(
     (given, fields)
 }
 
-/// The crate's columns as indices of [`equations::UNKNOWNS`], by name.
+/// Indices in [`equations::UNKNOWNS`] of the columns of `system`, by name.
 pub fn columns(system: &LinearisedSystem<2>) -> Vec<usize> {
     let place = |name| equations::UNKNOWNS.iter().position(|&own| own == name);
     system.unknowns.iter().map(|u| place(u.name).expect(u.name)).collect()
 }
 
-/// The crate's rows as indices of [`equations::EQUATIONS`], by name.
+/// Indices in [`equations::EQUATIONS`] of the rows of `system`, by name.
 pub fn rows(system: &LinearisedSystem<2>) -> Vec<usize> {
     let place = |name: &str| {
         let name =
@@ -223,7 +222,7 @@ pub fn rows(system: &LinearisedSystem<2>) -> Vec<usize> {
     system.equations.iter().map(|name| place(name).expect(name)).collect()
 }
 
-/// ς A + i k·(B + V A) + C of the crate's matrices, as polynomials in ς.
+/// Matrix ςA + i k·(B + V A) + C of `system` as polynomials in ς.
 pub fn pencil(system: &LinearisedSystem<2>, wave: [Wide; 2]) -> Vec<Vec<Polynomial>> {
     let (n, m) = system.a.shape();
     (0..n)
@@ -250,12 +249,12 @@ pub fn pencil(system: &LinearisedSystem<2>, wave: [Wide; 2]) -> Vec<Vec<Polynomi
         .collect()
 }
 
-/// det(ς A + i k·B + C) as a polynomial in ς.
+/// Determinant det(ςA + i k·(B + V A) + C) as a polynomial in ς.
 pub fn dispersion(system: &LinearisedSystem<2>, wave: [Wide; 2]) -> Polynomial {
     determinant(&pencil(system, wave))
 }
 
-/// Sum of the absolute values of all terms of the determinant at |ς|.
+/// Sum of the absolute values of all terms of the determinant at |ς| = `frequency`.
 pub fn dispersion_size(system: &LinearisedSystem<2>, wave: [Wide; 2], frequency: f64) -> f64 {
     let sizes: Vec<Vec<f64>> = pencil(system, wave)
         .iter()
