@@ -1,7 +1,7 @@
 //! Registry of models by name: granular flows, elastic solids, yield sets.
 //!
-//! Each list starts with the models of this crate. A program adds its own by [`register_flow`], [`register_solid`] or
-//! [`register_yield_set`]; registered models can be named in case files and are treated like the built-in ones.
+//! Each list starts with the models of this crate. A program adds models by [`register_flow`], [`register_solid`] or
+//! [`register_yield_set`]; case files can name registered models like the built-in models.
 
 use crate::common::input::InputError;
 use crate::common::parameter::Parameter;
@@ -101,17 +101,17 @@ pub enum RegistryError {
     },
 }
 
-/// All registered granular-flow models, those of this crate first.
+/// All registered granular-flow models, starting with the models of this crate.
 pub fn flows() -> Vec<FlowKind> {
     FLOWS.all()
 }
 
-/// All registered elastic solids, those of this crate first.
+/// All registered elastic solids, starting with the solids of this crate.
 pub fn solids() -> Vec<SolidKind> {
     SOLIDS.all()
 }
 
-/// All registered yield sets, those of this crate first.
+/// All registered yield sets, starting with the sets of this crate.
 pub fn yield_sets() -> Vec<YieldSetKind> {
     YIELD_SETS.all()
 }
@@ -224,7 +224,7 @@ impl Entry for YieldSetKind {
     }
 }
 
-/// A list of registry entries: built-in ones, then those added at run time.
+/// A list of registry entries: built-in entries, then entries added at run time.
 struct List<K: 'static> {
     standard: &'static [K],
     added: RwLock<Vec<K>>,

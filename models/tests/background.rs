@@ -1,5 +1,5 @@
-//! Completion of a state to a background: regions, defaults, derived quantities, rejected inputs; and the index order of
-//! an asymmetric stress.
+//! Completion of a state to a background: regions, defaults, derived quantities, rejected inputs; and the index order
+//! of an asymmetric stress.
 
 mod support;
 
@@ -74,8 +74,8 @@ fn deviator_decides_the_region() {
     }
 }
 
-/// A rotational stress r counts as 0 or ±m within 1e-12 m; otherwise |r| < m is indeterminate and |r| > m outside yield.
-/// A state is outside yield if either q or r is.
+/// A rotational stress r counts as 0 or ±m within 1e-12 m; otherwise |r| < m is indeterminate and |r| > m outside
+/// yield. A state is outside yield if either q or r is.
 #[test]
 fn rotational_stress_decides_the_region() {
     let mut random = Random::new(620);
@@ -143,8 +143,8 @@ fn default_rotational_stress_does_positive_work() {
     }
 }
 
-/// From a given spin the solution Δ of the flow rule with cos 2Δ > 0 is derived. If spin and Δ are both given, the other
-/// solution is accepted too; a contradiction is rejected with the key and the residual in sin 2Δ.
+/// From a given spin the solution Δ of the flow rule with cos 2Δ > 0 is derived. If spin and Δ are both given, the
+/// other solution is accepted too; a contradiction is rejected with the key and the residual in sin 2Δ.
 #[test]
 fn spin_instead_of_noncoaxiality() {
     for kind in [registry::HARRIS_GREKOVA, registry::FREE_ROTATING] {

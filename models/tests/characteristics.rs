@@ -2,8 +2,8 @@
 //! eq. (70), and the exact dispersion relation for ν = 0.
 //!
 //! The determinants are expanded over all permutations in 31 digits from the entries in double precision. The error is
-//! then due to the rounding of the entries, about ten units in the last place each. Tolerance: 50 × 6 u times the sum of
-//! the absolute values of all terms (the permanent).
+//! then due to the rounding of the entries, about ten units in the last place each. Tolerance: 50 × 6 u times the sum
+//! of the absolute values of all terms (the permanent).
 
 mod support;
 
@@ -51,11 +51,11 @@ fn quadratic_form(angle: f64, phi: f64, [x, y]: [Wide; 2]) -> Wide {
 ///
 /// - Harris–Grekova, ν > 0: −2 q ρI cos(φ − 2ν) e²𝒜², as printed. For ν = 0 the mass row and the density column are
 ///   absent, and with them one factor e: −2 q ρI cos φ e 𝒜².
-/// - Plastic potential: without spin the factor ρIe is absent. The kinematic factor cos(φ − 2ν) 𝒜 of (68) becomes 𝒜 with
-///   sin ν in place of sin φ, so that stress and velocity characteristics differ unless ν = φ.
-/// - Double shearing: the factor ρIe is absent, and the rotation row has the entry 2 sin(φ − ν) e in the column of ψ. The
-///   permutations through this entry add −ρe · 2 sin(φ − ν) e · (e₅₁e₁₄ + e₅₂e₂₄), in the numbering of the paper with
-///   column 4 for p. This term makes the steady equations depend on inertia.
+/// - Plastic potential: without spin the factor ρIe is absent. The kinematic factor cos(φ − 2ν) 𝒜 of (68) becomes 𝒜
+///   with sin ν in place of sin φ, so that stress and velocity characteristics differ unless ν = φ.
+/// - Double shearing: the factor ρIe is absent, and the rotation row has the entry 2 sin(φ − ν) e in the column of ψ.
+///   The permutations through this entry add −ρe · 2 sin(φ − ν) e · (e₅₁e₁₄ + e₅₂e₂₄), in the numbering of the paper
+///   with column 4 for p. This term makes the steady equations depend on inertia.
 #[test]
 fn steady_determinant_is_eq_70() {
     let mut worst = 0.0f64;
@@ -161,7 +161,8 @@ fn harris_grekova_characteristics_are_double() {
 /// ```
 ///
 /// at random complex ς and real k. The left-hand side is the determinant divided by −cos φ ik: the crate writes
-/// continuity as cos φ ik ξ·v, and elimination along ξ⊥ changes the sign once. All terms are computed here from the state.
+/// continuity as cos φ ik ξ·v, and elimination along ξ⊥ changes the sign once. All terms are computed here from the
+/// state.
 #[test]
 fn dispersion_relation_for_zero_dilatancy() {
     let mut random = Random::new(460);
@@ -219,8 +220,8 @@ fn closed_dispersion(
     let g = [xi[0] - sin_phi * n1, xi[1] - sin_phi * n2];
     let h = [two * q * n2, -(two * q * n1)];
 
-    // c₁₄, c₂₄ and c₁₅, c₂₅: derivatives with respect to p and ψ of the divergence of the stress, sin φ ∇·(p S) with the
-    // reflection S about the axis Ψ.
+    // c₁₄, c₂₄ and c₁₅, c₂₅: derivatives with respect to p and ψ of the divergence of the stress, sin φ ∇·(p S) with
+    // the reflection S about the axis Ψ.
     let (s, c) = (psi + psi).sin_cos();
     let [a1, a2] = flow.stress_angle_gradient.map(wide);
     let [p1, p2] = flow.pressure_gradient.map(wide);

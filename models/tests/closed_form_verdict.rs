@@ -68,8 +68,8 @@ fn leading_of_order_2(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     (root.re * wide(SHORT.powi(-2))).value()
 }
 
-/// Limit |ς|/k of two roots ±ck, positive if they are real and negative if imaginary, from the sum of the products of all
-/// pairs of roots, −c²k².
+/// Limit |ς|/k of two roots ±ck, positive if they are real and negative if imaginary, from the sum of the products of
+/// all pairs of roots, −c²k².
 fn leading_of_order_1(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     let polynomial = dispersion(system, angle);
     let [.., second, _, last] = polynomial[..] else { panic!("one root") };

@@ -1,8 +1,8 @@
 //! Closed forms of the models against the roots of det(ςA + i k·B + C) at large k.
 //!
-//! The determinant is expanded over all permutations in 31 digits, in a background without gradients except the velocity
-//! gradient, where the corrections to the leading terms are of relative size (rates of the background)/(leading growth
-//! rate).
+//! The determinant is expanded over all permutations in 31 digits, in a background without gradients except the
+//! velocity gradient, where the corrections to the leading terms are of relative size (rates of the
+//! background)/(leading growth rate).
 
 mod support;
 
@@ -59,10 +59,10 @@ fn sum_of_roots(polynomial: &[Complex]) -> Complex {
     -(*next / *last)
 }
 
-/// Harris–Grekova, ν = 0, zero gradients, |Δ| below and above 45°: `leading_coefficient` equals lim ς/k². The other root
-/// is of order one, so the sum of the roots over k² has the relative error (rates ~ 10)/(k² × 1e-3), below 1e-13 at
-/// k = 1e9. The entries have relative errors of 1e-15, amplified near 𝒜 = 0 and |Δ| = 45° (by 1/0.05 each): tolerance
-/// 1e-12.
+/// Harris–Grekova, ν = 0, zero gradients, |Δ| below and above 45°: `leading_coefficient` equals lim ς/k². The other
+/// root is of order one, so the sum of the roots over k² has the relative error (rates ~ 10)/(k² × 1e-3), below 1e-13
+/// at k = 1e9. The entries have relative errors of 1e-15, amplified near 𝒜 = 0 and |Δ| = 45° (by 1/0.05 each):
+/// tolerance 1e-12.
 #[test]
 fn harris_grekova_leading_coefficient() {
     let mut random = Random::new(500);
@@ -223,9 +223,9 @@ fn plastic_potential_worst_direction() {
     }
 }
 
-/// The bound on |Δ| of Harris–Grekova, ν = 0 and ν > 0, agrees with the determinant: beyond the bound the coefficient of
-/// the highest power of ς changes sign in some direction, below it in none. In a uniform background this coefficient is
-/// k² (a + b cos β + c sin β), fitted in three directions and checked in a fourth, so it has one sign exactly if
+/// The bound on |Δ| of Harris–Grekova, ν = 0 and ν > 0, agrees with the determinant: beyond the bound the coefficient
+/// of the highest power of ς changes sign in some direction, below it in none. In a uniform background this coefficient
+/// is k² (a + b cos β + c sin β), fitted in three directions and checked in a fourth, so it has one sign exactly if
 /// |a| > √(b² + c²). The limit Δ is found by bisection.
 ///
 /// Tolerance 1e-10: errors of the entries of 1e-15 divided by the slope of |a| − √(b² + c²) in Δ, which is small for ν
@@ -294,8 +294,8 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
     }
 }
 
-/// Harris–Grekova, ν > 0: for |Δ| below the bound the leading growth rate is not positive in any direction, beyond it is
-/// positive in some direction; verified by the roots at k = 1e9, not only by the highest coefficient.
+/// Harris–Grekova, ν > 0: for |Δ| below the bound the leading growth rate is not positive in any direction, beyond it
+/// is positive in some direction; verified by the roots at k = 1e9, not only by the highest coefficient.
 #[test]
 fn noncoaxiality_bound_separates_growth() {
     let mut random = Random::new(550);

@@ -1,6 +1,6 @@
 //! Elementary functions against reference values computed with 200 bits (mpmath 1.3). The arguments are those, of 8000
-//! random ones, whose results are closest to the midpoint of two doubles, so an error above 0.5005 units in the last place
-//! is detected.
+//! random ones, whose results are closest to the midpoint of two doubles, so an error above 0.5005 units in the last
+//! place is detected.
 
 use wellposed_models::common::elementary::{Elementary, cr_arg, cr_cis, cr_from_polar};
 

@@ -1,4 +1,5 @@
-//! Invariances of the linearised equations: rotation of the frame, superposed rigid spin, Galilean shift, change of units.
+//! Invariances of the linearised equations: rotation of the frame, superposed rigid spin, Galilean shift, change of
+//! units.
 
 mod support;
 
@@ -28,8 +29,8 @@ fn each_vector(state: &State, f: impl Fn([f64; 2]) -> [f64; 2]) -> State {
     }
 }
 
-/// Matrix that rotates the first two unknowns or equations (in all models the velocities or momentum balances) by `angle`
-/// and is the identity on the others.
+/// Matrix that rotates the first two unknowns or equations (in all models the velocities or momentum balances) by
+/// `angle` and is the identity on the others.
 fn turning(size: usize, angle: f64) -> Vec<Vec<f64>> {
     let (s, c) = angle.sin_cos();
     let mut matrix = vec![vec![0.0; size]; size];
@@ -66,11 +67,11 @@ fn transformed(
         .collect()
 }
 
-/// Under a rotation of the frame A and C transform as tensors in their velocity columns and momentum rows, and Bⁱ also as
-/// the components of a vector.
+/// Under a rotation of the frame A and C transform as tensors in their velocity columns and momentum rows, and Bⁱ also
+/// as the components of a vector.
 ///
-/// Tolerance: twice the rounding bounds of both sides. The vectors of the rotated state are rounded by a few units in the
-/// last place, which the bounds of the terms that contain them cover.
+/// Tolerance: twice the rounding bounds of both sides. The vectors of the rotated state are rounded by a few units in
+/// the last place, which the bounds of the terms that contain them cover.
 #[test]
 fn rotation_of_the_frame() {
     let mut worst = 0.0f64;

@@ -17,8 +17,8 @@ const STATES: usize = 300;
 /// Every entry of A, Bⁱ + Vᵢ A and C is the derivative of the nonlinear equation named by its row
 /// with respect to the unknown named by its column.
 ///
-/// Tolerance: the rounding bound of the entry, which must cover the reference value (computed from the same doubles), plus
-/// the rounding error of 31 digits. The bound itself must be below 1e-12 of the largest value of the entry in the
+/// Tolerance: the rounding bound of the entry, which must cover the reference value (computed from the same doubles),
+/// plus the rounding error of 31 digits. The bound itself must be below 1e-12 of the largest value of the entry in the
 /// ensemble.
 #[test]
 fn symbol_is_the_derivative_of_the_nonlinear_equations() {
@@ -97,9 +97,9 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
 /// The derived background (velocity gradient, spin, acceleration, body moment, stress angle rate)
 /// satisfies every nonlinear equation of its model.
 ///
-/// Scale of a residual: the sum of the absolute values of (coefficient × derivative of an unknown) over all derivatives.
-/// Tolerance: 1e-13 of this scale, for about ten roundings of doubles in the derived quantities; the residual is computed
-/// in 31 digits.
+/// Scale of a residual: the sum of the absolute values of (coefficient × derivative of an unknown) over all
+/// derivatives. Tolerance: 1e-13 of this scale, for about ten roundings of doubles in the derived quantities; the
+/// residual is computed in 31 digits.
 #[test]
 fn derived_background_satisfies_the_nonlinear_equations() {
     let mut worst = 0.0f64;

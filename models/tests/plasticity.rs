@@ -1,5 +1,5 @@
-//! Yield normals against finite differences of the yield function, and the tangent stiffness against the formula for all
-//! conditions at once.
+//! Yield normals against finite differences of the yield function, and the tangent stiffness against the formula for
+//! all conditions at once.
 
 mod support;
 
@@ -152,8 +152,8 @@ fn normals_are_gradients() {
     assert_eq!(interlayer(&mut random).half_spaces().count(), 8);
 }
 
-/// The normal of a deviator of 1e-9 times the pressure is exact to rounding, since the differences of the normal stresses
-/// are exact.
+/// The normal of a deviator of 1e-9 times the pressure is exact to rounding, since the differences of the normal
+/// stresses are exact.
 #[test]
 fn normals_under_pressure() {
     let set = Mises::drucker_prager(1.0, 0.5, 0.5);
@@ -336,8 +336,8 @@ fn case(random: &mut Random, number: usize) -> Case {
     Case { stresses, elastic, conditions }
 }
 
-/// The tangent stiffness annihilates normals and flow directions of ideal conditions, does not depend on their order, and
-/// for associated flow is symmetric, positive semidefinite and at most the elastic stiffness.
+/// The tangent stiffness annihilates normals and flow directions of ideal conditions, does not depend on their order,
+/// and for associated flow is symmetric, positive semidefinite and at most the elastic stiffness.
 #[test]
 fn tangent_keeps_to_the_conditions() {
     let mut random = Random::new(4);
@@ -375,8 +375,8 @@ fn tangent_keeps_to_the_conditions() {
     assert!(several > 500, "{several}");
 }
 
-/// The rounding bounds of the tangent stiffness cover the formula for all conditions at once, evaluated in double-double
-/// precision for the given inputs and for inputs perturbed within their bounds.
+/// The rounding bounds of the tangent stiffness cover the formula for all conditions at once, evaluated in
+/// double-double precision for the given inputs and for inputs perturbed within their bounds.
 #[test]
 fn tangent_is_the_direct_formula_within_its_bounds() {
     let mut random = Random::new(5);
@@ -462,8 +462,8 @@ fn dependent_normals_are_passed_over() {
     }
 }
 
-/// For a Drucker–Prager cone n·Dm = μ + κκ̂K. If contraction or softening makes H + n·Dm ≤ 0, the error contains the value;
-/// slightly above the critical dilatancy the tangent stiffness exists.
+/// For a Drucker–Prager cone n·Dm = μ + κκ̂K. If contraction or softening makes H + n·Dm ≤ 0, the error contains the
+/// value; slightly above the critical dilatancy the tangent stiffness exists.
 #[test]
 fn no_response() {
     let mut random = Random::new(7);
@@ -525,8 +525,8 @@ fn no_response_at_the_critical_dilatancy() {
     assert_eq!(passed_over, 0, "of 200");
 }
 
-/// Computes the stress rate of an ideally plastic solid that yields at `stress` under the strain rate `strain`, from the
-/// nonlinear law with the normal and flow direction at `stress`.
+/// Computes the stress rate of an ideally plastic solid that yields at `stress` under the strain rate `strain`, from
+/// the nonlinear law with the normal and flow direction at `stress`.
 fn stress_rate(
     elastic: &DMatrix<f64>,
     set: &Mises,
@@ -544,8 +544,8 @@ fn stress_rate(
     elastic * (strain - m * rate)
 }
 
-/// In a background that flows plastically at the rate Λ with constant stress, perturbations of the stress relax with the
-/// matrix −D_t Λ∇²f; verified by finite differences of the nonlinear law.
+/// In a background that flows plastically at the rate Λ with constant stress, perturbations of the stress relax with
+/// the matrix −D_t Λ∇²f; verified by finite differences of the nonlinear law.
 #[test]
 fn perturbations_of_a_flowing_background_relax_by_the_curvature() {
     let random = &mut Random::new(31);

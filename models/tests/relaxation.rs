@@ -40,8 +40,8 @@ fn double_product(a: &Tensor, b: &Tensor) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
 }
 
-/// Force stress from the strain deviator `e`, the volumetric strain, the viscous strain `a` and the antisymmetric stress,
-/// by the relaxed moduli and the Maxwell branch.
+/// Force stress from the strain deviator `e`, the volumetric strain, the viscous strain `a` and the antisymmetric
+/// stress, by the relaxed moduli and the Maxwell branch.
 fn force(e: &Tensor, volume: f64, a: &Tensor, antisymmetric: &Tensor) -> Tensor {
     let bulk = RELAXED[0] + 2.0 / 3.0 * RELAXED[1];
     tensor(|i, j| {
@@ -92,8 +92,8 @@ fn stress_relaxes_at_constant_strain() {
     assert!(time > 3.0 * TIME);
 }
 
-/// Creep under constant stress, restored after each relaxation by an elastic strain at constant viscous strain, converges
-/// with order 1 to the closed form e = s/(2μ_R) [1 − (μ₁/μ_U) exp(−t μ_R/(μ_U τ))].
+/// Creep under constant stress, restored after each relaxation by an elastic strain at constant viscous strain,
+/// converges with order 1 to the closed form e = s/(2μ_R) [1 − (μ₁/μ_U) exp(−t μ_R/(μ_U τ))].
 #[test]
 fn strain_creeps_at_constant_stress() {
     let solid = solid();

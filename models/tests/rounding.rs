@@ -6,8 +6,8 @@ use support::{Random, Real, Wide, wide};
 use wellposed_models::Rounded;
 use wellposed_models::common::rounding::UNIT_ROUNDOFF;
 
-/// A rounded number, its exact value in 31 digits, and the largest magnitude of an intermediate result, which scales the
-/// error of the 31 digits.
+/// A rounded number, its exact value in 31 digits, and the largest magnitude of an intermediate result, which scales
+/// the error of the 31 digits.
 #[derive(Clone, Copy)]
 struct Tracked {
     rounded: Rounded,
@@ -16,7 +16,8 @@ struct Tracked {
 }
 
 impl Tracked {
-    /// Random number: exact, or with an exact value inside or at an end of the interval of half a unit in the last place.
+    /// Random number: exact, or with an exact value inside or at an end of the interval of half a unit in the last
+    /// place.
     fn leaf(random: &mut Random) -> Self {
         let value = random.generic(1.0, 10.0) * 10f64.powi(random.below(7) as i32 - 3);
         Self::given(random, value)
@@ -66,11 +67,11 @@ impl Tracked {
     }
 }
 
-/// Random sequences of fifteen operations on a shared pool of numbers, so that terms recur with opposite sign and cancel.
-/// After every operation the error is within the bound, and a certain sign is the sign of the exact number.
+/// Random sequences of fifteen operations on a shared pool of numbers, so that terms recur with opposite sign and
+/// cancel. After every operation the error is within the bound, and a certain sign is the sign of the exact number.
 ///
-/// Tolerance: 1e-12 of the bound, for the rounding of the bound itself, and 1e-28 of the largest intermediate result, for
-/// the 31 digits of the reference.
+/// Tolerance: 1e-12 of the bound, for the rounding of the bound itself, and 1e-28 of the largest intermediate result,
+/// for the 31 digits of the reference.
 #[test]
 fn bounds_hold_in_random_programs() {
     let mut random = Random::new(800);
@@ -128,8 +129,8 @@ fn bounds_hold_in_random_programs() {
     assert!(steps > 100_000 && cancelled > 1_000 && unsure > 1_000);
 }
 
-/// The bound of a simple expression is at most 50 times the largest error in 2,000 random samples with inputs at the ends
-/// of their intervals.
+/// The bound of a simple expression is at most 50 times the largest error in 2,000 random samples with inputs at the
+/// ends of their intervals.
 #[test]
 fn bounds_of_simple_expressions_are_near_the_worst_case() {
     type Expression = fn([Tracked; 6]) -> Tracked;
@@ -187,7 +188,8 @@ fn signs_near_zero() {
     assert!(sure > 500 && unsure > 500, "{sure} {unsure}");
 }
 
-/// Division by a number whose interval contains zero gives an infinite bound and no sign; otherwise the bound is finite.
+/// Division by a number whose interval contains zero gives an infinite bound and no sign; otherwise the bound is
+/// finite.
 #[test]
 fn division_by_what_may_be_zero_has_no_bound() {
     let mut random = Random::new(830);

@@ -57,9 +57,9 @@ pub trait Number:
     fn any_gt(self, other: Self) -> bool;
 }
 
-/// Correctly rounded x/3 without a division: with q = x·⅓ both differences in (x − 2q) − q are exact (Sterbenz 1974), and
-/// x/3 is at least a sixth of a unit in the last place away from a rounding boundary. Near underflow the last bit may
-/// differ; −0 becomes 0.
+/// Correctly rounded x/3 without a division: with q = x·⅓ both differences in (x − 2q) − q are exact (Sterbenz 1974),
+/// and x/3 is at least a sixth of a unit in the last place away from a rounding boundary. Near underflow the last bit
+/// may differ; −0 becomes 0.
 #[inline(always)]
 pub fn third<N: Number>(x: N) -> N {
     let quotient = x * N::THIRD;

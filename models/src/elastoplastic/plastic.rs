@@ -26,8 +26,8 @@ impl Plastic {
     /// Allowed range of [`Plastic::rate`].
     pub const RATE: Range = Range::NotNegative;
 
-    /// Creates the plastic state at the stress −p δ + s·`direction` with the largest admissible s, for a background that
-    /// flows plastically at the rate Λ (1/s).
+    /// Creates the plastic state at the stress −p δ + s·`direction` with the largest admissible s, for a background
+    /// that flows plastically at the rate Λ (1/s).
     ///
     /// # Errors
     /// No multiple of the direction yields (see [`scale_onto_yield`]), or the rate is negative.

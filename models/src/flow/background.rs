@@ -114,6 +114,7 @@ fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
     pairs.chain(single.into_iter().filter_map(|(key, x)| Some((key, x?))))
 }
 
+/// Checks that all numbers of `state` are finite, in range and used by the model.
 fn check_ranges(
     coulomb: &Coulomb,
     rule: &FlowRule,
@@ -212,6 +213,8 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
     Ok(0.5 * sine.asin())
 }
 
+/// Completes the stress by default values of q and r and finds its position relative to the yield conditions. Values
+/// within [`ON_YIELD`] of yield are replaced by the yield values.
 fn stress_and_region(
     coulomb: &Coulomb,
     rotation: MaterialRotation,
@@ -282,8 +285,8 @@ fn velocity_gradient(rule: &FlowRule, state: &State, delta: Rounded) -> [[Rounde
     [[half_trace + normal, shear - spin], [shear + spin, half_trace - normal]]
 }
 
-/// Computes acceleration minus body force, DV/Dt − F, m/s², from the balance of momentum (Harris & Grekova 2005, eqs 16,
-/// 17).
+/// Computes acceleration minus body force, DV/Dt − F, m/s², from the balance of momentum (Harris & Grekova 2005,
+/// eqs 16, 17).
 fn acceleration(coulomb: &Coulomb, state: &State, stress: &PlanarStress) -> [Rounded; 2] {
     let angle = 2.0 * Rounded::angle(stress.angle);
     let (s2, c2) = (angle.sin(), angle.cos());

@@ -36,8 +36,8 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Resets `system` to the unknowns of a model with or without intrinsic spin and to `equations`, whose last entry is
-    /// the balance of mass. Without dilatancy the density and the balance of mass are omitted.
+    /// Resets `system` to the unknowns of a model with or without intrinsic spin and to `equations`, whose last entry
+    /// is the balance of mass. Without dilatancy the density and the balance of mass are omitted.
     pub fn reset(
         system: &mut LinearisedSystem<2>,
         with_spin: bool,

@@ -1,5 +1,5 @@
-//! Standard linear solid (Zener 1948, "Elasticity and anelasticity of metals"; Poynting & Thomson 1902): the deviator of
-//! the stress relaxes; the mean stress, the antisymmetric stress and the couple stress are elastic.
+//! Standard linear solid (Zener 1948, "Elasticity and anelasticity of metals"; Poynting & Thomson 1902): the deviator
+//! of the stress relaxes; the mean stress, the antisymmetric stress and the couple stress are elastic.
 //!
 //! A Maxwell branch (spring μ₁ in series with a dashpot η = μ₁τ) acts in parallel with a spring of the relaxed shear
 //! modulus μ_R. With e the symmetric strain deviator, a the viscous strain of the dashpot, and μ_U = μ_R + μ₁ the
@@ -77,8 +77,8 @@ impl StandardLinearSolid {
         Ok(Self { unrelaxed, branch_modulus, relaxation_time })
     }
 
-    /// Creates the solid with the unrelaxed moduli of `unrelaxed`; the part μ₁ (Pa) of its shear modulus μ_U relaxes with
-    /// the relaxation time τ (s).
+    /// Creates the solid with the unrelaxed moduli of `unrelaxed`; the part μ₁ (Pa) of its shear modulus μ_U relaxes
+    /// with the relaxation time τ (s).
     ///
     /// # Errors
     /// μ₁ or τ is not positive, or μ₁ ≥ μ_U, so that the relaxed shear modulus would not be positive.

@@ -51,7 +51,8 @@ pub trait Elasticity: DynEq + Debug + Send + Sync {
         None
     }
 
-    /// Elastic energy stored by a stress, J/m³; for a law defined in plane strain only, the energy of the in-plane stress.
+    /// Elastic energy stored by a stress, J/m³; for a law defined in plane strain only, the energy of the in-plane
+    /// stress.
     fn stored_energy(&self, stress: &Stress) -> f64;
 }
 

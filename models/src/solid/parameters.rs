@@ -167,9 +167,9 @@ impl Isotropic {
         stored_energy(Shape::ANY, &stress.force, &stress.couple, &self.energy_moduli())
     }
 
-    /// Moduli of the elastic energy by stress part: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part and
-    /// mean of the force stress; γ, η and 3β + 2γ (N) for the same parts of the couple stress. Infinite if the solid has
-    /// no such modulus.
+    /// Moduli of the elastic energy by stress part: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part
+    /// and mean of the force stress; γ, η and 3β + 2γ (N) for the same parts of the couple stress. Infinite if the
+    /// solid has no such modulus.
     pub fn energy_moduli(&self) -> [[f64; 3]; 2] {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let couple = self.couple().map_or([0.0; 3], |c| [c.beta, c.gamma, c.eta]);
@@ -300,8 +300,8 @@ impl PlaneCompliances {
     }
 }
 
-/// Computes the elastic energy of a stress, J/m³; `moduli` as returned by [`Isotropic::energy_moduli`]: μ, α and 3λ + 2μ
-/// of the force stress, γ, η and 3β + 2γ of the couple stress, infinite if absent.
+/// Computes the elastic energy of a stress, J/m³; `moduli` as returned by [`Isotropic::energy_moduli`]: μ, α, 3λ + 2μ
+/// of the force stress and γ, η, 3β + 2γ of the couple stress, infinite if absent.
 #[inline(always)]
 pub fn stored_energy<N: Number>(
     shape: Shape,
@@ -316,6 +316,7 @@ pub fn stored_energy<N: Number>(
     }
 }
 
+/// Elastic energy of the force stress (`which` = 0) or couple stress (1), J/m³, with the moduli of its three parts.
 #[inline(always)]
 fn stored_in_part<N: Number>(
     shape: Shape,

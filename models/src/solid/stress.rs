@@ -113,8 +113,8 @@ impl Shape {
         sum
     }
 
-    /// Splits a force or couple stress into mean, symmetric deviator and antisymmetric part. The deviator is formed from
-    /// differences of the normal stresses, which avoids cancellation if the mean is much larger.
+    /// Splits a force or couple stress into mean, symmetric deviator and antisymmetric part. The deviator is formed
+    /// from differences of the normal stresses, which avoids cancellation if the mean is much larger.
     #[inline(always)]
     pub fn split<N: Number>(self, t: &Tensor<N>) -> (N, Tensor<N>, Tensor<N>) {
         let mean = third(t[0][0] + t[1][1] + t[2][2]);

@@ -289,8 +289,8 @@ impl Layout {
         })
     }
 
-    /// Rate equations with `stiffness` in the order of [`all_stresses`](Self::all_stresses); rows and columns of carried
-    /// stresses are ignored.
+    /// Rate equations with `stiffness` in the order of [`all_stresses`](Self::all_stresses); rows and columns of
+    /// carried stresses are ignored.
     pub fn rates<const D: usize>(
         &self,
         stiffness: &Matrix,

@@ -57,8 +57,8 @@ pub struct Pair {
     pub inertia: f64,
     /// Modulus M, Pa or N.
     pub modulus: f64,
-    /// Passive stresses, which the pair changes but which do not enter its equations (characteristics of speed zero), each
-    /// with its coupling ratio r = ds′/ds: λ/(λ + 2μ) for the transverse normal stresses of a P wave.
+    /// Passive stresses, which the pair changes but which do not enter its equations (characteristics of speed zero),
+    /// each with its coupling ratio r = ds′/ds: λ/(λ + 2μ) for the transverse normal stresses of a P wave.
     pub passive_stresses: Vec<(Field, f64)>,
 }
 

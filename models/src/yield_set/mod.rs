@@ -140,8 +140,8 @@ pub struct YieldSetModel {
     pub is_plane: bool,
     /// Whether the yield surface is curved, so that plastic flow of the background damps waves.
     pub is_curved: bool,
-    /// Names of the conditions in the order of the half-spaces, by which a case file selects active ones: a sign and the
-    /// limited stress. Empty if a case file cannot select conditions.
+    /// Names of the conditions in the order of the half-spaces, by which a case file selects active ones: a sign and
+    /// the limited stress. Empty if a case file cannot select conditions.
     pub conditions: &'static [(&'static str, Needs)],
     /// Whether the set can be combined with an elastic law; must return false for every law that
     /// [`YieldConditions::project`] does not support.

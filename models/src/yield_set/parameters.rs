@@ -120,8 +120,8 @@ pub struct InterlayerCouple {
 /// ```
 ///
 /// with the mean stress σ_m = ⅓ tr σ and the deviator s of σ. The von Mises set has the constant k only; the
-/// Drucker–Prager set (1952; the Mises–Schleicher condition linear in σ_m) also κ; the Cosserat–Mises set also h and the
-/// internal lengths.
+/// Drucker–Prager set (1952; the Mises–Schleicher condition linear in σ_m) also κ; the Cosserat–Mises set also h and
+/// the internal lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mises {
     /// Strength in shear k, Pa; > 0.
@@ -307,7 +307,8 @@ impl Mises {
         (0.5 * (force + couple)).sqrt()
     }
 
-    /// Hessian of τ̄ with respect to `components`, 1/Pa: symmetric positive semidefinite. `None` on the hydrostatic axis.
+    /// Hessian of τ̄ with respect to `components`, 1/Pa: symmetric positive semidefinite. `None` on the hydrostatic
+    /// axis.
     pub fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
         let shear = self.equivalent_shear(stress);
         if shear <= 0.0 {
@@ -362,6 +363,7 @@ pub fn contract(gradient: &Stress, stress: &Stress) -> f64 {
     parts.into_iter().map(products).sum()
 }
 
+/// Stress of the absolute values of all components.
 pub(crate) fn absolute(stress: &Stress) -> Stress {
     let absolute = |t: [[f64; 3]; 3]| t.map(|row| row.map(f64::abs));
     Stress { force: absolute(stress.force), couple: absolute(stress.couple) }

@@ -32,13 +32,13 @@ pub struct Projection<S> {
     pub energy_lost: f64,
 }
 
-/// Relative threshold below which a reorthogonalised vector counts as zero: ε² with a safety factor for nearly dependent
-/// normals.
+/// Relative threshold below which a reorthogonalised vector counts as zero: ε² with a safety factor for nearly
+/// dependent normals.
 const CANCELLED: f64 = 65536.0 * f64::EPSILON * f64::EPSILON;
 
 impl Mises {
-    /// Weights p in τ̄² and stiffnesses D (Pa or N) of the eigenspaces of Hooke's law: deviator and antisymmetric part of
-    /// the force stress; deviator, mean and antisymmetric part of the couple stress.
+    /// Weights p in τ̄² and stiffnesses D (Pa or N) of the eigenspaces of Hooke's law: deviator and antisymmetric part
+    /// of the force stress; deviator, mean and antisymmetric part of the couple stress.
     pub fn parts(&self, solid: &Isotropic) -> [[f64; 2]; PARTS] {
         let [symmetric, antisymmetric] = self.couple_weights();
         let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
@@ -55,9 +55,9 @@ impl Mises {
 
     /// Closest-point projection of a trial stress in the energy norm of `solid`.
     ///
-    /// Eigenspaces of Hooke's law are the deviator (D = 2μ), mean (D = 3K, K = λ + ⅔μ) and antisymmetric part (2α) of the
-    /// force stress, and the symmetric deviator (2γ), mean (3β + 2γ) and antisymmetric part (2η) of the couple stress.
-    /// With p their weights in τ̄² = ½ Σ p|s|² and x = λ/2τ̄ ≥ 0,
+    /// Eigenspaces of Hooke's law are the deviator (D = 2μ), mean (D = 3K, K = λ + ⅔μ) and antisymmetric part (2α) of
+    /// the force stress, and the symmetric deviator (2γ), mean (3β + 2γ) and antisymmetric part (2η) of the couple
+    /// stress. With p their weights in τ̄² = ½ Σ p|s|² and x = λ/2τ̄ ≥ 0,
     ///
     /// ```text
     /// s = s̄/(1 + xDp),   σ_m = σ̄_m − κKλ,   h(x) = τ̄(x)(1 − ax) − r = 0,   a = 2κ²K,  r = k − κσ̄_m.
@@ -67,9 +67,9 @@ impl Mises {
     /// x/(1 + xDp) increases, hence τ̄ and −xτ̄ decrease. If h(∞) ≥ 0, P(s̄) is the apex.
     ///
     /// Newton's method for h/τ̄ needs no safeguard, since 1/τ̄(x) is a power mean with exponent −2 of the linear
-    /// functions 1 + xDp and so concave: for r ≥ 0 the function 1 − ax − r/τ̄(x) is convex and decreasing; for r < 0 and
-    /// y = 1/x the function y − a + |r|/(xτ̄) is concave in y (a power mean of y + Dp) and increasing. Iterates from zero
-    /// increase monotonically to the root; if all active parts have the same Dp, they converge in one step.
+    /// functions 1 + xDp and so concave: for r ≥ 0 the function 1 − ax − r/τ̄(x) is convex and decreasing; for r < 0
+    /// and y = 1/x the function y − a + |r|/(xτ̄) is concave in y (a power mean of y + Dp) and increasing. Iterates
+    /// from zero increase monotonically to the root; if all active parts have the same Dp, they converge in one step.
     pub fn project(&self, solid: &Isotropic, trial: &Stress) -> Projection<Stress> {
         let inside = Projection { stress: *trial, energy_lost: 0.0 };
         let cone = Cone::new(self, solid);
@@ -110,8 +110,8 @@ impl Mises {
     }
 }
 
-/// Return mapping of a stress with shear capacity r < 0, and the mean stress of the apex if the stress maps to the apex;
-/// see [`Mises::project`].
+/// Return mapping of a stress with shear capacity r < 0, and the mean stress of the apex if the stress maps to the
+/// apex; see [`Mises::project`].
 fn beyond_apex(
     cone: &Cone<f64>,
     squares: &[f64; PARTS],
@@ -285,6 +285,7 @@ impl Active {
         (coordinates, rest)
     }
 
+    /// Computes Q and R of the active scaled normals anew.
     fn factorise(&mut self, half_spaces: &[HalfSpace]) {
         for column in 0..self.count {
             let (coordinates, rest) = self.split(&half_spaces[self.index[column]].scaled, column);
@@ -317,6 +318,7 @@ impl Active {
         c
     }
 
+    /// Removes the half-space at `position` from the active set.
     fn remove(&mut self, position: usize, half_spaces: &[HalfSpace]) {
         self.index.copy_within(position + 1..self.count, position);
         self.multiplier.copy_within(position + 1..self.count, position);
@@ -329,10 +331,10 @@ impl Interlayer {
     /// Closest-point projection of a trial stress (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂) in plane strain.
     ///
     /// With s = s̄ − L z this is the shortest z with (Lᵀn)·z ≥ n·s̄ − k for up to eight half-spaces: a strictly convex
-    /// quadratic program, solved by the dual active-set method of Goldfarb & Idnani (1983). The most violated half-space
-    /// enters the active set, half-spaces whose multiplier would become negative leave it, and the distance grows in
-    /// each step, so no active set recurs. A half-space that depends linearly on the active ones (apex, edges of zero
-    /// strength) replaces one of them.
+    /// quadratic program, solved by the dual active-set method of Goldfarb & Idnani (1983). The most violated
+    /// half-space enters the active set, half-spaces whose multiplier would become negative leave it, and the distance
+    /// grows in each step, so no active set recurs. A half-space that depends linearly on the active ones (apex, edges
+    /// of zero strength) replaces one of them.
     ///
     /// The out-of-plane stress σ₃₃ enters no condition. It follows by Hooke's law from the same plastic strain,
     /// Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) with ν = λ/2(λ + μ) in an isotropic solid; minimising the energy over all stresses
@@ -406,8 +408,8 @@ impl Interlayer {
                 }
             }
 
-            // Recompute s, z and λ from the active half-spaces alone. Iterative refinement: each pass removes the excess
-            // left by rounding, at the current magnitude of s.
+            // Recompute s, z and λ from the active half-spaces alone. Iterative refinement: each pass removes the
+            // excess left by rounding, at the current magnitude of s.
             (stress, path) = (*trial, [0.0; 6]);
             for _ in 0..3 {
                 let mut excess = [0.0; 6];

@@ -1,7 +1,7 @@
 //! Return mapping of von Mises, Drucker–Prager and Cosserat–Mises cones, generic over single stresses and SIMD lanes.
 //!
-//! Derivation: [`Mises::project`]. Valid for trial stresses with shear capacity k − κσ̄_m ≥ 0; `Mises::project` also maps
-//! stresses beyond the apex.
+//! Derivation: [`Mises::project`]. Valid for trial stresses with shear capacity k − κσ̄_m ≥ 0; `Mises::project` also
+//! maps stresses beyond the apex.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
 
 use super::parameters::Mises;
@@ -34,8 +34,8 @@ pub struct Cone<N> {
     pub stiffnesses: [N; PARTS],
     /// Products Dp, Pa.
     pub rates: [N; PARTS],
-    /// Weights of the rounding errors of the stress components: max(h, 1) for the force stress, and the largest weight p
-    /// for the couple stress, 1/m².
+    /// Weights of the rounding errors of the stress components: max(h, 1) for the force stress, and the largest weight
+    /// p for the couple stress, 1/m².
     pub rounding_weights: [N; 2],
 }
 
@@ -81,8 +81,8 @@ impl Cone<f64> {
 }
 
 impl<N: Copy> Cone<N> {
-    /// Builds a cone whose coefficients are computed by `value` from the same coefficient of other cones, e.g. SIMD lanes
-    /// from single cones.
+    /// Builds a cone whose coefficients are computed by `value` from the same coefficient of other cones, e.g. SIMD
+    /// lanes from single cones.
     pub fn gather<M>(mut value: impl FnMut(&dyn Fn(&Cone<M>) -> M) -> N) -> Self
     where
         M: Copy,
@@ -149,8 +149,8 @@ impl<N: Number> Parts<N> {
         weighted
     }
 
-    /// Force and couple stress with each part scaled by its factor in `kept` and the mean of the force stress replaced by
-    /// `mean`.
+    /// Force and couple stress with each part scaled by its factor in `kept` and the mean of the force stress replaced
+    /// by `mean`.
     #[inline(always)]
     pub fn scaled(&self, shape: Shape, kept: &[N; PARTS], mean: N) -> (Tensor<N>, Tensor<N>) {
         let [mut force, mut couple] = [[[N::ZERO; 3]; 3]; 2];
@@ -187,8 +187,8 @@ pub fn sum_of<N: Number>(terms: &[N; PARTS], seen: &[bool; PARTS]) -> N {
     sum
 }
 
-/// The equation h(x) = τ̄(x)(1 − ax) − r = 0 for x = λ/2τ̄, where r = k − κσ̄_m ≥ 0 and τ̄(x)² = Σ s/(1 + xDp)² over the
-/// active parts.
+/// The equation h(x) = τ̄(x)(1 − ax) − r = 0 for x = λ/2τ̄, where r = k − κσ̄_m ≥ 0 and τ̄(x)² = Σ s/(1 + xDp)² over
+/// the active parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Equation<'a, N> {
     /// Weighted squares s = ½p|s̄|² of the parts, Pa².
@@ -288,8 +288,8 @@ impl<N: Number> Equation<'_, N> {
     }
 
     /// Next x by a Newton step with one division instead of two, bitwise equal to [`Self::first`]: the increment is
-    /// computed with a relative error bound of 16 ε, and [`Self::first`] is called if the bound could change the rounded
-    /// sum.
+    /// computed with a relative error bound of 16 ε, and [`Self::first`] is called if the bound could change the
+    /// rounded sum.
     #[inline(always)]
     pub fn next(&self, at: &Iterate<N>) -> N {
         let slope = self.a * at.norm + self.shear_capacity * (at.slope * at.reciprocal);
@@ -299,8 +299,8 @@ impl<N: Number> Equation<'_, N> {
         if high.any_gt(low) { self.first(at) } else { low }
     }
 
-    /// Solves h(x) = 0 by Newton's method; x = 0 if τ̄(0) ≤ r. The iterates increase monotonically from zero to the root
-    /// (derivation: [`Mises::project`]):
+    /// Solves h(x) = 0 by Newton's method; x = 0 if τ̄(0) ≤ r. The iterates increase monotonically from zero to the
+    /// root (derivation: [`Mises::project`]):
     ///
     /// ```text
     /// x + (1 − ax − r/τ̄)/(a − r τ̄′/τ̄²),  τ̄′/τ̄² = −(Σ s Dp/(1 + xDp)³)/τ̄³.

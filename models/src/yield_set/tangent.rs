@@ -11,8 +11,8 @@ use crate::common::rounding::{Rounded, UNIT_ROUNDOFF};
 use crate::common::system::Matrix;
 use crate::solid::stress::Component;
 
-/// Error of [`tangent`]: the rate response of the solid is undefined, since H + nᵀD m is not positive for an active
-/// condition.
+/// Error of the tangent stiffness: the rate response of the solid is undefined, since H + nᵀD m is not positive for an
+/// active condition.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no response while yielding ({condition}): H + n·Dm = {value:e} Pa must be positive; less \

@@ -75,8 +75,8 @@ fn published_speeds() {
     close(Isotropic { microrotation: None, ..solid }.speeds().shear, 1732.05, 1e-2);
 }
 
-/// Transverse waves of the reduced Cosserat solid satisfy k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²), with a band gap between
-/// ω₁ = ω₀/√(1 + α/μ) and ω₀ = √(4α/j).
+/// Transverse waves of the reduced Cosserat solid satisfy k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²), with a band gap
+/// between ω₁ = ω₀/√(1 + α/μ) and ω₀ = √(4α/j).
 #[test]
 fn reduced_dispersion() {
     let mut random = Random::new(7);

@@ -5,8 +5,8 @@ use crate::elimination::Elimination;
 use crate::support::{Complex, Random, complex};
 use crate::system::{Incompressible, STATES, random_complex, random_wave};
 
-/// Eq. (100), the sum of e₅₁ × first and e₅₂ × second momentum row, is printed with the coefficient of ψ in place of the
-/// coefficient of p. Reference: the rows summed for an amplitude that satisfies the rotation row.
+/// Eq. (100), the sum of e₅₁ × first and e₅₂ × second momentum row, is printed with the coefficient of ψ in place of
+/// the coefficient of p. Reference: the rows summed for an amplitude that satisfies the rotation row.
 #[test]
 fn eq_100_coefficient_of_pressure() {
     let mut random = Random::new(5);
@@ -84,9 +84,9 @@ fn eq_105_g43_g53() {
     second.finish();
 }
 
-/// Eq. (107) is printed with columns 5 and 6 in place of columns 4 and 5 (p, ψ) of the 5×5 system. Reference: the reduced
-/// momentum rows by elimination at two frequencies. With any column in place of the missing sixth one the printed form is
-/// wrong. Eq. (108), i = 0, holds only with the correction.
+/// Eq. (107) is printed with columns 5 and 6 in place of columns 4 and 5 (p, ψ) of the 5×5 system. Reference: the
+/// reduced momentum rows by elimination at two frequencies. With any column in place of the missing sixth one the
+/// printed form is wrong. Eq. (108), i = 0, holds only with the correction.
 #[test]
 fn eq_107_columns() {
     let mut random = Random::new(8);

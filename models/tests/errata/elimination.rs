@@ -49,9 +49,9 @@ impl Elimination {
         }
     }
 
-    /// Computes p and ψ, multiplied by f + gρς, from v₁, v₂, ω by Cramer's rule from two combinations of rows: the momentum
-    /// rows weighted by the continuity row (99), and weighted by the rotation row, which also eliminates ρς v (100). The
-    /// combinations are computed from the rows, not from the printed equations.
+    /// Computes p and ψ, multiplied by f + gρς, from v₁, v₂, ω by Cramer's rule from two combinations of rows: the
+    /// momentum rows weighted by the continuity row (99), and weighted by the rotation row, which also eliminates ρς v
+    /// (100). The combinations are computed from the rows, not from the printed equations.
     pub fn directly(&self, frequency: Complex, v: [Complex; 3]) -> [Complex; 2] {
         let e = &self.e;
         let rs = self.density * frequency;

@@ -53,8 +53,8 @@ fn eq_86_b51() {
     comparison.finish();
 }
 
-/// Eq. (87): Q_Σ is printed with 4Σ₁₂², which is valid only for a symmetric stress. Reference: the deviator from which a
-/// stress with r = ±m is constructed.
+/// Eq. (87): Q_Σ is printed with 4Σ₁₂², which is valid only for a symmetric stress. Reference: the deviator from which
+/// a stress with r = ±m is constructed.
 #[test]
 fn eq_87_deviator() {
     let mut random = Random::new(4);

@@ -1,8 +1,8 @@
 //! The printed errors of Harris & Grekova (2005), one test per erratum.
 //!
 //! Each test compares the printed and the corrected formula with an independent reference value: the derivative of the
-//! nonlinear equations, an elimination in complex arithmetic, or a determinant expanded in 31 digits. A test fails if the
-//! corrected formula is wrong, or if the printed formula is right.
+//! nonlinear equations, an elimination in complex arithmetic, or a determinant expanded in 31 digits. A test fails if
+//! the corrected formula is wrong, or if the printed formula is right.
 //!
 //! Rows and columns are numbered as in the paper for ν = 0: rows momentum 1, 2, spin, continuity, rotation; columns v₁,
 //! v₂, ω, p, ψ. Indices in code start from zero: e₁₄ is `e[0][3]`.

@@ -5,8 +5,8 @@ use crate::support::{RIGHT_ANGLE, Random, Real, Wide, complex, quadratic_roots, 
 use crate::system::{Incompressible, STATES};
 
 /// Eq. (149) is too large by a factor of two, since it uses the printed c₅₅ of (83). Reference: the larger root of the
-/// exact determinant at k = 1e9 1/m in a uniform background, where corrections are of relative size 1/k² (a few thousand
-/// over 1e18).
+/// exact determinant at k = 1e9 1/m in a uniform background, where corrections are of relative size 1/k² (a few
+/// thousand over 1e18).
 #[test]
 fn eq_149_leading_root() {
     let mut random = Random::new(11);
@@ -58,8 +58,8 @@ fn eq_150_product_of_sines() {
     comparisons.into_iter().for_each(Comparison::finish);
 }
 
-/// Eq. (160): the degenerate wave vectors (154) have the direction (−sin, cos) of the angle Ψ ± ε; printed is (sin, cos).
-/// Reference: the stress and velocity characteristics (67), (68) from the matrices.
+/// Eq. (160): the degenerate wave vectors (154) have the direction (−sin, cos) of the angle Ψ ± ε; (sin, cos) is
+/// printed. Reference: the stress and velocity characteristics (67), (68) from the matrices.
 #[test]
 fn eq_160_degenerate_directions() {
     let mut random = Random::new(13);

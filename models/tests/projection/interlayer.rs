@@ -58,8 +58,8 @@ pub fn constants(set: &Interlayer) -> [[f64; 2]; 2] {
     [[set.shear_strength, set.shear_friction], couple]
 }
 
-/// For the strain e = (`normal`, `shear`, `couple`) of one face: the excess e_n − κ_τ|e_s| − κ_μ|e_c|, which is zero for
-/// a strain in the cone of the normals off the apex, and the support function sup e·w over the admissible stresses w.
+/// For the strain e = (`normal`, `shear`, `couple`) of one face: the excess e_n − κ_τ|e_s| − κ_μ|e_c|, zero for plastic
+/// strains off the apex and ≥ 0 at it, and the support function sup e·w over the admissible stresses w.
 fn face_support(set: &Interlayer, [normal, shear, couple]: [f64; 3]) -> (f64, f64) {
     let [[tau, kappa_tau], [m, kappa_m]] = constants(set);
     let excess = normal - kappa_tau * shear.abs() - kappa_m * couple.abs();
@@ -123,8 +123,8 @@ fn interlayer_residuals(
         (normality, complementarity)
     };
     let (normality, complementarity) = if solid.classical {
-        // Only the sum of the two shear strains does work on σ₁₂ = σ₂₁: the conditions must hold for some division of the
-        // sum between the faces.
+        // Only the sum of the two shear strains does work on σ₁₂ = σ₂₁: the conditions must hold for some division of
+        // the sum between the faces.
         let sum = strain[2] + strain[3];
         let mut candidates = vec![sum, 0.0, 0.5 * sum];
         if kappa_tau > 0.0 {

@@ -200,8 +200,8 @@ pub fn scaled(stress: &Stress, by: f64) -> Stress {
     Stress { force: scaled(stress.force), couple: scaled(stress.couple) }
 }
 
-/// Random trial stress of 1e-6 to 1e6 times the strength: general, with some parts only, near the hydrostatic axis, near
-/// the boundary of the normal cone of the apex, or near the yield surface.
+/// Random trial stress of 1e-6 to 1e6 times the strength: general, with some parts only, near the hydrostatic axis,
+/// near the boundary of the normal cone of the apex, or near the yield surface.
 fn mises_trial(random: &mut Random, set: &Mises, solid: &Isotropic) -> Stress {
     let mut trial = random_stress(random, set, solid);
     let size = decades(random, -6.0, 6.0);

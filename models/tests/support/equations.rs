@@ -1,8 +1,8 @@
 //! Nonlinear equations of the granular-flow models, written with the tensors of the papers.
 //!
 //! Harris & Grekova (2005): stress (6) with the yield condition (13) at equality, momentum (7), spin (9), mass (18);
-//! kinematics as the sum of two dilatant shears and a rotation (32)–(36), where the two shear strengths are computed and
-//! eliminated. The plastic potential is differentiated. No formula is copied from the crate under test, only the
+//! kinematics as the sum of two dilatant shears and a rotation (32)–(36), where the two shear strengths are computed
+//! and eliminated. The plastic potential is differentiated. No formula is copied from the crate under test, only the
 //! documented order and scaling of its equations: eqs (50), (51) multiplied out.
 
 use super::{Dual, Real};
@@ -123,9 +123,9 @@ fn parts<T: Real>(g: [[T; 2]; 2]) -> [T; 4] {
     [g[0][0] + g[1][1], g[0][0] - g[1][1], g[0][1] + g[1][0], g[0][1] - g[1][0]]
 }
 
-/// Residuals of the kinematics Γ = k₁ t_β₁⊗n_α₂ − k₂ t_β₂⊗n_α₁ + Ω (eq. 32): the shear strengths k₁, k₂ are computed from
-/// the deviatoric symmetric part; the residuals of the trace and of the antisymmetric part are multiplied by cos(φ − ν)
-/// and sin(φ − ν), the scaling of eqs (50), (51).
+/// Residuals of the kinematics Γ = k₁ t_β₁⊗n_α₂ − k₂ t_β₂⊗n_α₁ + Ω (eq. 32): the shear strengths k₁, k₂ are computed
+/// from the deviatoric symmetric part; the residuals of the trace and of the antisymmetric part are multiplied by cos(φ
+/// − ν) and sin(φ − ν), the scaling of eqs (50), (51).
 fn shears<T: Real>(given: &Prescribed<T>, fields: &Fields<T>, rotation: T) -> [T; 2] {
     let (phi, nu, psi) = (given.friction_angle, given.dilatancy_angle, fields.z[ANGLE]);
     let half = T::constant(0.5);
@@ -159,7 +159,7 @@ fn shears<T: Real>(given: &Prescribed<T>, fields: &Fields<T>, rotation: T) -> [T
 }
 
 /// Residuals of the flow rule d = λ ∂g/∂σ with g = ½√((σ₁₁ − σ₂₂)² + (σ₁₂ + σ₂₁)²) + ½ (σ₁₁ + σ₂₂) sin ν: λ is computed
-/// from the deviator; the residuals are those of the trace and the cross product of the deviators of d and ∂g/∂σ.
+/// from the deviator; the residuals are the trace of d − λ ∂g/∂σ and the cross product of the deviators of d and ∂g/∂σ.
 fn potential<T: Real>(given: &Prescribed<T>, fields: &Fields<T>) -> [T; 2] {
     let stress = paper_stress(given, fields.z[PRESSURE], fields.z[ANGLE]);
     let [_, difference, shear, _] = parts(stress);

@@ -1,5 +1,5 @@
-//! Helpers of the tests, independent of the models: random numbers, double-double numbers, dual numbers, complex numbers,
-//! determinants.
+//! Helpers of the tests, independent of the models: random numbers, double-double numbers, dual numbers, complex
+//! numbers, determinants.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 pub mod equations;
@@ -345,8 +345,8 @@ pub fn quadratic_roots(polynomial: &[Complex]) -> [Complex; 2] {
     [half / *a, *c / half]
 }
 
-/// Determinant of a matrix of polynomials by Laplace expansion with shared minors. Without pivoting, a coefficient to which
-/// no permutation contributes is exactly zero and absent.
+/// Determinant of a matrix of polynomials by Laplace expansion with shared minors. Without pivoting, a coefficient to
+/// which no permutation contributes is exactly zero and absent.
 pub fn determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
     let n = matrix.len();
     let mut minors: Vec<Polynomial> = vec![vec![]; 1 << n];

@@ -162,9 +162,9 @@ pub fn point(
     (given, fields)
 }
 
-/// Background from the nonlinear equations in 31 digits, independent of the crate: tr d and rotation from the flow rule,
-/// accelerations and density rate from the balances, body moment from the balance of spin. Only Δ and r are taken from
-/// the crate.
+/// Background from the nonlinear equations in 31 digits, independent of the crate: tr d and rotation from the flow
+/// rule, accelerations and density rate from the balances, body moment from the balance of spin. Only Δ and r are taken
+/// from the crate.
 pub fn exact_point(
     random: &mut Random,
     parameters: &Parameters,

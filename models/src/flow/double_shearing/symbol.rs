@@ -1,7 +1,7 @@
 //! The double-shearing equations linearised with frozen coefficients.
 //!
-//! The rotation of the material is that of the principal axes of stress, Dψ/Dt (Spencer 1964;
-//! Mehrabadi & Cowin 1978 for ν > 0).
+//! The material rotation is the rotation rate Dψ/Dt of the principal stress axes (Spencer 1964; Mehrabadi & Cowin 1978
+//! for ν > 0).
 
 use super::parameters::DoubleShearing;
 use crate::common::rounding::Rounded;

@@ -95,7 +95,7 @@ fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     Some(ClosedForm::unbounded(flow, beta))
 }
 
-/// Whether all gradients except the velocity gradient and the rate of the moment of inertia are zero. Then DV/Dt = F by
+/// Whether the rate of the moment of inertia and all gradients except the velocity gradient are zero. Then DV/Dt = F by
 /// the balance of momentum.
 fn is_uniform(flow: &Flow) -> bool {
     let gradients = [
