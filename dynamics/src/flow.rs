@@ -1,8 +1,7 @@
 //! Time-domain granular flow: the equations of Harris & Grekova (2005) and related models, ν = 0, in a periodic box
 //! that deforms with a homogeneous flow Γx.
 //!
-//! - [`Closure`]: equation for the stress angle;
-//! - `equations`: right-hand side, from the balance laws;
+//! - [`Closure`]: equation for the stress angle; `equations`: right-hand side, from the balance laws;
 //! - `pressure`: equation for the pressure, from the incompressibility constraint;
 //! - [`spectral`]: Fourier series in the box, whose wave vectors k(t) = exp(−Γᵀt) k₀ deform with it;
 //! - [`perturbation`]: initial perturbations;

@@ -152,8 +152,7 @@ fn normals_are_gradients() {
     assert_eq!(interlayer(&mut random).half_spaces().count(), 8);
 }
 
-/// The normal of a deviator of 1e-9 times the pressure is exact to rounding, since the differences of the normal
-/// stresses are exact.
+/// Normals of a deviator of 1e-9 times the pressure are exact to rounding, since its differences are exact.
 #[test]
 fn normals_under_pressure() {
     let set = Mises::drucker_prager(1.0, 0.5, 0.5);
@@ -171,7 +170,6 @@ fn normals_under_pressure() {
     }
 }
 
-/// Zero stress is an interior point of sets with strength, and the apex of a set without strength.
 #[test]
 fn zero_stress_is_inside() {
     let mut random = Random::new(2);
@@ -195,9 +193,8 @@ fn zero_stress_is_inside() {
     assert_eq!(YieldSet::from(set).active(&zero, 1e-9).len(), 8);
 }
 
-/// Constants out of range are rejected with their name.
 #[test]
-fn constants_are_checked() {
+fn constants_out_of_range_are_rejected_by_name() {
     let sound = Mises::drucker_prager(1.0, 0.5, 0.1);
     assert!(sound.check().is_ok());
     let broken: [(&str, Mises); 6] = [
@@ -430,9 +427,8 @@ fn tangent_is_the_direct_formula_within_its_bounds() {
     assert!(widest <= 1e-10, "{widest:e}");
 }
 
-/// Conditions with linearly dependent normals are skipped.
 #[test]
-fn dependent_normals_are_passed_over() {
+fn conditions_with_dependent_normals_are_skipped() {
     let mut random = Random::new(6);
     for number in 0..500 {
         let Case { stresses, elastic, conditions } = case(&mut random, number);
@@ -525,8 +521,7 @@ fn no_response_at_the_critical_dilatancy() {
     assert_eq!(passed_over, 0, "of 200");
 }
 
-/// Computes the stress rate of an ideally plastic solid that yields at `stress` under the strain rate `strain`, from
-/// the nonlinear law with the normal and flow direction at `stress`.
+/// Stress rate of an ideally plastic solid that yields at `stress`, from the nonlinear law; `strain`: the strain rate.
 fn stress_rate(
     elastic: &DMatrix<f64>,
     set: &Mises,
