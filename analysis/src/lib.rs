@@ -1,6 +1,7 @@
 //! Well-posedness analysis: from a linearised system to its dispersion roots, characteristics, growth and verdict.
 //!
-//! The analysis takes a [`models::LinearisedSystem`] as data and is independent of the model:
+//! Entry points are [`flows::Workspace`] and [`solids::SolidAssessor`]; programs and bindings call these. All other
+//! modules are their algorithms. The analysis takes a [`models::LinearisedSystem`] as data and is independent of the model:
 //!
 //! - [`scaling`]: units in which all coefficients are of comparable size;
 //! - [`polynomial`]: the exact dispersion polynomial det(ςA + κ₁B¹ + κ₂B² + C), κ = ik;

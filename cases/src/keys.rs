@@ -1,8 +1,9 @@
 //! Table of the scalar keys of case files.
 //!
 //! Parser, detection of unknown and unused keys, `--set`, the templates of `wellposed new` and the parameters of a map
-//! all use this table. Constants of models and yield sets come from the [registry](models::registry). To add a key, add
-//! a field to [`Numbers`] and a row to the table.
+//! all use this table. Constants of models and yield sets come from the [registry](models::registry). To add a key
+//! that a map can sweep, add a field to [`Numbers`] and a row to `keys/table.rs`; any other key is an
+//! [`Item`](crate::schema::Item) of its section.
 
 mod key;
 mod table;

@@ -2,7 +2,7 @@
 //!
 //! Each table of a case is a [`Form`], each of its keys an [`Item`] with type, unit, meaning and default. The reader of
 //! a section, the templates of `wellposed new`, the reference page and the JSON Schema are derived from it. To add a
-//! key to a section, add an [`Item`] to its form. Relations between keys are checked by code next to the form.
+//! key to a section, add an [`Item`] to its form, a field, and lines in `read` and `to_toml` of the same file. Relations between keys are checked by code next to the form.
 //! Constants and states, which can be swept, are rows of [`keys`](crate::keys()).
 
 use crate::kind::Kind;

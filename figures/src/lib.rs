@@ -4,6 +4,9 @@
 //! names, units and symbols are passed as labels. Equal structs give equal bytes. Figures are legible in greyscale:
 //! information given by colour is also given by lightness, hatching, dash patterns or markers. Fonts are embedded; no
 //! system fonts are used.
+//!
+//! To add a figure, write a file here with a struct and its `draw`, and a line in `examples/gallery`. `picture` is the
+//! canvas, `page` has margins and legends, `scale` axes.
 
 #![deny(missing_docs)]
 

@@ -4,7 +4,7 @@
 //! files ([`vti`]), and writes files so that a reader never finds a partial file ([`write_atomically`]). For restarts
 //! there are checkpoint files with checksums ([`sealed`]) and tables extended row by row ([`append`]); for folders
 //! shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file format, add a
-//! module here.
+//! module here, its use in `report` and the file names in `cli::folder::names` and `cli::run::planned` of the program.
 
 #![deny(missing_docs)]
 

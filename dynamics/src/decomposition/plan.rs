@@ -1,4 +1,7 @@
 //! Decomposition plan: subdomains of a grid and their neighbours.
+//!
+//! The numbers of parts along each axis are given. A run cuts along the last axis alone, into as many parts as threads:
+//! [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis).
 
 use crate::solid::domain::most_steps;
 use crate::solid::line::{GHOSTS, HALO};

@@ -1,4 +1,4 @@
-//! Equal time steps that end with the run, and the position of times among them.
+//! Equal time steps within the CFL condition that end with the run, and the position of times among them.
 
 use crate::solid::medium::Medium;
 

@@ -1,4 +1,8 @@
 //! Boundary conditions, loads on boundaries, and sources.
+//!
+//! To add a condition, add a variant of [`Condition`], its signs and shifts to `GhostRule::new` in `ghosts`, and its case to
+//! the list of `contraction`, which tests that no state gains energy; its keys are in `cases::dynamics::boundary`, its
+//! translation in `setup::solid_run::boundary` of the program.
 
 use crate::solid::medium::Medium;
 use models::solid::waves::Field;

@@ -1,5 +1,9 @@
 //! Reconstruction: time-averaged characteristic variables at faces from cell averages. First order (Godunov 1959),
 //! limited piecewise linear (van Leer 1977; Roe 1985), or linear fourth order (Strang 1962).
+//!
+//! The limiter (case key `order = "eno2"`) is [`Slopes::half_slope_correction`], with tighter bounds beside other media.
+//! `ghosts` derives its closure from the energy bounds of this limiter, and `tests/solid/energy.rs` searches for states in
+//! which energy grows: a new limiter needs both.
 
 use super::cell::CellConstants;
 use super::riemann::{RiemannInvariants, State};

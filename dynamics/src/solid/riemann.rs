@@ -1,4 +1,4 @@
-//! Riemann problem between two cells: characteristic variables, interface states, and the Godunov update of a cell
+//! Riemann problem between two cells: characteristic variables, interface states (fluxes), and the update of a cell
 //! (Godunov 1959). The formulas are generic over the number type: [`sweep`](crate::solid::line::sweep) applies them
 //! cell by cell, the fused solver to many lines in SIMD lanes.
 

@@ -1,4 +1,8 @@
 //! Yield sets: the interface of a yield set, return mapping, tangent stiffness, and registry entries.
+//!
+//! To add a set, write a file here with a static [`YieldSetModel`] and a type that implements [`YieldConditions`], and list
+//! it in [`registry`](crate::registry). Solvers project stresses onto it cell by cell; cones and polyhedra have vectorised
+//! return mappings in crate `dynamics`.
 
 pub mod interlayer;
 pub mod mises;

@@ -1,4 +1,4 @@
-//! Order in which rows and layers pass the stages of a step.
+//! Wavefront tiling: the order in which tiles of rows and layers pass the stages of a step.
 //!
 //! A pass is one wavefront-tiled traversal of memory, of one step in space and of up to two in the plane. Tiles of a
 //! few layers and rows are loaded; each later stage trails the previous one by the half-width of its stencil, so that a
