@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 
 /// Maximum size of a case file, bytes. Larger files are refused unread, since parsing takes up to 70 times the file
 /// size in memory.
-pub const LARGEST_FILE: u64 = 16 << 20;
+pub const MAX_FILE: u64 = 16 << 20;
 
 /// Purpose for which a case is read: any, or a time-domain simulation.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -98,9 +98,9 @@ impl Case {
         let unreadable = |cause: String| CaseError::Unreadable { path: path.to_owned(), cause };
         let mut bytes = Vec::new();
         std::fs::File::open(path)
-            .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
+            .and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes))
             .map_err(|error| unreadable(error.to_string()))?;
-        if bytes.len() as u64 > LARGEST_FILE {
+        if bytes.len() as u64 > MAX_FILE {
             return Err(unreadable("larger than 16 MiB, so no case file".into()));
         }
         let file = path.display().to_string();

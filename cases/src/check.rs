@@ -17,7 +17,7 @@ pub struct Check {
 }
 
 /// Maximum number of grids of a convergence study.
-pub const MOST_GRIDS: usize = 5;
+pub const MAX_GRIDS: usize = 5;
 
 /// Minimum number of cells per period: fewer do not resolve a wave.
 pub const FEWEST_CELLS: usize = 8;
@@ -45,7 +45,7 @@ pub(super) const FORM: Form = Form::section(
         .note("directions of the wave vector from x1"),
         Item::optional(
             "cells",
-            Type::Counts { length: [2, MOST_GRIDS], least: FEWEST_CELLS, order: Order::Ascending },
+            Type::Counts { length: [2, MAX_GRIDS], least: FEWEST_CELLS, order: Order::Ascending },
             "",
             "[20, 30, 40]",
             "cells to a period along each axis of two or three grids, ascending; of a flow points along each axis of the grids that its perturbation is refined on",

@@ -24,13 +24,13 @@ pub use crate::receivers::{Interpolation, Receiver};
 pub use boundary::{Condition, Part, Side, SideCondition};
 pub use component::Component;
 pub use function::{Samples, TimeFunction};
-pub use grid::{Grid, MOST_CELLS};
+pub use grid::{Grid, MAX_CELLS};
 pub use initial::{Centre, Initial};
 pub use load::{Action, Load};
 pub use output::{Output, Picture, Recorded};
 pub use plane_pulse::{PlanePulse, Polarization};
 pub use profile::Profile;
-pub use region::{MOST_REGIONS, Region};
+pub use region::{MAX_REGIONS, Region};
 pub use shape::Shape;
 pub use source::{Kernel, Source, SourceKind};
 pub use stress::Gravity;
@@ -203,7 +203,7 @@ impl Dynamics {
                 ));
             };
             is_used[medium] = true;
-            media.push(medium as u16); // fits u16: at most MOST_REGIONS regions are read
+            media.push(medium as u16); // fits u16: at most MAX_REGIONS regions are read
             for axis in 0..index.len() {
                 index[axis] = (index[axis] + 1) % self.grid.cells[axis];
                 centre[axis] = self.grid.centre(axis, index[axis]);

@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
 /// Maximum number of sections, entries of lists of tables, and inline tables.
-const MOST_TABLES: usize = 100_000;
+const MAX_TABLES: usize = 100_000;
 /// Maximum number of keys.
-const MOST_KEYS: usize = 500_000;
+const MAX_KEYS: usize = 500_000;
 
 /// Parsed values of a case by key, before their interpretation.
 pub(super) struct Entries<'a> {
@@ -308,7 +308,7 @@ fn check_size(text: &str, file: &str) -> Result<(), CaseError> {
     let is_header = |line: &&str| line.trim_start().starts_with('[') && !line.contains(',');
     let tables = count(b'{') + text.lines().filter(is_header).count();
     for (found, most, what) in
-        [(tables, MOST_TABLES, "sections and tables"), (count(b'='), MOST_KEYS, "keys")]
+        [(tables, MAX_TABLES, "sections and tables"), (count(b'='), MAX_KEYS, "keys")]
     {
         if found > most {
             let cause = format!("about {found} {what}, more than the {most} that a case may have");

@@ -8,7 +8,7 @@ mod initial;
 mod output;
 mod reader;
 
-pub use grid::{Grid, LEAST_POINTS, MOST_POINTS, Time};
+pub use grid::{Grid, MAX_POINTS, MIN_POINTS, Time};
 pub use initial::{Disturbed, Initial, Wave};
 pub use output::{Output, Quantity};
 

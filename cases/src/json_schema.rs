@@ -9,7 +9,7 @@ use crate::forms::forms_in_time;
 use crate::keys::{Key, Presence, keys};
 use crate::kind::{Kind, Medium, NO_YIELD};
 use crate::schema::{Condition, Form, Item, Layout, Length, Need, Order, Range, Scope, Type};
-use crate::types::LONGEST_NAME;
+use crate::types::MAX_NAME;
 use crate::value::text;
 use models::registry;
 use serde_json::{Map, Value, json};
@@ -491,7 +491,7 @@ fn of_type(value: &Type, scope: &Scope) -> Value {
             json!({
                 "type": "string",
                 "pattern": r"^[^\x00-,/:-@\[-^`{-\x7f]+$",
-                "maxLength": LONGEST_NAME,
+                "maxLength": MAX_NAME,
             })
         }
         Type::Hexadecimal => json!({ "type": "string", "pattern": "^[+0-9A-Fa-f][0-9A-Fa-f]{7}$" }),

@@ -40,7 +40,7 @@ mod types;
 mod value;
 
 pub use bundled::CASES;
-pub use case::{Case, InTime, LARGEST_FILE};
+pub use case::{Case, InTime, MAX_FILE};
 pub use check::Check;
 pub use convert::{Converted, radians};
 pub use dynamics::Dynamics;
@@ -50,7 +50,7 @@ pub use forms::all_forms;
 pub use json_schema::json_schema;
 pub use keys::{Key, Parameter, Presence, keys};
 pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield, names};
-pub use map::{MOST_POINTS, Map, Sweep};
+pub use map::{MAX_POINTS, Map, Sweep};
 pub use material::Material;
 pub use numbers::{BackgroundNumbers, Constants, Numbers, StressNumbers, Wave};
 pub use reference::reference;

@@ -9,7 +9,7 @@ use super::numbers::Numbers;
 use super::value::{Value, nearest, suggestion};
 
 /// Maximum number of points of a map.
-pub const MOST_POINTS: usize = 100_000_000;
+pub const MAX_POINTS: usize = 100_000_000;
 
 /// The two swept parameters of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,12 +84,12 @@ impl Map {
                 "sweep two different parameters",
             ));
         }
-        if x.points.checked_mul(y.points).is_none_or(|points| points > MOST_POINTS) {
+        if x.points.checked_mul(y.points).is_none_or(|points| points > MAX_POINTS) {
             let larger = if x.points > y.points { "map.x.points" } else { "map.y.points" };
             return Err(entries.places.error(
                 larger,
                 format!("a grid of {} × {} points", x.points, y.points),
-                format!("expected at most {MOST_POINTS} points in all"),
+                format!("expected at most {MAX_POINTS} points in all"),
             ));
         }
         let map = Self { x, y };
@@ -133,7 +133,7 @@ fn sweep(
         return Err(entries.places.error(to_key, found, "give two different ends, or 1 point"));
     }
     // Larger counts are reported as a grid with too many points.
-    if (2..=MOST_POINTS).contains(&points) {
+    if (2..=MAX_POINTS).contains(&points) {
         check_step(entries, [from_key, to_key, points_key], from, to, points)?;
     }
     if parameter.key().name.starts_with("wave.")

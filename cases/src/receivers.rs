@@ -10,10 +10,10 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// Maximum number of points of one entry.
-const MOST_POINTS: usize = 10_000;
+const MAX_POINTS: usize = 10_000;
 
 /// Maximum number of points of all entries.
-const MOST_RECEIVERS: usize = 100_000;
+const MAX_RECEIVERS: usize = 100_000;
 
 const LINE: &[Condition] = &[Condition::Present("from")];
 
@@ -131,9 +131,9 @@ pub(super) fn receivers<F: Clone + PartialEq + Display>(
         let name = name.unwrap_or_else(|| format!("r{}", index + 1));
         let points = points(&section, domain)?;
         let count = receivers.len() + points.len();
-        if count > MOST_RECEIVERS {
+        if count > MAX_RECEIVERS {
             let found = format!("{count} points with those of this entry");
-            return Err(root.error("receiver", found, format!("at most {MOST_RECEIVERS} in all")));
+            return Err(root.error("receiver", found, format!("at most {MAX_RECEIVERS} in all")));
         }
         let interpolation = match domain.interpolates {
             true => section
@@ -207,10 +207,10 @@ fn points(section: &Section, domain: &Domain) -> Result<Vec<(String, Vec<f64>)>,
         return Err(section.wrong("count"));
     }
     let total = counts.iter().try_fold(1usize, |total, &count| total.checked_mul(count));
-    let Some(total) = total.filter(|total| *total <= MOST_POINTS) else {
+    let Some(total) = total.filter(|total| *total <= MAX_POINTS) else {
         let found =
             format!("found {}", joined(&counts.iter().map(usize::to_string).collect::<Vec<_>>()));
-        return Err(section.error("count", found, format!("at most {MOST_POINTS} points in all")));
+        return Err(section.error("count", found, format!("at most {MAX_POINTS} points in all")));
     };
     let mut points = Vec::with_capacity(total);
     for index in 0..total {

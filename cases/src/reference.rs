@@ -5,7 +5,7 @@ use super::kind::Kind;
 use crate::dynamics::stress;
 use crate::forms::all_forms;
 use crate::schema::{Condition, Form, Item, Layout, Length, Need, Order, Range, Scope, Type};
-use crate::types::LONGEST_NAME;
+use crate::types::MAX_NAME;
 use std::fmt::Write;
 
 const HEAD: &str = "\
@@ -93,7 +93,7 @@ fn row_of_key(key: &Key) -> String {
         Some(axis) => format!("{axis}.{name}"),
         None => name.to_owned(),
     };
-    let words = key.words().filter(|words| words.len() <= MOST_WORDS);
+    let words = key.words().filter(|words| words.len() <= MAX_WORDS);
     let value = match words {
         Some(words) if matches!(key.value_type(), Type::Texts) => {
             format!("list of {}", listed(&words))
@@ -185,7 +185,7 @@ fn condition(condition: &Condition) -> String {
 }
 
 /// Maximum number of words listed in a table cell.
-const MOST_WORDS: usize = 12;
+const MAX_WORDS: usize = 12;
 
 fn listed(words: &[String]) -> String {
     words.iter().map(|word| code(word)).collect::<Vec<_>>().join(", ")
@@ -221,7 +221,7 @@ fn described(value: &Type) -> String {
         Type::Text => "text".into(),
         Type::Texts => "list of texts".into(),
         Type::Name => {
-            format!("text of at most {LONGEST_NAME} letters, digits, `-`, `_`, `.`")
+            format!("text of at most {MAX_NAME} letters, digits, `-`, `_`, `.`")
         }
         Type::Hexadecimal => "eight hexadecimal digits".into(),
         Type::Truth => "`true`, `false`".into(),
@@ -253,7 +253,7 @@ fn described(value: &Type) -> String {
         Type::OneOf(words) | Type::AnyOf(words) => {
             let all = words(&Scope::default());
             let is_list = matches!(value, Type::AnyOf(_));
-            match (all.len() <= MOST_WORDS, is_list) {
+            match (all.len() <= MAX_WORDS, is_list) {
                 (true, false) => listed(&all),
                 (true, true) => format!("list of {}", listed(&all)),
                 (false, false) => format!("a name, as {}", code(&all[0])),

@@ -36,11 +36,11 @@ impl Length {
 }
 
 /// Maximum length of the names of cases and receivers, characters; names occur in file names and archive entries.
-pub(crate) const LONGEST_NAME: usize = 255;
+pub(crate) const MAX_NAME: usize = 255;
 
 /// Returns whether a text has more characters than a name may have.
 pub(crate) fn is_too_long(name: &str) -> bool {
-    name.chars().nth(LONGEST_NAME).is_some()
+    name.chars().nth(MAX_NAME).is_some()
 }
 
 impl Type {
@@ -48,7 +48,7 @@ impl Type {
     pub(crate) fn words(&self, scope: &Scope) -> String {
         match *self {
             Self::Text => "text in quotes".into(),
-            Self::Name => format!("text in quotes, at most {LONGEST_NAME} characters"),
+            Self::Name => format!("text in quotes, at most {MAX_NAME} characters"),
             Self::Texts => "a list of texts in brackets".into(),
             Self::Hexadecimal => "eight hexadecimal digits in quotes".into(),
             Self::Truth => "true or false".into(),

@@ -26,11 +26,11 @@ use num_complex::Complex64;
 use pressure::combine;
 
 /// Maximum number of stages of a step.
-const MOST_STAGES: usize = 2000;
+const MAX_STAGES: usize = 2000;
 /// Number of steps, and deformation of the box, after which the spectral radius is estimated again.
 const LOOK: (usize, f64) = (25, 0.02);
 /// Maximum number of successive reductions of a step.
-const MOST_CUTS: usize = 20;
+const MAX_CUTS: usize = 20;
 /// Maximum deformation of the box in a step, Δt |Γ|.
 const SHEAR: f64 = 0.25;
 /// Rounding error of a step relative to the norm of the state.
@@ -374,7 +374,7 @@ impl Flow {
                 .control
                 .step
                 .min(SHEAR / self.turning_rate())
-                .min(0.9 * stability_limit(MOST_STAGES) / fastest);
+                .min(0.9 * stability_limit(MAX_STAGES) / fastest);
             let step = rest / (rest / longest).ceil().max(1.0);
             let end = if step == rest { until } else { self.time + step };
             if end <= self.time {
@@ -397,8 +397,8 @@ impl Flow {
                 Ok((.., error)) if error.is_finite() => {
                     self.control.step = step * (0.8 * error.cr_powf(-1.0 / 3.0)).clamp(0.1, 0.8);
                 }
-                Ok(_) if cuts >= MOST_CUTS => return Err(self.stuck("no step has finite values")),
-                Err(left) if cuts >= MOST_CUTS => return Err(left),
+                Ok(_) if cuts >= MAX_CUTS => return Err(self.stuck("no step has finite values")),
+                Err(left) if cuts >= MAX_CUTS => return Err(left),
                 Err(left) => {
                     last_left = Some(left);
                     self.control.step = 0.25 * step;
@@ -434,7 +434,7 @@ impl Flow {
         let ahead = end - self.control.looked;
         let product = step * self.control.rate * (2.0 * self.turning_rate() * ahead).cr_exp();
         self.stages = stages(product).max(least_stages);
-        if self.stages > MOST_STAGES {
+        if self.stages > MAX_STAGES {
             return Err(self.stuck(&format!("a step of {step:e} s asks for too many stages")));
         }
         let mut last = self.state.clone();

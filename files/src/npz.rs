@@ -193,7 +193,7 @@ pub fn read_some(
         }
         let wrong = |problem| NpzError::Entry { name: name.clone(), problem };
         // The width of strings is stated by the array; the limit applies to bytes, in units of 8-byte numbers.
-        let most = (MOST_HEADER as u64).saturating_add((most_values as u64).saturating_mul(8));
+        let most = (MAX_HEADER as u64).saturating_add((most_values as u64).saturating_mul(8));
         let mut bytes = Vec::new();
         let expected = entry.size().min(most);
         read_fallibly(entry.take(most.saturating_add(1)), expected, &mut bytes)?;
@@ -207,7 +207,7 @@ pub fn read_some(
 }
 
 /// Maximum length of a header of format version 1.0, bytes.
-const MOST_HEADER: usize = 10 + u16::MAX as usize;
+const MAX_HEADER: usize = 10 + u16::MAX as usize;
 
 /// Text between `open` and the next `close`.
 fn between<'a>(text: &'a str, open: &str, close: char) -> Option<&'a str> {

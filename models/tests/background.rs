@@ -120,8 +120,8 @@ fn rotational_stress_decides_the_region() {
     );
 }
 
-/// The default rotational stress is −m sign(ω − s₂₁), so that the rotational power −2r(ω − s₂₁) is not negative; it is
-/// +0, not −0, in a coaxial flow.
+/// The default rotational stress is r = −m sign(ω − s₂₁), so that the rotational power −2r(ω − s₂₁) is not negative. In
+/// a coaxial flow r is +0, not −0.
 #[test]
 fn default_rotational_stress_does_positive_work() {
     for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {

@@ -56,7 +56,7 @@ fn others<N: Number + PartialEq>(seed: u64) -> usize {
             std::array::from_fn(|_| random.within(0.0, 1.0) * stress * stress);
         let rates: [f64; PARTS] = std::array::from_fn(|_| decades(&mut random, -1.0, 1.0) * 1e9);
         let shear = squares[..count].iter().sum::<f64>().sqrt();
-        // From close to the yield surface to far outside.
+        // The shear stress exceeds the shear capacity by a relative 1e-13 (close to the yield surface) to 1e3 (far outside).
         let room = shear / (1.0 + decades(&mut random, -13.0, 3.0));
         let a = [0.0, decades(&mut random, -2.0, 1.0) * 1e9][number / PARTS % 2];
         let [squares, rates] = [squares, rates].map(|own| own.map(N::from_f64));

@@ -1,4 +1,4 @@
-//! The two statements of an elastic law, velocity–stress pairs and matrices, compared with each other.
+//! Compares the two formulations of an elastic law: velocity–stress pairs and coefficient matrices.
 
 mod support;
 

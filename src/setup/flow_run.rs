@@ -9,19 +9,19 @@ use dynamics::flow::{Closure, Problem};
 pub(crate) use initial::fields;
 
 /// Least tolerance, about 450 ε of double precision.
-const LEAST_TOLERANCE: f64 = 1e-13;
+const MIN_TOLERANCE: f64 = 1e-13;
 
 /// Creates the solver problem of a flow simulation.
 ///
 /// # Errors
-/// A tolerance is below [`LEAST_TOLERANCE`]; see [`flow_problem`].
+/// A tolerance is below [`MIN_TOLERANCE`]; see [`flow_problem`].
 pub(crate) fn problem(case: &Case, run: &FlowRun) -> Result<Problem, Error> {
     let time = &run.time;
     for (key, own) in
         [("tolerance", time.tolerance), ("pressure_tolerance", time.pressure_tolerance)]
     {
-        if own < LEAST_TOLERANCE {
-            let allowed = format!("at least {LEAST_TOLERANCE:e}: less is lost in rounding");
+        if own < MIN_TOLERANCE {
+            let allowed = format!("at least {MIN_TOLERANCE:e}: less is lost in rounding");
             return Err(run
                 .locate(&format!("time.{key}"), format!("found {own:?}"), allowed)
                 .into());

@@ -11,12 +11,13 @@ use crate::case::{Case, Kind, Material};
 use analysis::StateError;
 use models::InputError;
 
-/// Converts the error of a state to an error with its place in the case file.
+/// Converts the error of a state to an error located in the case file.
 pub fn locate(material: &Material, error: StateError) -> Error {
     material.locate(into_input(material, error)).into()
 }
 
-/// Converts the error of a map state to an error with its place; swept parameters are placed in \[map\].
+/// Converts an error in the state at a map point to an error located in the case file; errors in swept parameters are
+/// located in the section \[map\].
 pub fn locate_in_map(case: &Case, error: StateError) -> Error {
     case.locate_in_map(into_input(&case.material, error)).into()
 }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Maximum number of cell updates per simulation.
-const MOST_UPDATES: f64 = 2e9;
+const MAX_UPDATES: f64 = 2e9;
 /// Bound on the rounding errors of a step, in half units in the last place of the largest field in energy
 /// coordinates: about ten operations per sweep, and up to seven factors per step.
 const ROUNDINGS: f64 = 64.0;
@@ -204,14 +204,14 @@ impl<const D: usize> Experiment<'_, D> {
         (grid, period, per_cell.ceil().max(1.0) as usize)
     }
 
-    /// Checks the number of cell updates of a simulation against [`MOST_UPDATES`].
+    /// Checks the number of cell updates of a simulation against [`MAX_UPDATES`].
     fn check_size(&self, branch: &Branch<D>, cells: usize) -> Result<(), AgreementError> {
         let (grid, _, per_cell) = self.grid(branch, cells);
         let updates = (cells * per_cell) as f64 * grid.count() as f64;
-        match updates <= MOST_UPDATES {
+        match updates <= MAX_UPDATES {
             true => Ok(()),
             false => {
-                let (number, most) = (branch.number, MOST_UPDATES);
+                let (number, most) = (branch.number, MAX_UPDATES);
                 Err(AgreementError::TooLong { updates, number, most })
             }
         }

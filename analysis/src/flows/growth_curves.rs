@@ -17,7 +17,7 @@ const LAYER: (f64, f64, usize) = (-9.0, 0.1, 90);
 const PER_DECADE: i32 = 12;
 const DECADES: i32 = 4;
 /// Maximum number of decades towards short waves, extended until the growth reaches its asymptote.
-const MOST_DECADES: i32 = 8;
+const MAX_DECADES: i32 = 8;
 /// Relative difference from the asymptote below which growth counts as asymptotic.
 const ON_ASYMPTOTE: f64 = 0.02;
 /// Decades at the end of a curve to which an order is fitted.
@@ -75,7 +75,7 @@ pub fn decades(workspace: &Workspace, assessment: &Assessment, number: f64) -> i
         (rate / asymptote - 1.0).abs() < ON_ASYMPTOTE
     };
     let reached =
-        (DECADES..=MOST_DECADES).take_while(|&d| workspace.reaches(number * 10f64.powi(d)));
+        (DECADES..=MAX_DECADES).take_while(|&d| workspace.reaches(number * 10f64.powi(d)));
     let decades: Vec<i32> = reached.collect();
     let seen = decades.iter().find(|d| is_seen(d)).or(decades.last());
     seen.copied().unwrap_or(DECADES)

@@ -55,7 +55,7 @@ impl AcousticTensor3 {
             *growth = roots.pair.map_or(f64::NEG_INFINITY, |pair| pair.growth_squared());
         }
 
-        let mut best = Best { slowest: (self.normals[0], f64::INFINITY), flutter: None };
+        let mut best = ScaledExtremes { slowest: (self.normals[0], f64::INFINITY), flutter: None };
         let (least, most) = coarse.iter().zip(growth.iter()).enumerate().fold(
             (0, 0),
             |(least, most), (place, (roots, &own))| {
@@ -107,7 +107,7 @@ impl AcousticTensor3 {
     }
 
     /// Searches the fine grid for complex speeds missed by the coarse grid and for c² below the smallest so far.
-    fn search_between(&self, change: &Change, coarse: &[SecularRoots], best: &mut Best) {
+    fn search_between(&self, change: &Change, coarse: &[SecularRoots], best: &mut ScaledExtremes) {
         let mut products = [[0.0; LANES]; SIZE];
         let mut flags = [false; LANES];
         let mut tiny = [0.0; LANES];
@@ -219,7 +219,13 @@ impl AcousticTensor3 {
 
     /// Minimises the smallest real eigenvalue from the grid point `place` and updates `best`; `frequency` is the
     /// number of subdivisions of the grid.
-    fn refine_slowest(&self, change: &Change, place: usize, frequency: usize, best: &mut Best) {
+    fn refine_slowest(
+        &self,
+        change: &Change,
+        place: usize,
+        frequency: usize,
+        best: &mut ScaledExtremes,
+    ) {
         let near = self.basis(place);
         let function = |normal: &[f64; 3]| self.roots_near(change, &near, normal).least;
         let radius = 1.3 / frequency as f64;
@@ -231,7 +237,13 @@ impl AcousticTensor3 {
 
     /// Maximises the growth of flutter from the grid point `place` and updates `best`; `frequency` is the number of
     /// subdivisions of the grid.
-    fn refine_flutter(&self, change: &Change, place: usize, frequency: usize, best: &mut Best) {
+    fn refine_flutter(
+        &self,
+        change: &Change,
+        place: usize,
+        frequency: usize,
+        best: &mut ScaledExtremes,
+    ) {
         let near = self.basis(place);
         let goal = best.flutter.map_or(0.0, |(_, pair)| pair.growth_squared());
         let function = |normal: &[f64; 3]| {
@@ -260,7 +272,7 @@ fn keep_strongest(list: &mut [(usize, f64)], own: (usize, f64), parents: &[u32])
 }
 
 /// Slowest wave (normal, c²) and strongest flutter (normal, pair) so far, in scaled units.
-struct Best {
+struct ScaledExtremes {
     pub(super) slowest: ([f64; 3], f64),
     pub(super) flutter: Option<([f64; 3], RootPair)>,
 }

@@ -194,9 +194,10 @@ fn greatest(f: impl Fn(f64) -> f64) -> f64 {
     best.0
 }
 
-/// Verifies the coefficient of growth in the reversed zone, ς ≈ k² F₂₄/F₃₂, against the maximum of this ratio, with the
-/// forms of the determinant in 256 bits. Next to the bound the minimum of F₃₂ is a small fraction of its mean, which
-/// doubles determine to a rounding divided by that fraction.
+/// Verifies the coefficient of growth where the noncoaxiality exceeds 90° − bound in size, ς ≈ k² F₂₄/F₃₂; Fₙₘ is the form
+/// of degree m in the wave vector that multiplies ςⁿ in the dispersion polynomial. The reference is the maximum of F₂₄/F₃₂
+/// over directions, with coefficients in 256-bit arithmetic. Near the bound min F₃₂ is much smaller than its mean, and its
+/// relative error in double precision is ε times their ratio.
 #[test]
 fn coefficients_beyond_the_reversed_bound() {
     let worst = (0..1000u64)

@@ -1,6 +1,6 @@
 //! The search and all speeds of a direction against eigenvalues by nalgebra.
 
-use crate::directions::{climb, spiral};
+use crate::directions::{maximise_by_pattern_search, spiral};
 use crate::random_solids::{anisotropic, cosserat_mises, isotropic, random_stress, search, update};
 use crate::support::states::seeded;
 use models::common::rates::RateEquations;
@@ -59,7 +59,7 @@ fn compare_with_brute_force(
             flutter = (n, growth);
         }
     }
-    let least = -climb(slowest.0, 0.02, |n| -speeds(n).0).1;
+    let least = -maximise_by_pattern_search(slowest.0, 0.02, |n| -speeds(n).0).1;
     let own = &found.slowest;
     // The search is at least as good as brute force, and its c² is an eigenvalue.
     let difference = (own.speed_squared - least) / unit;
@@ -71,7 +71,11 @@ fn compare_with_brute_force(
     // nalgebra computes a double root to the square root of the rounding only.
     assert!(nearest(own.normal, own.speed_squared, 0.0) < 1e-6, "{own:?}");
     worst[0] = worst[0].max(difference.abs());
-    let growth = if flutter.1 > 0.0 { climb(flutter.0, 0.02, |n| speeds(n).1).1 } else { 0.0 };
+    let growth = if flutter.1 > 0.0 {
+        maximise_by_pattern_search(flutter.0, 0.02, |n| speeds(n).1).1
+    } else {
+        0.0
+    };
     let own = found.flutter.map_or(0.0, |flutter| flutter.growth);
     let difference = (growth - own) / unit.sqrt();
     assert!(difference < 1e-8, "{:?}, brute force {growth:e} at {:?}", found.flutter, flutter.0);

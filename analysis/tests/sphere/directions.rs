@@ -1,4 +1,4 @@
-//! Directions on the half-sphere: a spiral, and a climb to a maximum.
+//! Directions on the half-sphere: a spiral, and a maximise_by_pattern_search to a maximum.
 
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ pub fn spiral(count: usize) -> impl Iterator<Item = [f64; 3]> {
 }
 
 /// Local maximum of a function of the direction near `start`, by pattern search with decreasing steps.
-pub fn climb(
+pub fn maximise_by_pattern_search(
     start: [f64; 3],
     mut step: f64,
     function: impl Fn([f64; 3]) -> f64,

@@ -1,6 +1,6 @@
 //! Flutter: absent for associated flow; small caps of flutter are found in every orientation.
 
-use crate::directions::{climb, spiral};
+use crate::directions::{maximise_by_pattern_search, spiral};
 use crate::random_solids::{
     Tensor, anisotropic, cosserat_mises, isotropic, random_stress, random_tensor, rotation, search,
     turned, update,
@@ -105,7 +105,7 @@ impl<'a> Cap<'a> {
             let value = self.excess(part, n);
             if value > best.1 { (n, value) } else { best }
         });
-        climb(start.0, 0.05, |n| self.excess(part, n))
+        maximise_by_pattern_search(start.0, 0.05, |n| self.excess(part, n))
     }
 
     /// Radius of the cap of flutter around `centre`, rad.

@@ -34,7 +34,7 @@ fn cycle(diagonal: &[&[(Part, f64)]], next: &[&[(Part, f64)]]) -> (usize, Entrie
 type Term = (Part, f64);
 
 /// ∂ₜ, ∂₁ and 1.
-const UNIT: [&[Term]; 3] = [&[(T, 1.0)], &[(X, 1.0)], &[(C, 1.0)]];
+const ELEMENTARY_TERMS: [&[Term]; 3] = [&[(T, 1.0)], &[(X, 1.0)], &[(C, 1.0)]];
 /// ∂ₜ + ∂₁.
 const MOVING: &[Term] = &[(T, 1.0), (X, 1.0)];
 
@@ -81,7 +81,7 @@ fn parabolic(list: &mut Systems) {
 
 /// Wave equations with damping, feeding terms and advection, and elliptic counterparts.
 fn hyperbolic(list: &mut Systems) {
-    let [t, x, _] = UNIT;
+    let [t, x, _] = ELEMENTARY_TERMS;
     // ς² = κ² and ς² = −κ² in one and two dimensions.
     let wave: Entries = vec![
         (0, 0, T, 1.0),
@@ -121,7 +121,7 @@ fn hyperbolic(list: &mut Systems) {
 
 /// Other orders of growth, and neutral counterparts.
 fn orders(list: &mut Systems) {
-    let [t, x, one] = UNIT;
+    let [t, x, one] = ELEMENTARY_TERMS;
     // ς² + κ³, ς³ + κ², ς² + κ, ς³ + κ, ς⁵ + κ²
     list.square("order 3/2", cycle(&[t, t, one], &[x, x, x]), Grows(1.5, 0.5f64.sqrt(), Some(0.0)));
     list.square("order 2/3", cycle(&[t, t, t], &[x, x, one]), Grows(2.0 / 3.0, 1.0, Some(0.0)));
@@ -158,7 +158,7 @@ fn orders(list: &mut Systems) {
 
 /// Repeated roots and terms that split them.
 fn repeated_roots(list: &mut Systems) {
-    let [t, x, one] = UNIT;
+    let [t, x, one] = ELEMENTARY_TERMS;
     // (ς + κ)² + ε² κ²: the real part is a small fraction of the root.
     for (name, e) in [("a hundredth real", 1e-2), ("a thousandth real", 1e-3)] {
         let (s, minus): (&[_], &[_]) = (&[(X, e)], &[(X, -e)]);
@@ -193,7 +193,7 @@ fn repeated_roots(list: &mut Systems) {
 
 /// Dispersive waves with growth or decay of the next order.
 fn beams(list: &mut Systems) {
-    let [t, x, one] = UNIT;
+    let [t, x, one] = ELEMENTARY_TERMS;
     // ς² + κ⁴ = 0: dispersive waves; ς² + κ⁴ + c κ³: dispersive waves with growth c k/2.
     list.square("beam", cycle(&[t, t, one, one], &[x, x, x, &minus(X)]), Bounded);
     list.square(
@@ -241,7 +241,7 @@ fn incompressible(list: &mut Systems) {
 
 /// Few time derivatives or none, and roots that are unbounded at finite wave numbers.
 fn no_time_derivative(list: &mut Systems) {
-    let [_, x, one] = UNIT;
+    let [_, x, one] = ELEMENTARY_TERMS;
     // No time derivative at all.
     list.square("elliptic, no time", cycle(&[x, x], &[&[(Y, 1.0)], &[(Y, -1.0)]]), Bounded);
     list.square("algebraic", cycle(&[one, one], &[&[(C, 0.5)], &[(C, -0.5)]]), Bounded);

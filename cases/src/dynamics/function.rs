@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Maximum size of a sample file, bytes.
-const LARGEST_TABLE: u64 = 8 << 20;
+const MAX_TABLE: u64 = 8 << 20;
 
 /// Key `time`: time function.
 pub(super) const TIME: Item = Item::required(
@@ -330,7 +330,7 @@ impl Reader<'_> {
         let path = self.folder.join(&file);
         let unreadable =
             |cause: &str| section.error("file", format!("'{}': {cause}", escape(&file)), NEEDS);
-        let bytes = files::read_regular_within(&path, LARGEST_TABLE)
+        let bytes = files::read_regular_within(&path, MAX_TABLE)
             .map_err(|error| unreadable(&error.to_string()))?;
         let text = std::str::from_utf8(&bytes).map_err(|_| unreadable("not UTF-8 text"))?;
         let samples = parse_samples(text).map_err(|(line, found, allowed)| CaseError::Key {

@@ -5,7 +5,7 @@ use crate::schema::{Form, Group, Item, Length, Order, Type};
 use crate::section::{Resolved, Section};
 
 /// Maximum number of cells of a grid.
-pub const MOST_CELLS: usize = 4_000_000_000;
+pub const MAX_CELLS: usize = 4_000_000_000;
 
 /// Schema of the section `[grid]`.
 pub(super) const FORM: Form = Form::section(
@@ -95,10 +95,10 @@ impl Grid {
         let d = cells.len();
         section.scope.dimensions = Some(d);
         let total = cells.iter().try_fold(1usize, |total, &cells| total.checked_mul(cells));
-        if total.is_none_or(|total| total > MOST_CELLS) {
+        if total.is_none_or(|total| total > MAX_CELLS) {
             let numbers: Vec<String> = cells.iter().map(usize::to_string).collect();
             let found = format!("a grid of {}", numbers.join(" × "));
-            let allowed = format!("expected at most {MOST_CELLS} cells in all");
+            let allowed = format!("expected at most {MAX_CELLS} cells in all");
             return Err(section.error("cells", found, allowed));
         }
         let spacing = section.required("spacing")?;

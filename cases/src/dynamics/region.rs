@@ -9,7 +9,7 @@ use crate::schema::{Form, Group, Item, Type};
 use crate::section::{Resolved, Section};
 
 /// Maximum number of regions of a case.
-pub const MOST_REGIONS: usize = u16::MAX as usize;
+pub const MAX_REGIONS: usize = u16::MAX as usize;
 
 /// Schema of the sections `[[region]]`.
 pub(super) const FORM: Form = Form::list(
@@ -79,8 +79,8 @@ impl Reader<'_> {
         material: impl Fn(&Section) -> Result<Material, CaseError>,
     ) -> Result<Vec<Region>, CaseError> {
         let sections = root.list(&FORM)?;
-        if sections.len() > MOST_REGIONS {
-            let allowed = format!("expected at most {MOST_REGIONS}");
+        if sections.len() > MAX_REGIONS {
+            let allowed = format!("expected at most {MAX_REGIONS}");
             return Err(root.error("region", format!("{} regions", sections.len()), allowed));
         }
         let mut regions: Vec<Region> = Vec::new();

@@ -6,10 +6,10 @@ use crate::section::{Resolved, Section};
 use models::common::fourier::greatest_modes;
 
 /// Maximum number of grid points of a box.
-pub const MOST_POINTS: usize = 1 << 28;
+pub const MAX_POINTS: usize = 1 << 28;
 
 /// Minimum number of grid points along an axis.
-pub const LEAST_POINTS: usize = 8;
+pub const MIN_POINTS: usize = 8;
 
 /// Schema of the section `[grid]`.
 pub(super) const GRID: Form = Form::section(
@@ -18,7 +18,7 @@ pub(super) const GRID: Form = Form::section(
     &[Group::always(&[
         Item::required(
             "cells",
-            Type::Counts { length: [2, 2], least: LEAST_POINTS, order: Order::Even },
+            Type::Counts { length: [2, 2], least: MIN_POINTS, order: Order::Even },
             "",
             "[64, 64]",
             "points along each axis: even, at least 8",
@@ -85,7 +85,7 @@ pub(super) const LIMITS: Form = Form::section(
 /// Grid of a periodic box that is convected with the mean flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// Grid points along each axis; even, at least [`LEAST_POINTS`].
+    /// Grid points along each axis; even, at least [`MIN_POINTS`].
     pub cells: [usize; 2],
     /// Initial edge lengths, m; positive.
     pub lengths: [f64; 2],
@@ -126,9 +126,9 @@ impl Grid {
         }
         let cells: Vec<usize> = section.required("cells")?;
         let Ok(cells) = <[usize; 2]>::try_from(cells) else { return Err(section.wrong("cells")) };
-        if cells[0].checked_mul(cells[1]).is_none_or(|count| count > MOST_POINTS) {
+        if cells[0].checked_mul(cells[1]).is_none_or(|count| count > MAX_POINTS) {
             let found = format!("{} × {} points", cells[0], cells[1]);
-            let allowed = format!("expected at most {MOST_POINTS} in all");
+            let allowed = format!("expected at most {MAX_POINTS} in all");
             return Err(section.error("cells", found, allowed));
         }
         let lengths: Vec<f64> = section.required("length")?;

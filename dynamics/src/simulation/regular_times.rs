@@ -15,13 +15,13 @@ pub struct RegularTimes {
 }
 
 /// Maximum number of times between the first and the last one: 2⁵³, the largest index that `f64` resolves.
-const MOST_INSIDE: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
+const MAX_INSIDE: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
 
 impl RegularTimes {
     /// `interval` and `duration` in s, positive. If the duration exceeds 2⁵³ intervals, the times between are cut off
     /// there.
     pub fn new(interval: f64, duration: f64) -> Self {
-        let inside = (duration / interval - 1e-6).floor().clamp(0.0, MOST_INSIDE);
+        let inside = (duration / interval - 1e-6).floor().clamp(0.0, MAX_INSIDE);
         Self { interval, duration, count: inside as usize + 2 }
     }
 

@@ -3,7 +3,7 @@
 use crate::solid::medium::Medium;
 
 /// Maximum number of steps of a run.
-const MOST_STEPS: f64 = 1e12;
+const MAX_STEPS: f64 = 1e12;
 
 /// Fraction of a step that counts as rounding.
 const ROUNDING: f64 = 1e-9;
@@ -65,7 +65,7 @@ impl TimeSteps {
         let by_rotation = rotation / greatest(&mut { frequencies });
         let longest = by_waves.min(by_rotation);
         let count = (duration / longest * (1.0 - 1e-12)).ceil().max(1.0);
-        if count > MOST_STEPS {
+        if count > MAX_STEPS {
             return Err(TooManySteps { count, longest });
         }
         let limit = if by_rotation < by_waves { StepLimit::Rotation } else { StepLimit::Wave };

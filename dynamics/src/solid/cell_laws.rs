@@ -26,7 +26,7 @@ impl Interval {
 }
 
 /// Maximum number of fields: three velocities, three spins, nine stresses, nine couple stresses, six viscous strains.
-pub(crate) const MOST_FIELDS: usize = 30;
+pub(crate) const MAX_FIELDS: usize = 30;
 
 /// Number of steps between two flushes of subnormal numbers: few, so that values rarely become subnormal in between.
 const FLUSH_INTERVAL: usize = 16;

@@ -171,7 +171,7 @@ fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
 
 /// Computes the energy densities of media as quadratic forms in the fields of a domain: two field indices and one
 /// coefficient per medium. Kinetic terms come first; their number is returned, too.
-pub(crate) fn energy_terms_of_all(
+pub(crate) fn energy_terms_by_medium(
     media: &[Medium],
     fields: &[Field],
 ) -> (BTreeMap<[usize; 2], Vec<f64>>, usize) {

@@ -205,9 +205,9 @@ fn branches<const D: usize>(theory: Theory) -> usize {
     modes(&form, wave).len()
 }
 
-/// Verifies the orders between the two finest grids for every branch: `least[0]` for the largest error of all
-/// components, `least[1]` for each field whose error exceeds a tenth of it. Orders of components are printed only:
-/// where errors of several kinds cancel in a component, its order differs until one kind dominates.
+/// Verifies the order of convergence between the two finest grids for every branch: at least `least[0]` for the largest
+/// component error, at least `least[1]` for each field whose error exceeds a tenth of the largest one. Orders of single
+/// components are only printed: where errors of different origin cancel, they are not asymptotic.
 fn orders<const D: usize>(counts: &[usize], slopes: Slopes, least: [f64; 2]) {
     let [.., last, most] = counts else { panic!("two grids") };
     let order_of =

@@ -14,7 +14,7 @@
 use models::solid::parameters::Isotropic;
 
 /// Fronts with jumps below this fraction of the elastic limit are dropped, since collisions create ever smaller ones.
-const LEAST_JUMP: f64 = 1e-9;
+const MIN_JUMP: f64 = 1e-9;
 
 /// Constants of a bar.
 #[derive(Clone, Copy, Debug)]
@@ -265,7 +265,7 @@ impl Bar {
             }
             // Contact: velocity and stress are continuous up to rounding, φ jumps.
             let inner = to_right.last().map_or(right, |own| own.0);
-            let scale = LEAST_JUMP * self.elastic_limit();
+            let scale = MIN_JUMP * self.elastic_limit();
             let is_contact =
                 states.last().is_some_and(|own| (own.difference - inner.difference).abs() > scale);
             if is_contact {
@@ -287,9 +287,9 @@ impl Bar {
         self.drop_least(profile);
     }
 
-    /// Drops fronts whose jumps are all below [`LEAST_JUMP`].
+    /// Drops fronts whose jumps are all below [`MIN_JUMP`].
     fn drop_least(&self, profile: &mut Profile) {
-        let scale = LEAST_JUMP * self.elastic_limit();
+        let scale = MIN_JUMP * self.elastic_limit();
         let impedance = (self.density * self.elastic_modulus).sqrt();
         let mut index = 0;
         while index < profile.fronts.len() {

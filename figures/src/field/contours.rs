@@ -16,7 +16,7 @@ const LEVEL_DASHES: [f64; 2] = [7.0, 5.0];
 const DARK: f64 = 0.6;
 
 /// Maximum number of contour points, counting 10 extra points per line; above it no contour lines are drawn.
-const MOST_LEVEL_POINTS: usize = 60_000;
+const MAX_LEVEL_POINTS: usize = 60_000;
 /// Spacing of the hatching of negative values, pixels.
 const RULED: f64 = 8.0;
 
@@ -89,7 +89,7 @@ impl FieldFigure {
                     .collect();
                 // Lines too short to be drawn count as well: a field with many of them has no meaningful contours.
                 effort += 10 + points.len();
-                if effort > MOST_LEVEL_POINTS {
+                if effort > MAX_LEVEL_POINTS {
                     return if scale.is_signed { Levels::Ruled } else { Levels::TooMany };
                 }
                 if polyline_length(&points) > 12.0 {

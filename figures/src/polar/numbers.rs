@@ -39,7 +39,7 @@ pub(crate) fn best_numbers(
             .iter()
             .map(|spoke| (ray - spoke).rem_euclid(180.0))
             .map(|gap| gap.min(180.0 - gap))
-            .fold(MOST_ROOM, f64::min)
+            .fold(MAX_ROOM, f64::min)
     };
     let best = (0..=28).map(|step| STEEP[0] + 2.0 * f64::from(step)).map(|ray| {
         let numbers = numbers(rings, unit, centre, rim, ray);
@@ -48,7 +48,7 @@ pub(crate) fn best_numbers(
             .map(backing)
             .filter(|area| lines.iter().any(|line| !clip(line, *area).is_empty()));
         // A spoke behind the numbers costs as much as covered curves.
-        let cost = covered.count() as f64 + numbers.len() as f64 * (1.0 - room(ray) / MOST_ROOM);
+        let cost = covered.count() as f64 + numbers.len() as f64 * (1.0 - room(ray) / MAX_ROOM);
         (cost, numbers)
     });
     best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, numbers)| numbers)
@@ -62,7 +62,7 @@ pub(crate) fn most_numbers(length: f64) -> usize {
 /// Range of the angles of the ray of numbers, degrees: steep, so that numbers do not overlap. Angular distance to
 /// spokes, degrees, above which spokes cost nothing.
 const STEEP: [f64; 2] = [242.0, 298.0];
-const MOST_ROOM: f64 = 12.0;
+const MAX_ROOM: f64 = 12.0;
 
 /// Returns the background area of a number on a ring.
 pub(crate) fn backing(text: &Text) -> Rectangle {

@@ -79,7 +79,8 @@ pub(crate) fn clear_sign(x: Rounded) -> Option<i8> {
     (x.bound < RESOLUTION * x.value.abs()).then_some(if x.value > 0.0 { 1 } else { -1 })
 }
 
-/// Whether a friction or dilatancy angle (rad) is far enough below a right angle for a formula to decide.
+/// Whether the cosine of a friction or dilatancy angle (rad) is at least [`MIN_COSINE`]: closer to 90° the verdict in
+/// closed form is not reliable.
 pub(crate) fn is_below_right_angle(angle: f64) -> bool {
     angle.cr_cos() >= MIN_COSINE
 }

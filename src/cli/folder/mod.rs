@@ -25,7 +25,7 @@ pub use publication::Publication;
 pub use run::{Begun, RunFolder};
 pub use verify::{Verification, verify};
 
-use crate::case::{Case, LARGEST_FILE};
+use crate::case::{Case, MAX_FILE};
 use files::FileError;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
@@ -63,7 +63,7 @@ impl ResultFolder {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
         let (text, without_plot_options) = (case.to_toml(), case.without_plot_options().to_toml());
         let own = Self { path, case: text, without_plot_options, force };
-        if own.case.len() as u64 > LARGEST_FILE {
+        if own.case.len() as u64 > MAX_FILE {
             let bytes = own.case.len();
             return Err(OutputError {
                 path: own.path.join(CASE),

@@ -15,7 +15,7 @@ use models::common::elementary::Elementary;
 use serde::Serialize;
 
 /// Maximum number of points per axis in grid refinement.
-const MOST_POINTS: usize = 4096;
+const MAX_POINTS: usize = 4096;
 
 /// Initial wave vector of a plane wave.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -99,7 +99,7 @@ fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
         let found = format!("{grids:?} without a perturbation");
         return refuse(found, "add [grid], [time] and [[initial]], or leave it out");
     }
-    if let Some(odd) = grids.iter().find(|own| *own % 2 == 1 || **own > MOST_POINTS) {
+    if let Some(odd) = grids.iter().find(|own| *own % 2 == 1 || **own > MAX_POINTS) {
         return refuse(odd.to_string(), "even numbers of points along each axis, up to 4096");
     }
     for kind in case.compare.iter().flatten().filter(|_| !grids.is_empty()) {

@@ -9,7 +9,7 @@ use models::flow::RotationKind;
 use std::path::Path;
 
 /// Maximum size of an archive: this number of arrays of the grid plus [`LARGEST`] bytes.
-const MOST_ARRAYS: u64 = 64;
+const MAX_ARRAYS: u64 = 64;
 const LARGEST: u64 = 1 << 20;
 
 /// Perturbations at the grid points, first axis fastest.
@@ -97,7 +97,7 @@ impl Fields {
             "an archive (NPZ) with v1, v2 and the field that evolves, such as fields.npz of a run";
         let unusable = |cause: &str| (format!("'{path}': {cause}"), NEEDS);
         let points = run.grid.count();
-        let most = LARGEST + MOST_ARRAYS.saturating_mul(8 * points as u64);
+        let most = LARGEST + MAX_ARRAYS.saturating_mul(8 * points as u64);
         let bytes = files::read_regular_within(Path::new(path), most)
             .map_err(|error| unusable(&error.to_string()))?;
         if files::checksum(&bytes) != checksum {

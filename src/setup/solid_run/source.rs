@@ -60,19 +60,19 @@ fn shares(
 }
 
 /// Maximum number of cells or faces in the square or cube around a bell kernel.
-const MOST_PLACES: f64 = 1e7;
+const MAX_PLACES: f64 = 1e7;
 
-/// Checks that a bell kernel is at most twice as wide as the grid and covers at most [`MOST_PLACES`] cells or faces.
+/// Checks that a bell kernel is at most twice as wide as the grid and covers at most [`MAX_PLACES`] cells or faces.
 fn check_radius(dynamics: &Dynamics, axes: &[usize], radius: f64, key: &str) -> Result<(), Error> {
     let grid = &dynamics.grid;
     let widest = (0..grid.dimensions()).map(|axis| grid.cells[axis] as f64 * grid.spacing[axis]);
     let widest = 2.0 * widest.fold(0.0, f64::max);
     let places: f64 = axes.iter().map(|&axis| 2.0 * radius / grid.spacing[axis] + 1.0).product();
-    if radius <= widest && places <= MOST_PLACES {
+    if radius <= widest && places <= MAX_PLACES {
         return Ok(());
     }
     let found = format!("found {radius:?}, over {places:.1e} cells");
-    let allowed = format!("at most {widest:?}, twice the grid, and {MOST_PLACES:e} cells");
+    let allowed = format!("at most {widest:?}, twice the grid, and {MAX_PLACES:e} cells");
     Err(dynamics.locate(&format!("{key}.radius"), found, allowed).into())
 }
 

@@ -18,13 +18,13 @@ const POINT_EVALUATIONS: f64 = 7e5;
 const CELL: f64 = 20.0;
 
 /// Limit of single-thread time, s: thirty days.
-const MOST_TIME: f64 = 30.0 * 86400.0;
+const MAX_TIME: f64 = 30.0 * 86400.0;
 /// Limit of the number of steps.
-const MOST_STEPS: f64 = 1e10;
+const MAX_STEPS: f64 = 1e10;
 /// Limit of the number of snapshots.
-const MOST_SNAPSHOTS: f64 = 1e5;
+const MAX_SNAPSHOTS: f64 = 1e5;
 /// Limit of the bytes of the tables, and of all snapshots.
-const MOST_BYTES: f64 = 1e12;
+const MAX_BYTES: f64 = 1e12;
 
 /// Estimated cost of a run; for a flow a lower bound, since steps may be shorter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,15 +122,15 @@ impl Cost {
     pub fn excess(&self) -> Option<Excess> {
         use Amount::{SnapshotBytes, Snapshots, Steps, TableBytes, Time};
         let all = [
-            ("time.duration", Steps(self.steps), Steps(MOST_STEPS)),
-            ("output.snapshot_interval", Snapshots(self.snapshots), Snapshots(MOST_SNAPSHOTS)),
+            ("time.duration", Steps(self.steps), Steps(MAX_STEPS)),
+            ("output.snapshot_interval", Snapshots(self.snapshots), Snapshots(MAX_SNAPSHOTS)),
             (
                 "output.snapshot_interval",
                 SnapshotBytes(self.snapshot_bytes),
-                SnapshotBytes(Bytes(MOST_BYTES)),
+                SnapshotBytes(Bytes(MAX_BYTES)),
             ),
-            ("output.ledger_interval", TableBytes(self.table_bytes), TableBytes(Bytes(MOST_BYTES))),
-            ("time.duration", Time(self.time), Time(MOST_TIME)),
+            ("output.ledger_interval", TableBytes(self.table_bytes), TableBytes(Bytes(MAX_BYTES))),
+            ("time.duration", Time(self.time), Time(MAX_TIME)),
         ];
         let excess = |(key, found, allowed): (_, Amount, Amount)| Excess { key, found, allowed };
         // NaN also exceeds the limit.

@@ -28,7 +28,7 @@ const LINES: f64 = 200.0;
 const DIRECTIONS: usize = 36;
 
 /// Greatest stable product of time step and decay rate, with the maximum of 2000 stages per step.
-const GREATEST_PRODUCT: f64 = 2.4e6;
+const MAX_PRODUCT: f64 = 2.4e6;
 
 /// Simulation of a flow with its solver problem.
 pub(super) struct FlowJob<'a> {
@@ -66,7 +66,7 @@ impl<'a> FlowJob<'a> {
         let snapshots = looks(output.snapshot_interval);
         let lines = looks(output.ledger_interval).max(LINES);
         let product = time.duration * self.greatest_rate().unwrap_or(0.0);
-        let steps = LINES.max(product / GREATEST_PRODUCT);
+        let steps = LINES.max(product / MAX_PRODUCT);
         let stages = (1.5 * product / steps).sqrt().max(2.0);
         let looked = steps + snapshots + (lines - LINES);
         let columns: usize = receivers.iter().map(|own| own.fields.len()).sum();

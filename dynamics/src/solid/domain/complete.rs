@@ -2,7 +2,7 @@
 //! first axis, which is applied to a copy.
 
 use super::table::WavePair;
-use super::{Domain, MOST_FIELDS, SolverReal};
+use super::{Domain, MAX_FIELDS, SolverReal};
 use crate::simd::{Group, Real};
 use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::{BESIDE, BoundaryFaces, GhostCoefficients, ghosts, image, set_time};
@@ -70,7 +70,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &self,
         cell: usize,
         sides: Option<&ClosingBoundaries<T>>,
-    ) -> [T; MOST_FIELDS] {
+    ) -> [T; MAX_FIELDS] {
         let mut values = self.cell_state(cell);
         let Some(sides) = sides.filter(|_| self.schedule.steps > 0) else { return values };
         let pattern = self.materials.patterns[self.layout.slot(cell).0.group];

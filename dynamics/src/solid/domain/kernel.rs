@@ -18,7 +18,7 @@ use std::ops::Range;
 
 /// Number of fields prefetched for each pair of waves: 24 by 6 pairs in a Cosserat solid in space, 12 by 3 in the
 /// plane. Viscous strains, which sweeps do not read, are left to the hardware prefetcher.
-pub(crate) const MOST_SHARE: usize = 4;
+pub(crate) const MAX_SHARE: usize = 4;
 
 /// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `soon`, else into L2.
 #[inline(always)]
@@ -105,10 +105,10 @@ pub(crate) struct Lines<'a, T: Real> {
     /// Whether the path begins with the ghosts at the lower end, where no state is carried yet. The sweep overwrites
     /// ghosts like all groups: they must be filled again before another sweep.
     pub(crate) begins: bool,
-    /// L1 prefetch distance in groups (some lines, or the next row): rows and layers are too far apart for the hardware
-    /// prefetcher.
+    /// L1 prefetch distance, in groups: a few lines in sweeps across rows, one row in sweeps along rows, which are too far
+    /// apart for the hardware prefetcher.
     pub(crate) next: usize,
-    /// L2 prefetch distance, and which of the [`MOST_SHARE`] fields of each pair are prefetched.
+    /// L2 prefetch distance, and which of the [`MAX_SHARE`] fields of each pair are prefetched.
     pub(crate) later: (usize, Range<usize>),
     /// Carried state by line and pair of waves.
     pub(crate) carried: &'a mut [Carried<T::Lanes>],

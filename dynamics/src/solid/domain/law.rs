@@ -1,7 +1,7 @@
 //! Local laws, which act in a cell between sweeps: rotation of spins against antisymmetric stress, relaxation, rotation
 //! by the curvature of rows, yield sets.
 //!
-//! A new law needs changes in [`crate::solid::cell_laws`] (formula, `MOST_FIELDS`); here and in a new file (constants
+//! A new law needs changes in [`crate::solid::cell_laws`] (formula, `MAX_FIELDS`); here and in a new file (constants
 //! by lane pattern, kernel, [`needs_whole_state`]); `step` (position in the time step);
 //! [`Medium`](crate::solid::medium::Medium) (history fields, energy); `models::solid::waves::Field` and the matches
 //! over it; [`crate::solid::ledger`] and `output` if it dissipates; [`crate::solid::reference`], which tests compare

@@ -2,7 +2,7 @@
 
 use super::diagnostics::Diagnostics;
 use super::layout::RowSegment;
-use super::{Domain, MOST_FIELDS, SolverReal};
+use super::{Domain, MAX_FIELDS, SolverReal};
 use crate::exact_sum::ExactSum;
 use crate::simd::{Group, MAX_LANES, Real, SimdKernel, Vector};
 use crate::solid::cell_laws::{
@@ -26,8 +26,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Returns all fields of a cell.
-    pub(super) fn cell_state(&self, cell: usize) -> [T; MOST_FIELDS] {
-        let mut values = [T::ZERO; MOST_FIELDS];
+    pub(super) fn cell_state(&self, cell: usize) -> [T; MAX_FIELDS] {
+        let mut values = [T::ZERO; MAX_FIELDS];
         for (value, (_, place)) in values.iter_mut().zip(self.places()) {
             *value = self.at(cell, place);
         }
@@ -40,7 +40,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Returns the stress of a state.
-    pub(super) fn stress_of(&self, values: &[T; MOST_FIELDS]) -> Stress {
+    pub(super) fn stress_of(&self, values: &[T; MAX_FIELDS]) -> Stress {
         stress_of(self.fields(), values)
     }
 

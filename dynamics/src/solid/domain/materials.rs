@@ -7,7 +7,7 @@ use super::table::{Table, WavePair};
 use crate::simd::{Group, Real};
 use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::GhostCoefficients;
-use crate::solid::medium::{Medium, energy_terms_of_all};
+use crate::solid::medium::{Medium, energy_terms_by_medium};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use models::solid::waves::Field;
@@ -264,7 +264,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
 
 impl<T: Real> EnergyTerms<T> {
     fn new(media: &[Medium], fields: &[Field], patterns: &[Vec<u16>], pitch: usize) -> Self {
-        let (terms, kinetic) = energy_terms_of_all(media, fields);
+        let (terms, kinetic) = energy_terms_by_medium(media, fields);
         let factors = patterns.iter().map(|pattern| {
             let of = |term: &Vec<f64>| {
                 T::Lanes::by_lane(|lane| T::from_f64(term[usize::from(pattern[lane])]))

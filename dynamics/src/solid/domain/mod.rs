@@ -79,7 +79,7 @@ pub(crate) use schedule::most_steps;
 pub use solver_real::SolverReal;
 
 use crate::simd::{Group, Instructions, Number};
-use crate::solid::cell_laws::MOST_FIELDS;
+use crate::solid::cell_laws::MAX_FIELDS;
 use crate::solid::ledger::{Energy, Ledger, WorkSums};
 use crate::solid::problem::{DomainError, Grid, Problem, Scheme};
 use boundaries::Boundaries;

@@ -2,7 +2,7 @@
 
 use super::fill::{Fill, FillEnd, FillOneSided};
 use super::kernel::interlayers::InterlayerLines;
-use super::kernel::{Lines, MOST_SHARE};
+use super::kernel::{Lines, MAX_SHARE};
 use super::layout::{GroupIndex, RowSegment};
 use super::rows::Rows;
 use super::schedule::CHUNK;
@@ -283,7 +283,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             _ => return (0, 0..0),
         };
         let behind = self.schedule.ahead + GHOSTS * (rows + layers * self.layout.rows);
-        let share = MOST_SHARE / parts;
+        let share = MAX_SHARE / parts;
         (behind * self.layout.row_size(), part * share..(part + 1) * share)
     }
 

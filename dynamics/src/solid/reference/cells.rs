@@ -2,7 +2,7 @@
 
 use super::Reference;
 use crate::solid::cell_laws::{
-    Interval, MOST_FIELDS, RelaxedFields, SpinStressRotation, apply_source, combined, correction,
+    Interval, MAX_FIELDS, RelaxedFields, SpinStressRotation, apply_source, combined, correction,
     flush_limit, over_interval, push, relax, relaxation_over, relaxed_fields, rotated,
     rotated_fields, spin_stress_rotation, stress_of,
 };
@@ -93,8 +93,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Returns the values of all fields of a cell.
-    pub(super) fn state(&self, cell: usize) -> [T; MOST_FIELDS] {
-        let mut state = [T::ZERO; MOST_FIELDS];
+    pub(super) fn state(&self, cell: usize) -> [T; MAX_FIELDS] {
+        let mut state = [T::ZERO; MAX_FIELDS];
         for (value, field) in state.iter_mut().zip(&self.fields) {
             *value = field[cell];
         }

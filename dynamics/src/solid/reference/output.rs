@@ -8,7 +8,7 @@ use crate::solid::domain::{BOUNDARY_LAYER, SolverReal};
 use crate::solid::ghosts::{BoundaryFaces, set_time};
 use crate::solid::ledger::{EnergySums, WorkSums};
 use crate::solid::line;
-use crate::solid::medium::{component, energy_terms_of_all};
+use crate::solid::medium::{component, energy_terms_by_medium};
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::snapshot::Snapshot;
 use models::solid::stress::Stress;
@@ -193,7 +193,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
     /// Computes the energy sums.
     pub(super) fn energy_sums(&self) -> EnergySums {
-        let (terms, kinetic) = energy_terms_of_all(&self.problem.media, &self.names);
+        let (terms, kinetic) = energy_terms_by_medium(&self.problem.media, &self.names);
         let mut sums = EnergySums::default();
         for (cell, medium) in self.problem.of_cell.iter().enumerate() {
             let mut of_cell = [0.0; 2];
