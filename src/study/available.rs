@@ -1,8 +1,11 @@
 //! Memory available within the system, the process limits and the control group limits.
 
-use crate::study::simulate::Bytes;
 use std::fmt::{Display, Formatter};
 use std::path::Path;
+
+/// Number of bytes.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Bytes(pub f64);
 
 /// Fraction of the available memory that a plan may use; the rest is for allocations not counted.
 const PART: f64 = 0.9;

@@ -14,8 +14,9 @@ mod stop;
 mod value;
 mod watch;
 
+pub use super::available::Bytes;
 pub use cost::{Amount, Cost, Excess};
-pub use plan::{Bytes, Plan, Warning, Work};
+pub use plan::{Plan, Warning, Work};
 pub use record::{Effort, Head, Moment, Recorder, TableKind, column_unit};
 pub use stop::{IllPosed, StopCause, Stopped};
 pub use value::{

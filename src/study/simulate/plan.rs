@@ -1,6 +1,6 @@
 //! Plan of a simulation: size, time steps, cost and warnings.
 
-use super::Cost;
+use super::{Bytes, Cost};
 use crate::Error;
 use crate::case::CaseError;
 use crate::study::available::Available;
@@ -45,10 +45,6 @@ pub enum Work {
         wave_numbers: [f64; 2],
     },
 }
-
-/// Number of bytes.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub struct Bytes(pub f64);
 
 /// Warning: a setting that is probably unintended.
 #[derive(Clone, Debug, PartialEq)]
