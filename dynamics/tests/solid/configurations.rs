@@ -333,8 +333,9 @@ fn numbers<T: SolverReal>(memory: &[[T; 2]]) -> [Vec<T>; 1] {
     [memory.as_flattened().to_vec()]
 }
 
-/// Compares all runs of the random problems from number `first` on; `traces`: magnitude of small initial values.
-fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
+/// Compares all runs of the random problems from number `first` on; `small`: magnitude of the initial values that are
+/// flushed to zero.
+fn same<T: SolverReal, const D: usize>(first: usize, small: f64) {
     let wanted = std::env::var("CONFIGURATIONS").ok();
     let wanted = wanted.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
     let (mut yielding, mut divided, mut relaxing, mut layered) = (0, 0, 0, 0);
@@ -345,7 +346,7 @@ fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
         let steps = [chance.below(4), chance.one_of(&[1, 1, 2, 7, 20, 20])];
         let start = Start {
             seed: chance.seed + (3 << 30),
-            scale: chance.one_of(&[1.0, 1.0, 1.0, traces]),
+            scale: chance.one_of(&[1.0, 1.0, 1.0, small]),
             share: chance.one_of(&[1.0, 1.0, 0.5, 0.05]),
         };
         // Along the first axis the stencil of output needs two more cells.
@@ -395,24 +396,24 @@ fn same<T: SolverReal, const D: usize>(first: usize, traces: f64) {
 }
 
 /// Initial magnitudes close to the flush threshold 2⁴⁰·MIN_POSITIVE, in double and single precision.
-const TRACES: [f64; 2] = [f64::MIN_POSITIVE * 2e13, f32::MIN_POSITIVE as f64 * 2e13];
+const SMALL: [f64; 2] = [f64::MIN_POSITIVE * 2e13, f32::MIN_POSITIVE as f64 * 2e13];
 
 #[test]
 fn in_the_plane() {
-    same::<f64, 2>(0, TRACES[0]);
+    same::<f64, 2>(0, SMALL[0]);
 }
 
 #[test]
 fn in_space() {
-    same::<f64, 3>(1_000_000, TRACES[0]);
+    same::<f64, 3>(1_000_000, SMALL[0]);
 }
 
 #[test]
 fn in_single_precision_in_the_plane() {
-    same::<f32, 2>(2_000_000, TRACES[1]);
+    same::<f32, 2>(2_000_000, SMALL[1]);
 }
 
 #[test]
 fn in_single_precision_in_space() {
-    same::<f32, 3>(3_000_000, TRACES[1]);
+    same::<f32, 3>(3_000_000, SMALL[1]);
 }

@@ -457,14 +457,14 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
                 let values = (0..grid.count()).map(|i| value(index, i) as f32);
                 split.set(field, &values.collect::<Vec<_>>());
             }
-            let traces = |split: &DecomposedDomain<f32, D>| {
+            let small_values = |split: &DecomposedDomain<f32, D>| {
                 let all = fields.iter().filter_map(|field| split.values(*field)).flatten();
                 all.filter(|value| *value != 0.0 && f64::from(value.abs()) < LIMIT).count()
             };
             split.advance(15);
-            assert!(traces(&split) > 0);
+            assert!(small_values(&split) > 0);
             split.advance(1);
-            assert_eq!(traces(&split), 0, "{parts} {instructions:?}");
+            assert_eq!(small_values(&split), 0, "{parts} {instructions:?}");
             // The next flush comes after the first step of a two-step pass, in a restored solver.
             split.advance(1);
             let mut other: DecomposedDomain<f32, D> =
@@ -473,7 +473,7 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
             assert!(other.restore(&split.snapshot()));
             let mut split = other;
             split.advance(14);
-            assert!(traces(&split) > 0);
+            assert!(small_values(&split) > 0);
             split.advance(2);
             assert!(split.ledger().plastic > 0.0);
             let mut found = Vec::new();

@@ -94,6 +94,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Creates a subdomain as [`Self::part`] does, from a problem that has been checked.
     pub(crate) fn of_region(problem: &Problem<D>, region: &Region<D>, most_steps: usize) -> Self {
+        // `SolverReal` compiles the kernels for these dimensions alone.
+        const { assert!(D == 2 || D == 3) }
         let layout = Layout::new::<T>(problem, region);
         let is_periodic = |axis: usize| {
             problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0]
