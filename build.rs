@@ -5,27 +5,27 @@ use std::process::Command;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rustc-env=WELLPOSED_COMMIT={}", commit().unwrap_or("unknown".into()));
+    println!("cargo::rustc-env=WELLPOSED_COMMIT={}", read_commit().unwrap_or("unknown".into()));
 }
 
 /// The commit of this very repository; a copy inside another one has none.
-fn commit() -> Option<String> {
+fn read_commit() -> Option<String> {
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR")?);
-    let top = git(&root, &["rev-parse", "--show-toplevel"])?;
+    let top = run_git(&root, &["rev-parse", "--show-toplevel"])?;
     if Path::new(&top).canonicalize().ok()? != root.canonicalize().ok()? {
         return None;
     }
     // A commit or a checkout changes one of these; watching an absent file would build each time.
     for name in ["HEAD", "refs/heads", "packed-refs"] {
-        let path = root.join(git(&root, &["rev-parse", "--git-path", name])?);
+        let path = root.join(run_git(&root, &["rev-parse", "--git-path", name])?);
         if path.exists() {
             println!("cargo::rerun-if-changed={}", path.display());
         }
     }
-    git(&root, &["rev-parse", "--short=9", "--verify", "HEAD"])
+    run_git(&root, &["rev-parse", "--short=9", "--verify", "HEAD"])
 }
 
-fn git(root: &Path, arguments: &[&str]) -> Option<String> {
+fn run_git(root: &Path, arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").current_dir(root).args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?.trim().to_owned();
     (output.status.success() && !text.is_empty()).then_some(text)

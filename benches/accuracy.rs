@@ -11,77 +11,89 @@
 #[path = "../tests/reference/mod.rs"]
 mod reference;
 
-use reference::run::{Place, Settings};
-use reference::{PROBLEMS, Problem, Row};
+use reference::comparison::{ReceiverPlacement, ReferenceSettings};
+use reference::{ComponentError, REFERENCE_PROBLEMS, ReferenceProblem};
 use std::path::PathBuf;
 
 fn main() {
     let mut program = PathBuf::from(env!("CARGO_BIN_EXE_wellposed"));
-    let (mut place, mut sets, mut problems) = (Place::Point, Vec::new(), Vec::new());
-    let (mut up, mut kernel, mut is_spread, mut cells) = (None, None, false, Vec::new());
+    let (mut receiver_placement, mut overrides, mut problems) =
+        (ReceiverPlacement::Point, Vec::new(), Vec::new());
+    let (mut surface_axis, mut kernel, mut has_kernel_convolution) = (None, None, false);
+    let mut cell_counts = Vec::new();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let mut value = || arguments.next().unwrap_or_else(|| panic!("{argument} needs a value"));
         match argument.as_str() {
             "--program" => program = value().into(),
-            "--set" => sets.push(value()),
-            "--up" => up = Some(value().parse::<usize>().expect("an axis from 1") - 1),
+            "--set" => overrides.push(value()),
+            "--up" => surface_axis = Some(value().parse::<usize>().expect("an axis from 1") - 1),
             "--cells" => {
                 let numbers = value();
-                cells = numbers.split(',').map(|n| n.parse().expect("a number")).collect();
+                cell_counts = numbers.split(',').map(|n| n.parse().expect("a number")).collect();
             }
             "--before" => {
-                let before = ["scheme.order=eno2", "scheme.splitting=two-cyclic", "time.courant=1"];
-                sets.extend(before.map(str::to_owned));
+                let settings =
+                    ["scheme.order=eno2", "scheme.splitting=two-cyclic", "time.courant=1"];
+                overrides.extend(settings.map(str::to_owned));
                 kernel = Some("cell");
             }
-            "--spread" => is_spread = true,
+            "--spread" => has_kernel_convolution = true,
             "--receivers" => {
-                place = match value().as_str() {
-                    "cell" => Place::Cell,
-                    "point" => Place::Point,
+                receiver_placement = match value().as_str() {
+                    "cell" => ReceiverPlacement::CellCentre,
+                    "point" => ReceiverPlacement::Point,
                     other => panic!("--receivers {other}: allowed are cell, point"),
                 }
             }
             "--bench" => {}
-            name => match PROBLEMS.iter().find(|problem| problem.name == name) {
+            name => match REFERENCE_PROBLEMS.iter().find(|problem| problem.name == name) {
                 Some(problem) => problems.push(*problem),
                 None => {
-                    let names = PROBLEMS.map(|problem| problem.name).join(", ");
+                    let names = REFERENCE_PROBLEMS.map(|problem| problem.name).join(", ");
                     panic!("{name}: no such problem or option; problems are {names}");
                 }
             },
         }
     }
     if problems.is_empty() {
-        problems = PROBLEMS.to_vec();
+        problems = REFERENCE_PROBLEMS.to_vec();
     }
     for problem in problems {
-        let cells = match (cells.as_slice(), problem.dimensions) {
+        let cell_counts = match (cell_counts.as_slice(), problem.dimensions) {
             ([], 3) => vec![10.0, 20.0],
             ([], _) => vec![10.0, 20.0, 40.0],
-            (cells, _) => cells.to_vec(),
+            (counts, _) => counts.to_vec(),
         };
-        let run = |cells| {
-            let settings =
-                Settings { program: &program, cells, place, up, kernel, sets: &sets, is_spread };
-            (problem.rows)(&settings)
+        let run = |cells_per_wavelength| {
+            let settings = ReferenceSettings {
+                program: &program,
+                cells_per_wavelength,
+                receiver_placement,
+                surface_axis,
+                kernel,
+                overrides: &overrides,
+                has_kernel_convolution,
+            };
+            (problem.compute_errors)(&settings)
         };
-        let tables: Vec<Vec<Row>> = cells.iter().map(|cells| run(*cells)).collect();
-        print(&problem, &cells, &tables);
+        let tables: Vec<Vec<ComponentError>> =
+            cell_counts.iter().map(|count| run(*count)).collect();
+        print_table(&problem, &cell_counts, &tables);
     }
 }
 
 /// Prints the table of a problem: L2 and maximum errors, %, by receiver and component on each grid, and the order of
 /// the L2 error between the two finest grids; rows are grouped by distance in wavelengths.
-fn print(problem: &Problem, cells: &[f64], tables: &[Vec<Row>]) {
-    let header = cells.iter().map(|cells| format!(" {cells} |")).collect::<String>();
+fn print_table(problem: &ReferenceProblem, cell_counts: &[f64], tables: &[Vec<ComponentError>]) {
+    let header = cell_counts.iter().map(|count| format!(" {count} |")).collect::<String>();
     println!("\n| {}: L2 (max), % | wavelengths |{header} order |", problem.name);
-    println!("|---|---|{}---|", "---|".repeat(cells.len()));
+    println!("|---|---|{}---|", "---|".repeat(cell_counts.len()));
     for group in [0.0, 1.0, 2.0] {
-        let own = |row: &&Row| row.distance > group + 1e-9 || (group == 0.0);
-        let own = |row: &&Row| own(row) && row.distance <= group + 1.0 + 1e-9;
-        for row in tables[0].iter().filter(own) {
+        let is_in_group = |row: &&ComponentError| {
+            (row.distance > group + 1e-9 || group == 0.0) && row.distance <= group + 1.0 + 1e-9
+        };
+        for row in tables[0].iter().filter(is_in_group) {
             let errors: Vec<_> = tables
                 .iter()
                 .map(|table| {
@@ -92,7 +104,7 @@ fn print(problem: &Problem, cells: &[f64], tables: &[Vec<Row>]) {
                 .iter()
                 .map(|e| format!(" {:.2} ({:.2}) |", 100.0 * e.l2, 100.0 * e.max))
                 .collect();
-            let order = match (cells, errors.as_slice()) {
+            let order = match (cell_counts, errors.as_slice()) {
                 ([.., coarse, fine], [.., a, b]) => {
                     format!("{:.2}", (a.l2 / b.l2).ln() / (fine / coarse).ln())
                 }

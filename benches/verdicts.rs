@@ -8,74 +8,79 @@
 #[path = "../tests/states/mod.rs"]
 mod states;
 
-use analysis::flows::Workspace;
+use analysis::flows::FlowWorkspace;
 use analysis::growth::Verdict;
-use models::flow::state::{Flow, State};
+use models::flow::state::{DeformingFlow, MaterialState};
 use models::flow::{FlowKind, Model};
 use models::registry;
 use rayon::prelude::*;
-use states::{Range, seeded};
+use states::{ParameterRange, create_random_numbers};
 use std::hint::black_box;
 use std::time::Instant;
-use testkit::flows::Parameters;
+use testkit::flows::FlowParameters;
 
 /// Number of rounds; the median is reported.
-const ROUNDS: usize = 7;
+const ROUND_COUNT: usize = 7;
 /// Number of states per model.
-const STATES: u64 = 2_000;
+const STATE_COUNT: u64 = 2_000;
 
-struct Sample {
-    parameters: Parameters,
-    state: State,
+struct StateSample {
+    parameters: FlowParameters,
+    state: MaterialState,
     model: Model,
-    flow: Flow,
+    flow: DeformingFlow,
 }
 
 /// Random states of a model: half of them with ν > 0 and, independently, half with gradients and accelerations.
-fn samples(kind: FlowKind) -> Vec<Sample> {
-    (0..STATES)
+fn generate_samples(kind: FlowKind) -> Vec<StateSample> {
+    (0..STATE_COUNT)
         .map(|seed| {
-            let random = &mut seeded(seed);
-            let (dilatant, gradients) = (seed % 2 == 0, seed / 2 % 2 == 0);
-            let (parameters, state) =
-                states::random(random, kind, Range::Materials, dilatant, gradients);
-            let (model, flow) = states::flow(kind, &parameters, &state);
-            Sample { parameters, state, model, flow }
+            let random = &mut create_random_numbers(seed);
+            let (is_dilatant, has_gradients) = (seed % 2 == 0, seed / 2 % 2 == 0);
+            let (parameters, state) = states::generate_state(
+                random,
+                kind,
+                ParameterRange::GranularMaterials,
+                is_dilatant,
+                has_gradients,
+            );
+            let (model, flow) = states::build_flow(kind, &parameters, &state);
+            StateSample { parameters, state, model, flow }
         })
         .collect()
 }
 
-/// Measures samples per second, median over the rounds; each sample is assessed `repeats` times per round.
-fn rate<W: Send>(
+/// Measures samples per second, median over the rounds; each sample is assessed `repeat_count` times per round.
+fn measure_rate<W: Send>(
     pool: &rayon::ThreadPool,
-    samples: &[&Sample],
-    repeats: usize,
-    workspace: impl Fn() -> W + Sync,
-    judge: impl Fn(&mut W, &Sample) + Sync,
+    samples: &[&StateSample],
+    repeat_count: usize,
+    create_workspace: impl Fn() -> W + Sync,
+    assess: impl Fn(&mut W, &StateSample) + Sync,
 ) -> f64 {
-    let mut seconds: Vec<f64> = (0..ROUNDS)
+    let mut seconds: Vec<f64> = (0..ROUND_COUNT)
         .map(|_| {
             let start = Instant::now();
             pool.install(|| {
-                (0..repeats * samples.len())
+                (0..repeat_count * samples.len())
                     .into_par_iter()
                     .with_min_len(64)
-                    .for_each_init(&workspace, |w, i| judge(w, samples[i % samples.len()]));
+                    .for_each_init(&create_workspace, |w, i| assess(w, samples[i % samples.len()]));
             });
             start.elapsed().as_secs_f64()
         })
         .collect();
     seconds.sort_by(f64::total_cmp);
-    (repeats * samples.len()) as f64 / seconds[ROUNDS / 2]
+    (repeat_count * samples.len()) as f64 / seconds[ROUND_COUNT / 2]
 }
 
 fn main() {
-    let by_model = registry::STANDARD_FLOWS.map(|kind| (kind.name(), samples(kind)));
-    let mut groups: Vec<(&str, Vec<&Sample>)> =
+    let by_model = registry::STANDARD_FLOWS.map(|kind| (kind.name(), generate_samples(kind)));
+    let mut groups: Vec<(&str, Vec<&StateSample>)> =
         by_model.iter().map(|(name, samples)| (*name, samples.iter().collect())).collect();
     groups.push(("all models", by_model.iter().flat_map(|(_, samples)| samples).collect()));
 
-    println!("verdicts per second, medians of {ROUNDS} rounds");
+    println!("verdicts per second, medians of {ROUND_COUNT} rounds");
     println!(
         "threads  model              (a) model-blind  (b) closed form  (b) with checks  answered"
     );
@@ -83,32 +88,36 @@ fn main() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.expect("threads");
         for (name, samples) in &groups {
-            let model_blind = rate(&pool, samples, 1, Workspace::default, |workspace, s| {
-                black_box(workspace.assess(&s.model, &s.flow).expect("finite coefficients"));
-            });
-            let answered: Vec<&Sample> = samples
+            let model_blind =
+                measure_rate(&pool, samples, 1, FlowWorkspace::default, |workspace, s| {
+                    black_box(workspace.assess(&s.model, &s.flow).expect("finite coefficients"));
+                });
+            let answered: Vec<&StateSample> = samples
                 .iter()
                 .copied()
                 .filter(|s| s.model.closed_form(&s.flow).is_some())
                 .collect();
-            let repeats = 1_000_000 / answered.len().max(1);
-            let closed_form = rate(
+            let repeat_count = 1_000_000 / answered.len().max(1);
+            let closed_form = measure_rate(
                 &pool,
                 &answered,
-                repeats,
+                repeat_count,
                 || (),
                 |(), s| {
                     black_box(s.model.closed_form(black_box(&s.flow)).map(Verdict::from));
                 },
             );
-            let with_checks = rate(
+            let with_checks = measure_rate(
                 &pool,
                 &answered,
-                repeats,
+                repeat_count,
                 || (),
                 |(), s| {
-                    let (model, flow) =
-                        states::flow(s.model.kind(), black_box(&s.parameters), black_box(&s.state));
+                    let (model, flow) = states::build_flow(
+                        s.model.kind(),
+                        black_box(&s.parameters),
+                        black_box(&s.state),
+                    );
                     black_box(model.closed_form(&flow).map(Verdict::from));
                 },
             );

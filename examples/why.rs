@@ -10,17 +10,18 @@
 
 use std::error::Error;
 use std::path::Path;
-use wellposed::figures::{FieldAxis, FieldFigure, Format};
-use wellposed::study::{simulate::Settings, unwatched};
+use wellposed::figures::{FieldAxis, FieldFigure, FigureFormat};
+use wellposed::study::{ignore_progress, simulate::SimulationSettings};
 
-const CASE: &str = "cases/flow/plastic-potential-in-time.toml";
+const CASE_PATH: &str = "cases/flow/plastic-potential-in-time.toml";
 
 /// Changes to the case for both models: long waves only, with an amplitude and a duration for which no point of any run
 /// leaves the fully deforming region.
-const BOTH: [&str; 3] = ["initial[0].to=8", "initial[0].amplitude=1e-3", "time.duration=1.4e-3"];
+const COMMON_SETTINGS: [&str; 3] =
+    ["initial[0].to=8", "initial[0].amplitude=1e-3", "time.duration=1.4e-3"];
 
 /// Further changes to the case for the well-posed model.
-const WELL_POSED: [&str; 4] = [
+const WELL_POSED_SETTINGS: [&str; 4] = [
     "model.kind=harris-grekova",
     "model.moment_of_inertia=1.25e-7",
     "model.rotational_strength=0",
@@ -28,32 +29,36 @@ const WELL_POSED: [&str; 4] = [
 ];
 
 /// Numbers of grid points along each axis.
-const GRIDS: [usize; 2] = [64, 128];
+const POINT_COUNTS: [usize; 2] = [64, 128];
 
 /// Limit of the colour scale, 1/s: deviation of the shear rate from its mean of 5 1/s.
-const SCALE: f64 = 0.3;
+const COLOUR_LIMIT: f64 = 0.3;
 
 /// Width and height, pixels, of the left part to which a panel of 1600 × 1100 pixels is cropped before it is halved.
-const KEPT: [usize; 2] = [1400, 1100];
+const CROP_SIZE: [usize; 2] = [1400, 1100];
 
 /// RGB image, three bytes per pixel, row by row.
-struct Image {
+struct RgbImage {
     width: usize,
     bytes: Vec<u8>,
 }
 
 /// Draws the panel of a run: the deviation of the shear rate from its mean at the end time.
-fn panel(title: &str, settings: &[&str], points: usize) -> Result<Image, Box<dyn Error>> {
+fn draw_panel(title: &str, settings: &[&str], points: usize) -> Result<RgbImage, Box<dyn Error>> {
     let grid = format!("grid.cells=[{points}, {points}]");
-    let settings = BOTH.iter().chain(settings).copied().chain([grid.as_str()]);
-    let case = wellposed::load(CASE, settings)?;
-    let point = wellposed::point(&case, &unwatched)?;
+    let settings = COMMON_SETTINGS.iter().chain(settings).copied().chain([grid.as_str()]);
+    let case = wellposed::load(CASE_PATH, settings)?;
+    let point = wellposed::analyse_point(&case, &ignore_progress)?;
     let verdict = point.verdict().ok_or("the mean flow is on yield")?.name();
-    let found = wellposed::simulate(&case, Settings { accept_ill_posed: true }, &unwatched)?;
+    let found = wellposed::simulate(
+        &case,
+        SimulationSettings { accept_ill_posed: true },
+        &ignore_progress,
+    )?;
     let values = found.fields.get("shear_rate").ok_or("a flow has a shear rate")?;
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let [length, _] = found.length.ok_or("a flow has a box")?;
-    let axis = |index| FieldAxis { label: format!("x{index}, m"), from: 0.0, to: length };
+    let [length, _] = found.box_lengths.ok_or("a flow has a box")?;
+    let axis = |index| FieldAxis { label: format!("x{index}, m"), start: 0.0, end: length };
     let figure = FieldFigure {
         title: format!("{title} ({verdict}), {points} × {points} points"),
         subtitle: format!(
@@ -68,23 +73,23 @@ fn panel(title: &str, settings: &[&str], points: usize) -> Result<Image, Box<dyn
         label: "shear rate less its mean of 5 1/s, 1/s".to_owned(),
         is_signed: true,
         limit: None,
-        scale: Some(SCALE),
-        curves: Some(Vec::new()),
-        outlines: Vec::new(),
-        plastic: Vec::new(),
+        fixed_limit: Some(COLOUR_LIMIT),
+        contour_levels: Some(Vec::new()),
+        material_indices: Vec::new(),
+        has_yielded: Vec::new(),
         marks: Vec::new(),
     };
-    let bytes = figure.draw(Format::Png)?;
+    let bytes = figure.draw(FigureFormat::Png)?;
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
     let mut image = vec![0; reader.output_buffer_size().ok_or("a picture has a size")?];
     reader.next_frame(&mut image)?;
     let width = reader.info().width as usize;
-    Ok(half(&Image { width, bytes: image }))
+    Ok(crop_and_halve(&RgbImage { width, bytes: image }))
 }
 
-/// Crops an image to [`KEPT`] and halves its size: each pixel is the mean of 2 × 2 pixels.
-fn half(image: &Image) -> Image {
-    let [width, height] = KEPT.map(|size| size / 2);
+/// Crops an image to [`CROP_SIZE`] and halves its size: each pixel is the mean of 2 × 2 pixels.
+fn crop_and_halve(image: &RgbImage) -> RgbImage {
+    let [width, height] = CROP_SIZE.map(|size| size / 2);
     let mut bytes = Vec::with_capacity(3 * width * height);
     for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
         for colour in 0..3 {
@@ -94,16 +99,16 @@ fn half(image: &Image) -> Image {
             bytes.push(((sum + 2) / 4) as u8);
         }
     }
-    Image { width, bytes }
+    RgbImage { width, bytes }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let file = std::env::args().nth(1).ok_or("usage: why FILE.png")?;
     let models: [(&str, &[&str]); 2] =
-        [("Plastic potential", &[]), ("Harris–Grekova", &WELL_POSED)];
-    let mut all = Image { width: KEPT[0], bytes: Vec::new() };
+        [("Plastic potential", &[]), ("Harris–Grekova", &WELL_POSED_SETTINGS)];
+    let mut all = RgbImage { width: CROP_SIZE[0], bytes: Vec::new() };
     for (title, settings) in models {
-        let [left, right] = GRIDS.map(|points| panel(title, settings, points));
+        let [left, right] = POINT_COUNTS.map(|points| draw_panel(title, settings, points));
         let (left, right) = (left?, right?);
         let rows = left.bytes.chunks(3 * left.width).zip(right.bytes.chunks(3 * right.width));
         all.bytes.extend(rows.flat_map(|(left, right)| [left, right].concat()));

@@ -1,7 +1,7 @@
 //! Errors of the library.
 
 use crate::case::CaseError;
-use crate::study::simulate::IllPosed;
+use crate::study::simulate::IllPosedness;
 
 /// Reason why a study failed or its result could not be reported.
 #[derive(Debug, thiserror::Error)]
@@ -10,8 +10,8 @@ pub enum Error {
     #[error(transparent)]
     Case(#[from] CaseError),
     /// The equations of the flow are ill-posed, and a simulation was not explicitly accepted.
-    #[error("{0}; Settings::accept_ill_posed runs it all the same")]
-    IllPosed(IllPosed),
+    #[error("{0}; SimulationSettings::accept_ill_posed runs it all the same")]
+    IllPosed(IllPosedness),
     /// The map does not fit into memory.
     #[error("no memory for a map of {points} points: ask for fewer")]
     Memory {
@@ -32,7 +32,7 @@ pub enum Error {
     Figure(#[from] figures::FigureError),
     /// A table could not be created.
     #[error(transparent)]
-    Table(#[from] files::csv::RowLength),
+    Table(#[from] files::csv::RowLengthError),
     /// An archive of arrays could not be created.
     #[error(transparent)]
     Archive(#[from] files::npz::NpzError),

@@ -10,26 +10,26 @@
 //! | study | result |
 //! |---|---|
 //! | [`load`] | a [`Case`], read from a file and checked |
-//! | [`point()`] | [`PointResult`](study::PointResult): analysis of one state: background, characteristics, roots, growth, verdict with evidence |
-//! | [`map()`] | [`MapResult`](study::MapResult): the verdict over two parameters of the case |
-//! | [`dispersion()`] | [`Dispersion`](study::Dispersion): dispersion relation of a solid: frequencies and speeds of its waves by wave number |
-//! | [`speeds()`] | [`Speeds`](study::Speeds): characteristic speeds of a solid by direction, elastic and yielding |
-//! | [`simulate()`] | [`RunResult`](study::RunResult): time-domain simulation of a solid or a flow: fields, receiver records, energy ledger |
-//! | [`check()`] | [`CheckResult`](study::CheckResult): frequencies and growth rates of waves: predicted by the analysis, measured by a solver |
+//! | [`analyse_point`] | [`PointResult`](study::PointResult): analysis of one state: background, characteristics, roots, growth, verdict with evidence |
+//! | [`compute_map`] | [`MapResult`](study::MapResult): the verdict over two parameters of the case |
+//! | [`compute_dispersion`] | [`DispersionResult`](study::DispersionResult): dispersion relation of a solid: frequencies and speeds of its waves by wave number |
+//! | [`compute_speeds`] | [`SpeedsResult`](study::SpeedsResult): characteristic speeds of a solid by direction, elastic and yielding |
+//! | [`simulate`] | [`RunResult`](study::RunResult): time-domain simulation of a solid or a flow: fields, receiver records, energy ledger |
+//! | [`check_agreement`] | [`CheckResult`](study::CheckResult): frequencies and growth rates of waves: predicted by the analysis, measured by a solver |
 //!
 //! Harris–Grekova (2005) at constant volume is well-posed while stress and deformation rate are less than 45° apart:
 //!
 //! ```
-//! use wellposed::study::unwatched;
+//! use wellposed::study::ignore_progress;
 //!
 //! let path = "cases/granular-flow/noncoaxiality-bound.toml";
-//! let inside = wellposed::point(&wellposed::load(path, &["background.noncoaxiality_deg=40"])?, &unwatched)?;
-//! let outside = wellposed::point(&wellposed::load(path, &["background.noncoaxiality_deg=50"])?, &unwatched)?;
+//! let inside = wellposed::analyse_point(&wellposed::load(path, &["background.noncoaxiality_deg=40"])?, &ignore_progress)?;
+//! let outside = wellposed::analyse_point(&wellposed::load(path, &["background.noncoaxiality_deg=50"])?, &ignore_progress)?;
 //! assert_eq!(inside.verdict().map(|verdict| verdict.name()), Some("well-posed"));
 //! assert_eq!(outside.verdict().map(|verdict| verdict.name()), Some("ill-posed"));
 //!
 //! // The report that `wellposed point --format json` prints.
-//! println!("{:#}", wellposed::report::json(&outside)?);
+//! println!("{:#}", wellposed::report::to_json(&outside)?);
 //! # Ok::<(), wellposed::Error>(())
 //! ```
 //!
@@ -75,8 +75,8 @@ pub use ::cases as case;
 pub use ::cases::CASES;
 pub use error::Error;
 pub use study::{
-    check::check, dispersion::dispersion, map::map, point::point, simulate::simulate,
-    speeds::speeds,
+    check::check_agreement, dispersion::compute_dispersion, map::compute_map, point::analyse_point,
+    simulate::simulate, speeds::compute_speeds,
 };
 
 use case::Case;
@@ -102,10 +102,10 @@ pub const NO_SETTINGS: [&str; 0] = [];
 /// ```
 /// let path = "cases/cosserat/forbidden-band.toml";
 /// let case = wellposed::load(path, ["wave.number=3"])?;
-/// assert_eq!(case.get("wave.number"), Some(3.0));
+/// assert_eq!(case.number("wave.number"), Some(3.0));
 /// for number in [1.0, 2.0] {
 ///     let case = wellposed::load(path, [format!("wave.number={number}")])?;
-///     assert_eq!(case.get("wave.number"), Some(number));
+///     assert_eq!(case.number("wave.number"), Some(number));
 /// }
 /// wellposed::load(path, wellposed::NO_SETTINGS)?;
 /// # Ok::<(), wellposed::Error>(())

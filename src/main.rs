@@ -7,9 +7,9 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::VERSION;
-use wellposed::case::{Kind, Medium, Yield};
-use wellposed::cli::new::{self, Purpose};
-use wellposed::cli::{self, Control, Error, Format, Options, cases, signals};
+use wellposed::case::{MediumKind, ModelKind, Yield};
+use wellposed::cli::new::{self, TemplateKind};
+use wellposed::cli::{self, CheckpointSettings, Error, Options, OutputFormat, cases, signals};
 use wellposed::study::MapOptions;
 
 /// Well-posedness of continuum models of granular media.
@@ -25,40 +25,40 @@ enum Verb {
     /// Verdict over two parameters of a case: picture, data and a summary in words
     Map {
         #[command(flatten)]
-        run: Common,
+        arguments: CaseArguments,
         /// Also locate the greatest growth rate over all waves at every point
-        #[arg(long)]
-        bound: bool,
+        #[arg(long = "bound")]
+        computes_bound: bool,
         /// Also give the greatest growth rate at the wave of the case at every point
-        #[arg(long)]
-        growth_rate: bool,
+        #[arg(long = "growth-rate")]
+        computes_growth_rate: bool,
         /// Decide every point from the linearised equations, none by a model's closed form
-        #[arg(long)]
-        model_blind: bool,
+        #[arg(long = "model-blind")]
+        is_model_blind: bool,
     },
     /// Everything about one state: background, characteristics, roots, growth, verdict
     Point {
         #[command(flatten)]
-        run: Common,
+        arguments: CaseArguments,
     },
     /// Frequencies and speeds of the waves of a solid against the wave number
     Dispersion {
         #[command(flatten)]
-        run: Common,
+        arguments: CaseArguments,
     },
     /// Characteristic speeds of a solid against the direction, elastic and yielding
     Speeds {
         #[command(flatten)]
-        run: Common,
+        arguments: CaseArguments,
     },
     /// Solve a solid or a flow in time: fields, receivers, energy ledger and a picture
     Run {
         #[command(flatten)]
-        run: Common,
+        arguments: CaseArguments,
         /// Seconds between two checkpoints, from which an interrupted run resumes
-        #[arg(long, value_name = "SECONDS", default_value_t = cli::CHECKPOINT_EVERY,
-            value_parser = seconds)]
-        checkpoint_every: f64,
+        #[arg(long = "checkpoint-every", value_name = "SECONDS", default_value_t = cli::DEFAULT_CHECKPOINT_INTERVAL,
+            value_parser = parse_seconds)]
+        checkpoint_interval: f64,
         /// Run a flow although its equations are ill-posed: finer grids give other solutions
         #[arg(long)]
         accept_ill_posed: bool,
@@ -66,7 +66,7 @@ enum Verb {
     /// Predict complex frequencies and measure them in time: table, picture; exit code 1 where both disagree
     Check {
         #[command(flatten)]
-        run: Common,
+        arguments: CaseArguments,
     },
     /// Go on with a run that was interrupted or killed; its results are the same bits
     Resume {
@@ -76,12 +76,12 @@ enum Verb {
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
         /// Seconds between two checkpoints
-        #[arg(long, value_name = "SECONDS", default_value_t = cli::CHECKPOINT_EVERY,
-            value_parser = seconds)]
-        checkpoint_every: f64,
+        #[arg(long = "checkpoint-every", value_name = "SECONDS", default_value_t = cli::DEFAULT_CHECKPOINT_INTERVAL,
+            value_parser = parse_seconds)]
+        checkpoint_interval: f64,
         /// Form of what is printed
         #[arg(long, value_enum, default_value = "text")]
-        format: FormatName,
+        format: FormatArgument,
     },
     /// Draw the pictures of a finished run again
     Plot {
@@ -94,23 +94,23 @@ enum Verb {
         folder: PathBuf,
         /// Form of what is printed
         #[arg(long, value_enum, default_value = "text")]
-        format: FormatName,
+        format: FormatArgument,
     },
     /// List the cases that come with the program
     Cases,
     /// Write a commented case to start from
     New {
         /// Kind of model
-        #[arg(value_parser = PossibleValuesParser::new(Kind::all().into_iter().map(Kind::name)).try_map(kind))]
-        kind: Kind,
+        #[arg(value_parser = PossibleValuesParser::new(ModelKind::all_kinds().into_iter().map(ModelKind::name)).try_map(parse_kind))]
+        kind: ModelKind,
         /// Yield set of a solid that yields
         #[arg(long = "yield", value_name = "SET", value_parser =
             PossibleValuesParser::new(registry::yield_sets().into_iter().map(|set| set.name))
-                .try_map(yield_set))]
-        yields: Option<Yield>,
+                .try_map(parse_yield_set))]
+        yield_set: Option<Yield>,
         /// A solid or a flow in time, for wellposed run
         #[arg(long = "run")]
-        runs: bool,
+        is_simulation: bool,
         /// File to write [default: <KIND>.toml]
         file: Option<PathBuf>,
         /// Overwrite the file if it exists
@@ -120,8 +120,8 @@ enum Verb {
     /// Print the schema of case files: JSON Schema for editors, or the reference page
     Schema {
         /// The reference page, in Markdown
-        #[arg(long)]
-        markdown: bool,
+        #[arg(long = "markdown")]
+        is_markdown: bool,
     },
     /// Print completions for a shell
     Completions {
@@ -130,90 +130,91 @@ enum Verb {
     },
 }
 
-/// What all verbs take that run a case.
+/// Arguments of all verbs that run a case.
 #[derive(Args)]
-struct Common {
+struct CaseArguments {
     /// The case file
-    case: PathBuf,
+    #[arg(id = "case")]
+    case_path: PathBuf,
     /// Set a key of the case, as in background.pressure=500; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
-    sets: Vec<String>,
+    settings: Vec<String>,
     /// Form of what is printed
     #[arg(long, value_enum, default_value = "text")]
-    format: FormatName,
+    format: FormatArgument,
     /// Folder for the results [default: out/<name of the case>]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[arg(long = "out", value_name = "DIR")]
+    output_folder: Option<PathBuf>,
     /// Overwrite results of another case
     #[arg(long)]
     force: bool,
     /// Check everything and say what would be done; write nothing
-    #[arg(long)]
-    dry_run: bool,
+    #[arg(long = "dry-run")]
+    is_dry_run: bool,
     /// Number of threads [default: one per core]; results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum FormatName {
+enum FormatArgument {
     Text,
     Json,
 }
 
-impl From<FormatName> for Format {
-    fn from(name: FormatName) -> Self {
+impl From<FormatArgument> for OutputFormat {
+    fn from(name: FormatArgument) -> Self {
         match name {
-            FormatName::Text => Self::Text,
-            FormatName::Json => Self::Json,
+            FormatArgument::Text => Self::Text,
+            FormatArgument::Json => Self::Json,
         }
     }
 }
 
-fn kind(name: String) -> Result<Kind, String> {
-    Kind::from_name(&name).ok_or_else(|| format!("no kind of model is called {name}"))
+fn parse_kind(name: String) -> Result<ModelKind, String> {
+    ModelKind::from_name(&name).ok_or_else(|| format!("no kind of model is called {name}"))
 }
 
-fn yield_set(name: String) -> Result<Yield, String> {
-    registry::yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
+fn parse_yield_set(name: String) -> Result<Yield, String> {
+    registry::find_yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
 /// Parses the wall time between checkpoints, s; with 0 a checkpoint is written after every batch of steps.
-fn seconds(text: &str) -> Result<f64, String> {
+fn parse_seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
     seconds.ok_or_else(|| "expected a finite number of at least 0, in seconds".to_owned())
 }
 
-impl From<Common> for Options {
-    fn from(run: Common) -> Self {
+impl From<CaseArguments> for Options {
+    fn from(arguments: CaseArguments) -> Self {
         Self {
-            case: run.case,
-            sets: run.sets,
-            format: run.format.into(),
-            out: run.out,
-            force: run.force,
-            dry_run: run.dry_run,
-            threads: run.threads.map(usize::from),
+            case_path: arguments.case_path,
+            settings: arguments.settings,
+            format: arguments.format.into(),
+            output_folder: arguments.output_folder,
+            force: arguments.force,
+            is_dry_run: arguments.is_dry_run,
+            threads: arguments.threads.map(usize::from),
             accept_ill_posed: false,
         }
     }
 }
 
 fn main() -> ExitCode {
-    signals::install();
+    signals::install_signal_handlers();
     let verb = match CommandLine::try_parse() {
         Ok(line) => line.verb,
-        Err(error) => return refuse_usage(&error),
+        Err(error) => return report_usage_error(&error),
     };
-    let format = verb.format();
-    match carry_out(verb) {
+    let format = verb.output_format();
+    match execute(verb) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if error.exit_code() != 0 {
                 // A closed standard error is ignored.
                 let _ = match format {
-                    Format::Text => writeln!(std::io::stderr(), "error: {error}"),
-                    Format::Json => writeln!(std::io::stderr(), "{}", error.to_json()),
+                    OutputFormat::Text => writeln!(std::io::stderr(), "error: {error}"),
+                    OutputFormat::Json => writeln!(std::io::stderr(), "{}", error.to_json()),
                 };
             }
             ExitCode::from(error.exit_code())
@@ -222,11 +223,11 @@ fn main() -> ExitCode {
 }
 
 /// Prints the usage error, or the requested help.
-fn refuse_usage(error: &clap::Error) -> ExitCode {
+fn report_usage_error(error: &clap::Error) -> ExitCode {
     let arguments: Vec<String> =
-        std::env::args_os().map(|own| own.to_string_lossy().into_owned()).collect();
+        std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
     let wants_json = arguments.windows(2).any(|pair| pair == ["--format", "json"])
-        || arguments.iter().any(|own| own == "--format=json");
+        || arguments.iter().any(|argument| argument == "--format=json");
     if wants_json && error.use_stderr() {
         let text = error.render().to_string();
         let message = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
@@ -239,52 +240,59 @@ fn refuse_usage(error: &clap::Error) -> ExitCode {
 
 impl Verb {
     /// Returns the output format of the verb.
-    fn format(&self) -> Format {
+    fn output_format(&self) -> OutputFormat {
         match self {
-            Self::Map { run, .. }
-            | Self::Point { run }
-            | Self::Dispersion { run }
-            | Self::Speeds { run }
-            | Self::Run { run, .. }
-            | Self::Check { run } => run.format.into(),
+            Self::Map { arguments, .. }
+            | Self::Point { arguments }
+            | Self::Dispersion { arguments }
+            | Self::Speeds { arguments }
+            | Self::Run { arguments, .. }
+            | Self::Check { arguments } => arguments.format.into(),
             Self::Resume { format, .. } | Self::Verify { format, .. } => (*format).into(),
-            _ => Format::Text,
+            _ => OutputFormat::Text,
         }
     }
 }
 
-fn carry_out(verb: Verb) -> Result<(), Error> {
+fn execute(verb: Verb) -> Result<(), Error> {
     let mut stdout = std::io::stdout().lock();
     match verb {
-        Verb::Map { run, bound, growth_rate, model_blind } => {
-            let asked = MapOptions { bound, growth_rate, model_blind };
-            cli::map(&run.into(), asked, &mut stdout)?;
+        Verb::Map { arguments, computes_bound, computes_growth_rate, is_model_blind } => {
+            let map_options = MapOptions { computes_bound, computes_growth_rate, is_model_blind };
+            cli::run_map(&arguments.into(), map_options, &mut stdout)?;
         }
-        Verb::Point { run } => cli::point(&run.into(), &mut stdout)?,
-        Verb::Dispersion { run } => cli::dispersion(&run.into(), &mut stdout)?,
-        Verb::Speeds { run } => cli::speeds(&run.into(), &mut stdout)?,
-        Verb::Run { run, checkpoint_every, accept_ill_posed } => {
-            let options = Options { accept_ill_posed, ..run.into() };
-            cli::run(&options, Control { checkpoint_every }, &mut stdout)?;
+        Verb::Point { arguments } => cli::run_point(&arguments.into(), &mut stdout)?,
+        Verb::Dispersion { arguments } => cli::run_dispersion(&arguments.into(), &mut stdout)?,
+        Verb::Speeds { arguments } => cli::run_speeds(&arguments.into(), &mut stdout)?,
+        Verb::Run { arguments, checkpoint_interval, accept_ill_posed } => {
+            let options = Options { accept_ill_posed, ..arguments.into() };
+            cli::run_simulation(
+                &options,
+                CheckpointSettings { interval: checkpoint_interval },
+                &mut stdout,
+            )?;
         }
-        Verb::Check { run } => cli::check(&run.into(), &mut stdout)?,
-        Verb::Resume { folder, threads, checkpoint_every, format } => {
+        Verb::Check { arguments } => cli::run_check(&arguments.into(), &mut stdout)?,
+        Verb::Resume { folder, threads, checkpoint_interval, format } => {
             let threads = threads.map(usize::from);
-            let control = Control { checkpoint_every };
-            cli::resume(&folder, threads, control, format.into(), &mut stdout)?;
+            let checkpoint_settings = CheckpointSettings { interval: checkpoint_interval };
+            cli::resume(&folder, threads, checkpoint_settings, format.into(), &mut stdout)?;
         }
         Verb::Plot { folder } => cli::plot(&folder, &mut stdout)?,
         Verb::Verify { folder, format } => cli::verify(&folder, format.into(), &mut stdout)?,
-        Verb::Cases => cases::run(&mut stdout)?,
-        Verb::New { kind, yields, runs, file, force } => {
-            let medium = Medium::new(kind, yields)?;
-            let purpose = if runs { Purpose::Run } else { Purpose::State };
-            let path = new::run(medium, purpose, file.as_deref(), force)?;
+        Verb::Cases => cases::list_cases(&mut stdout)?,
+        Verb::New { kind, yield_set, is_simulation, file, force } => {
+            let medium = MediumKind::new(kind, yield_set)?;
+            let purpose =
+                if is_simulation { TemplateKind::Simulation } else { TemplateKind::SingleState };
+            let path = new::write_template(medium, purpose, file.as_deref(), force)?;
             let _ = writeln!(std::io::stderr(), "wrote {}", path.display());
         }
-        Verb::Schema { markdown: true } => write!(stdout, "{}", wellposed::case::reference())?,
-        Verb::Schema { markdown: false } => {
-            writeln!(stdout, "{:#}", wellposed::case::json_schema())?;
+        Verb::Schema { is_markdown: true } => {
+            write!(stdout, "{}", wellposed::case::generate_reference())?
+        }
+        Verb::Schema { is_markdown: false } => {
+            writeln!(stdout, "{:#}", wellposed::case::generate_json_schema())?;
         }
         Verb::Completions { shell } => {
             let mut text = Vec::new();

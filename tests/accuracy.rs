@@ -2,13 +2,13 @@
 
 mod reference;
 
-use reference::run::Settings;
-use reference::{PROBLEMS, Row};
+use reference::comparison::ReferenceSettings;
+use reference::{ComponentError, REFERENCE_PROBLEMS};
 use std::path::Path;
 
 /// Bounds on the relative L2 error of components up to three wavelengths from the source, by problem: 1.1 times the
 /// present errors. `benches/accuracy.rs` prints all errors on three grids, also in three dimensions.
-const BOUNDS: [(&str, f64); 7] = [
+const ERROR_BOUNDS: [(&str, f64); 7] = [
     ("lamb-vertical", 0.069),
     ("lamb-horizontal", 0.073),
     ("garvin", 0.053),
@@ -18,88 +18,93 @@ const BOUNDS: [(&str, f64); 7] = [
     ("oblique-s", 0.137),
 ];
 
-fn program() -> &'static Path {
+fn program_path() -> &'static Path {
     Path::new(env!("CARGO_BIN_EXE_wellposed"))
 }
 
-fn rows(name: &str, settings: &Settings) -> Vec<Row> {
-    let problem = PROBLEMS.iter().find(|problem| problem.name == name).expect("a problem");
-    (problem.rows)(settings)
+/// Runs a problem with settings and returns the errors of all components.
+fn compute_errors(name: &str, settings: &ReferenceSettings) -> Vec<ComponentError> {
+    let problem =
+        REFERENCE_PROBLEMS.iter().find(|problem| problem.name == name).expect("a problem");
+    (problem.compute_errors)(settings)
 }
 
 /// Runs a problem and checks the errors of all components against its bound.
-fn check(name: &str) {
-    let (_, bound) = BOUNDS.iter().find(|own| own.0 == name).expect("a bound");
-    check_within(name, *bound, &Settings::new(program(), 20.0));
+fn check_errors(name: &str) {
+    let (_, bound) = ERROR_BOUNDS.iter().find(|(problem, _)| *problem == name).expect("a bound");
+    check_errors_within(name, *bound, &ReferenceSettings::new(program_path(), 20.0));
 }
 
-fn check_within(name: &str, bound: f64, settings: &Settings) {
-    let mut faults = Vec::new();
-    for row in rows(name, settings) {
+fn check_errors_within(name: &str, bound: f64, settings: &ReferenceSettings) {
+    let mut failures = Vec::new();
+    for row in compute_errors(name, settings) {
         println!("{name} {} at {:.2}: {:?}", row.name, row.distance, row.error);
         if row.error.l2.is_nan() || row.error.l2 > bound {
-            faults.push(format!("{}: {:?}", row.name, row.error));
+            failures.push(format!("{}: {:?}", row.name, row.error));
         }
     }
-    assert!(faults.is_empty(), "{name}: more than {bound} in {faults:#?}");
+    assert!(failures.is_empty(), "{name}: more than {bound} in {failures:#?}");
 }
 
 #[test]
-fn lamb_vertical() {
-    check("lamb-vertical");
+fn lamb_problem_with_vertical_force_is_within_error_bound() {
+    check_errors("lamb-vertical");
 }
 
 /// Verifies Lamb's problem with the first axis normal to the surface, where output is completed by half a sweep.
 #[test]
-fn lamb_vertical_across_the_first_axis() {
-    check_within(
+fn lamb_problem_normal_to_first_axis_is_within_error_bound() {
+    check_errors_within(
         "lamb-vertical",
         0.076,
-        &Settings { up: Some(0), ..Settings::new(program(), 20.0) },
+        &ReferenceSettings {
+            surface_axis: Some(0),
+            ..ReferenceSettings::new(program_path(), 20.0)
+        },
     );
 }
 
 /// Verifies that both horizontal directions have nearly equal errors, since sweeps normal to the surface alternate
 /// with sweeps along both other axes.
 #[test]
-fn directions_on_a_surface_in_space_are_alike() {
-    let rows = rows("pekeris", &Settings::new(program(), 10.0));
+fn errors_along_both_surface_axes_are_nearly_equal() {
+    let rows = compute_errors("pekeris", &ReferenceSettings::new(program_path(), 10.0));
     let error = |name: &str| {
         rows.iter().find(|row| row.name == name).expect("a receiver and a component").error.l2
     };
-    for [one, other] in [["surface3.v1", "across3.v2"], ["surface3.v3", "across3.v3"]] {
-        let (one, other) = (error(one), error(other));
-        assert!((one - other).abs() < 0.01 * one, "{one} and {other}");
-        assert!(one < 0.6, "{one}");
+    for [first, second] in [["surface3.v1", "across3.v2"], ["surface3.v3", "across3.v3"]] {
+        let (first, second) = (error(first), error(second));
+        assert!((first - second).abs() < 0.01 * first, "{first} and {second}");
+        assert!(first < 0.6, "{first}");
     }
 }
 
 #[test]
-fn lamb_horizontal() {
-    check("lamb-horizontal");
+fn lamb_problem_with_horizontal_force_is_within_error_bound() {
+    check_errors("lamb-horizontal");
 }
 
 #[test]
-fn garvin() {
-    check("garvin");
+fn garvin_problem_is_within_error_bound() {
+    check_errors("garvin");
 }
 
 #[test]
-fn a_force_inside() {
-    check("inside-force");
+fn line_force_in_full_plane_is_within_error_bound() {
+    check_errors("inside-force");
 }
 
 #[test]
-fn an_explosion_inside() {
-    check("inside-explosion");
+fn line_explosion_in_full_plane_is_within_error_bound() {
+    check_errors("inside-explosion");
 }
 
 #[test]
-fn an_oblique_p_pulse() {
-    check("oblique-p");
+fn oblique_p_pulse_is_within_error_bound() {
+    check_errors("oblique-p");
 }
 
 #[test]
-fn an_oblique_s_pulse() {
-    check("oblique-s");
+fn oblique_s_pulse_is_within_error_bound() {
+    check_errors("oblique-s");
 }

@@ -1,25 +1,23 @@
 //! Verifies that the results of `wellposed check` do not depend on the system of units.
 
+mod support;
+
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
+use support::bundled_case;
 use wellposed::Error;
-use wellposed::case::{Case, Kind, Material, Parameter};
+use wellposed::case::{Case, Material, ModelKind, SweepParameter};
 use wellposed::report;
-use wellposed::study::check::Extent;
-use wellposed::study::unwatched;
-
-fn bundled(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("cases").join(name)
-}
+use wellposed::study::check::CheckExtent;
+use wellposed::study::ignore_progress;
 
 /// Report on a case, as written to `check.json`.
-fn report_of(case: &Case, extent: Extent) -> Result<Value, Error> {
-    report::json(&wellposed::check(case, extent, &unwatched)?)
+fn compute_report(case: &Case, extent: CheckExtent) -> Result<Value, Error> {
+    report::to_json(&wellposed::check_agreement(case, extent, &ignore_progress)?)
 }
 
 /// Exponents of mass, length and time of a unit that is a product of powers; `None` for other units.
-fn dimensions(unit: &str) -> Option<[i32; 3]> {
+fn parse_unit_exponents(unit: &str) -> Option<[i32; 3]> {
     let mut sum = [0; 3];
     let mut sign = 1;
     let mut rest = unit.trim_matches(|c| c == '(' || c == ')').replace(['(', ')'], "");
@@ -53,128 +51,141 @@ fn dimensions(unit: &str) -> Option<[i32; 3]> {
 }
 
 /// Material with values in units that are 2^−powers times the units of mass, length and time.
-fn material_in_other_units(material: &Material, powers: [i32; 3]) -> Material {
+fn scale_material(material: &Material, powers: [i32; 3]) -> Material {
     let mut scaled = material.clone();
-    for parameter in Parameter::all() {
-        let Some(value) = parameter.get(&material.numbers).filter(|own| *own != 0.0) else {
+    for parameter in SweepParameter::all_parameters() {
+        let Some(value) = parameter.value(&material.numbers).filter(|value| *value != 0.0) else {
             continue;
         };
-        let unit = dimensions(parameter.unit())
+        let unit = parse_unit_exponents(parameter.unit())
             .unwrap_or_else(|| panic!("{}: {}", parameter.name(), parameter.unit()));
         let power: i32 = unit.iter().zip(powers).map(|(a, b)| a * b).sum();
-        scaled.set(parameter, value * 2f64.powi(power));
+        scaled.set_number(parameter, value * 2f64.powi(power));
     }
     scaled
 }
 
 /// Case with values in units that are 2^−powers times the units of mass, length and time.
-fn in_other_units(case: &Case, powers: [i32; 3]) -> Case {
+fn scale_case(case: &Case, powers: [i32; 3]) -> Case {
     let mut scaled = case.clone();
-    scaled.material = material_in_other_units(&case.material, powers);
-    if let Some(numbers) = scaled.check.as_mut().and_then(|own| own.numbers.as_mut()) {
-        numbers.iter_mut().for_each(|own| *own *= 2f64.powi(-powers[1]));
+    scaled.material = scale_material(&case.material, powers);
+    if let Some(numbers) =
+        scaled.check_options.as_mut().and_then(|options| options.wave_numbers.as_mut())
+    {
+        numbers.iter_mut().for_each(|number| *number *= 2f64.powi(-powers[1]));
     }
-    if let Some(dynamics) = &mut scaled.dynamics {
+    if let Some(dynamics) = &mut scaled.solid_run {
         for region in &mut dynamics.regions {
-            region.material = material_in_other_units(&region.material, powers);
+            region.material = scale_material(&region.material, powers);
         }
     }
     scaled
 }
 
 /// All rows of a report, of all media.
-fn rows_of(report: &Value) -> Vec<&Value> {
+fn report_rows(report: &Value) -> Vec<&Value> {
     let media = report["media"].as_array().into_iter().flatten();
-    let all = media.chain([report]).filter_map(|own| own["rows"].as_array());
-    all.flatten().collect()
+    let rows = media.chain([report]).filter_map(|medium| medium["rows"].as_array());
+    rows.flatten().collect()
 }
 
 /// Compares a case in other units with its report in SI units: equal rows, verdicts and texts, and rates to all
 /// printed digits. Solids are bit-identical if the powers are even, since square roots of their products are then
 /// powers of two.
-fn compare(name: &str, case: &Case, first: &Value, extent: Extent, powers: [i32; 3]) {
-    let of = format!("{name} {powers:?}");
-    let scaled = in_other_units(case, powers);
-    let found = report_of(&scaled, extent).unwrap_or_else(|error| panic!("{of}: {error}"));
-    assert_eq!(found["agrees"], first["agrees"], "{of}: {found:#}");
-    assert_eq!(found["not_measurable"].is_string(), first["not_measurable"].is_string(), "{of}");
-    let (all, own) = (rows_of(&found), rows_of(first));
-    assert_eq!(all.len(), own.len(), "{of}");
-    let is_solid = matches!(case.material.kind, Kind::Solid(_));
-    let is_exact = is_solid && powers.iter().all(|own| own % 2 == 0);
+fn check_scaled_case(
+    name: &str,
+    case: &Case,
+    first: &Value,
+    extent: CheckExtent,
+    powers: [i32; 3],
+) {
+    let label = format!("{name} {powers:?}");
+    let scaled = scale_case(case, powers);
+    let found = compute_report(&scaled, extent).unwrap_or_else(|error| panic!("{label}: {error}"));
+    assert_eq!(found["agrees"], first["agrees"], "{label}: {found:#}");
+    assert_eq!(found["not_measurable"].is_string(), first["not_measurable"].is_string(), "{label}");
+    let (found_rows, first_rows) = (report_rows(&found), report_rows(first));
+    assert_eq!(found_rows.len(), first_rows.len(), "{label}");
+    let is_solid = matches!(case.material.kind, ModelKind::Solid(_));
+    let is_exact = is_solid && powers.iter().all(|power| power % 2 == 0);
     let to_rate = 2f64.powi(powers[2]);
-    let least = case.get("background.shear_rate").unwrap_or(0.0);
-    for (found, first) in all.into_iter().zip(own) {
+    let shear_rate = case.number("background.shear_rate").unwrap_or(0.0);
+    for (found, first) in found_rows.into_iter().zip(first_rows) {
         for key in ["branch", "response", "mode", "agrees"] {
-            assert_eq!(found[key], first[key], "{of} {key}: {found:#} for {first:#}");
+            assert_eq!(found[key], first[key], "{label} {key}: {found:#} for {first:#}");
         }
         assert_eq!(found["not_measurable"].is_string(), first["not_measurable"].is_string());
-        let pair = |key: &str, part: &str| {
-            let value = |own: &Value| own[key][part].as_f64();
-            (value(found).map(|own| own * to_rate), value(first))
+        let pair = |key: &str, component: &str| {
+            let number = |row: &Value| row[key][component].as_f64();
+            (number(found).map(|number| number * to_rate), number(first))
         };
-        let parts = ["frequency", "growth_rate"];
-        let scale = parts
+        let components = ["frequency", "growth_rate"];
+        let scale = components
             .iter()
-            .filter_map(|part| pair("predicted", part).1)
-            .fold(least, |sum, own| sum.max(own.abs()));
-        for (key, part) in
-            ["predicted", "limit", "frozen"].iter().flat_map(|key| parts.map(|part| (key, part)))
+            .filter_map(|component| pair("predicted", component).1)
+            .fold(shear_rate, |max, number| max.max(number.abs()));
+        for (key, component) in ["predicted", "limit", "frozen"]
+            .iter()
+            .flat_map(|key| components.map(|component| (key, component)))
         {
-            let (found, first) = pair(key, part);
+            let (found, first) = pair(key, component);
             if is_exact {
-                assert_eq!(found, first, "{of} {key} {part}");
+                assert_eq!(found, first, "{label} {key} {component}");
             } else if let (Some(found), Some(first)) = (found, first) {
-                let off = (found - first).abs();
-                assert!(off <= 1e-8 * scale, "{of} {key} {part}: {found} for {first}");
+                let difference = (found - first).abs();
+                assert!(
+                    difference <= 1e-8 * scale,
+                    "{label} {key} {component}: {found} for {first}"
+                );
             }
         }
         let (found, first) = pair("limit", "tolerance");
         if is_solid {
             let (found, first) = (found.expect("a number"), first.expect("a number"));
-            assert!((found / first - 1.0).abs() <= if is_exact { 0.0 } else { 1e-6 }, "{of}");
+            assert!((found / first - 1.0).abs() <= if is_exact { 0.0 } else { 1e-6 }, "{label}");
         }
     }
 }
 
 /// Verifies that other units of mass, length and time change no row and no verdict of any bundled case.
-fn units_change_nothing(extent: Extent, powers: &[[i32; 3]]) {
+fn check_unit_invariance(extent: CheckExtent, powers: &[[i32; 3]]) {
     let mut files = Vec::new();
     for folder in ["check", "cosserat", "dynamics", "flow", "granular-flow"] {
-        let entries = fs::read_dir(bundled(folder)).expect("a folder");
+        let entries = fs::read_dir(bundled_case(folder)).expect("a folder");
         files.extend(entries.map(|entry| entry.expect("an entry").path()));
     }
-    files.retain(|file| file.extension().is_some_and(|own| own == "toml"));
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
     files.sort();
     assert!(files.len() >= 29);
     for (index, file) in files.iter().enumerate() {
         let name = file.file_name().expect("a name").to_string_lossy();
         let mut case = Case::load(file, &[]).expect("a case");
-        let is_flow = matches!(case.material.kind, Kind::Flow(_));
-        let mut asked = case.check.clone().unwrap_or_default();
+        let is_flow = matches!(case.material.kind, ModelKind::Flow(_));
+        let mut asked = case.check_options.clone().unwrap_or_default();
         if is_flow {
             // The boxes of perturbations are not parameters of a case and are not scaled.
-            asked.cells = None;
+            asked.grid_sizes = None;
         }
-        if extent == Extent::Short {
+        if extent == CheckExtent::Short {
             // Coarser grids and fewer waves are sufficient, since units enter all of them alike.
-            let is_plane = case.get("model.dimensions").is_none_or(|own| own == 2.0);
+            let is_plane =
+                case.number("model.dimensions").is_none_or(|dimensions| dimensions == 2.0);
             let cells = if is_plane { vec![12, 16] } else { vec![8, 10] };
-            asked.cells = (!is_flow).then_some(cells);
+            asked.grid_sizes = (!is_flow).then_some(cells);
             asked.directions_deg = Some(vec![30.0]);
         }
-        case.check = Some(asked);
-        let first = report_of(&case, extent).unwrap_or_else(|error| panic!("{name}: {error}"));
+        case.check_options = Some(asked);
+        let first = compute_report(&case, extent).unwrap_or_else(|error| panic!("{name}: {error}"));
         // The short test uses two consecutive sets of powers for each case.
-        let count = if extent == Extent::Short { 2 } else { powers.len() };
+        let count = if extent == CheckExtent::Short { 2 } else { powers.len() };
         for powers in powers.iter().cycle().skip(2 * index).take(count) {
-            compare(&name, &case, &first, extent, *powers);
+            check_scaled_case(&name, &case, &first, extent, *powers);
         }
     }
 }
 
 /// Exponents of 2 for the units of mass, length and time: even and odd.
-const POWERS: [[i32; 3]; 10] = [
+const UNIT_EXPONENTS: [[i32; 3]; 10] = [
     [0, 40, 0],
     [1, 0, 0],
     [0, -40, 0],
@@ -188,13 +199,13 @@ const POWERS: [[i32; 3]; 10] = [
 ];
 
 #[test]
-fn units_change_no_row() {
-    units_change_nothing(Extent::Short, &POWERS);
+fn short_reports_are_invariant_under_change_of_units() {
+    check_unit_invariance(CheckExtent::Short, &UNIT_EXPONENTS);
 }
 
 /// Long form of the preceding test; run by hand.
 #[test]
 #[ignore = "takes long"]
-fn units_change_no_row_of_the_long_form() {
-    units_change_nothing(Extent::Full, &POWERS);
+fn full_reports_are_invariant_under_change_of_units() {
+    check_unit_invariance(CheckExtent::Full, &UNIT_EXPONENTS);
 }

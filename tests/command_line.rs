@@ -1,53 +1,23 @@
 //! Tests of the program from outside: verbs, exit codes, results folders, mutated files.
 
 mod mutation;
+mod program;
 
-use mutation::{mutants, shrunk};
+use mutation::{generate_mutants, shrink_map_grid};
+use program::{PROGRAM_PATH, create_folder, list_entries, run_with_exit_code};
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use wellposed::CASES;
-use wellposed::case::{Case, InTime, Kind};
-use wellposed::cli::folder::results;
+use wellposed::case::{Case, ModelKind, TimeDomainRun};
+use wellposed::cli::folder::result_names;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
-
-/// Creates an empty folder of this name for one test.
-fn folder(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("command_line").join(name);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap();
-    path
-}
-
-/// Runs the program in a folder, with the arguments of one line.
-fn wellposed(folder: &Path, arguments: &str) -> Output {
-    let arguments = arguments.split_whitespace();
-    Command::new(PROGRAM).current_dir(folder).args(arguments).output().unwrap()
-}
-
-/// Runs the program, which must end with `code`; returns standard output and standard error.
-fn ends_with(code: i32, folder: &Path, arguments: &str) -> (String, String) {
-    let output = wellposed(folder, arguments);
-    let stdout = String::from_utf8(output.stdout).unwrap();
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{arguments}\n{stdout}\n{stderr}");
-    (stdout, stderr)
-}
-
-/// Names of the entries of a folder, sorted; empty if there is no folder.
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).into_iter().flatten();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
+const TEST_FOLDER: &str = "command_line";
 
 #[test]
-fn usage_errors_end_with_2_and_help_with_0() {
-    let here = folder("usage");
+fn usage_errors_exit_with_2_and_help_with_0() {
+    let here = create_folder(TEST_FOLDER, "usage");
     for arguments in [
         "",
         "plot",
@@ -57,19 +27,19 @@ fn usage_errors_end_with_2_and_help_with_0() {
         "point a.toml --bound",
         "new granite",
     ] {
-        let (stdout, stderr) = ends_with(2, &here, arguments);
+        let (stdout, stderr) = run_with_exit_code(2, &here, arguments);
         assert!(stdout.is_empty(), "{arguments}: {stdout}");
         assert!(stderr.contains("Usage:") || stderr.contains("error:"), "{arguments}: {stderr}");
     }
     for arguments in ["--help", "map --help", "point --help", "new --help"] {
-        assert!(ends_with(0, &here, arguments).0.contains("Usage:"));
+        assert!(run_with_exit_code(0, &here, arguments).0.contains("Usage:"));
     }
-    assert!(names(&here).is_empty());
+    assert!(list_entries(&here).is_empty());
 }
 
 #[test]
-fn the_version_names_the_commit() {
-    let (stdout, _) = ends_with(0, &folder("version"), "--version");
+fn version_contains_commit() {
+    let (stdout, _) = run_with_exit_code(0, &create_folder(TEST_FOLDER, "version"), "--version");
     let (version, commit) = stdout.trim_end().split_once(" (").unwrap();
     assert_eq!(version, concat!("wellposed ", env!("CARGO_PKG_VERSION")));
     let commit = commit.strip_suffix(')').unwrap();
@@ -79,7 +49,7 @@ fn the_version_names_the_commit() {
 
 #[test]
 fn cases_are_listed_with_their_titles() {
-    let (stdout, _) = ends_with(0, &folder("cases"), "cases");
+    let (stdout, _) = run_with_exit_code(0, &create_folder(TEST_FOLDER, "cases"), "cases");
     assert_eq!(stdout.lines().count(), CASES.len());
     for (line, (path, text)) in stdout.lines().zip(CASES) {
         let title = Case::parse(text, path, &[]).unwrap().title;
@@ -91,23 +61,24 @@ fn cases_are_listed_with_their_titles() {
 
 #[test]
 fn every_bundled_case_runs() {
-    let here = folder("bundled");
+    let here = create_folder(TEST_FOLDER, "bundled");
     for (path, text) in CASES {
         let name = Path::new(path).file_name().unwrap().to_str().unwrap();
-        fs::write(here.join(name), shrunk(text)).unwrap();
+        fs::write(here.join(name), shrink_map_grid(text)).unwrap();
         let case = Case::load(&here.join(name), &[]).unwrap();
         // Only the beginning of the simulation.
         let start = |duration: f64| ("run", vec![format!("time.duration={:e}", 0.05 * duration)]);
-        let (verb, sets) = match case.in_time() {
-            Ok(InTime::Solid(own)) => start(own.time.duration),
-            Ok(InTime::Flow(own)) => start(own.time.duration),
+        let (verb, sets) = match case.time_domain_run() {
+            Ok(TimeDomainRun::Solid(own)) => start(own.time.duration),
+            Ok(TimeDomainRun::Flow(own)) => start(own.time.duration),
             Err(_) if text.contains("[map]") => ("map", Vec::new()),
             Err(_) if text.contains("[background]") => ("point", Vec::new()),
             Err(_) => ("dispersion", Vec::new()),
         };
-        let ill_posed = if case.flow.is_some() { " --accept-ill-posed" } else { "" };
+        let ill_posed = if case.flow_run.is_some() { " --accept-ill-posed" } else { "" };
         let options: String = sets.iter().map(|set| format!(" --set {set}")).collect();
-        let (stdout, _) = ends_with(0, &here, &format!("{verb} {name}{options}{ill_posed}"));
+        let (stdout, _) =
+            run_with_exit_code(0, &here, &format!("{verb} {name}{options}{ill_posed}"));
         assert!(!stdout.is_empty());
         let out = here.join("out").join(name.trim_end_matches(".toml"));
         let case = Case::load(&here.join(name), &sets).unwrap();
@@ -121,41 +92,41 @@ fn every_bundled_case_runs() {
 }
 
 #[test]
-fn new_writes_a_case_once() {
-    let here = folder("new");
-    for kind in Kind::all() {
+fn new_overwrites_existing_case_only_with_force() {
+    let here = create_folder(TEST_FOLDER, "new");
+    for kind in ModelKind::all_kinds() {
         let verbs: &[&str] = match kind {
-            Kind::Flow(_) => &["point", "map"],
-            Kind::Solid(_) => &["dispersion"],
+            ModelKind::Flow(_) => &["point", "map"],
+            ModelKind::Solid(_) => &["dispersion"],
         };
         let kind = kind.name();
-        let (_, stderr) = ends_with(0, &here, &format!("new {kind}"));
+        let (_, stderr) = run_with_exit_code(0, &here, &format!("new {kind}"));
         assert!(stderr.contains(&format!("{kind}.toml")));
         for verb in verbs {
-            ends_with(0, &here, &format!("{verb} {kind}.toml --dry-run"));
+            run_with_exit_code(0, &here, &format!("{verb} {kind}.toml --dry-run"));
         }
 
         fs::write(here.join(format!("{kind}.toml")), "mine").unwrap();
-        let (_, stderr) = ends_with(2, &here, &format!("new {kind}"));
+        let (_, stderr) = run_with_exit_code(2, &here, &format!("new {kind}"));
         assert!(stderr.contains("exists already") && stderr.contains("--force"), "{stderr}");
         assert_eq!(fs::read_to_string(here.join(format!("{kind}.toml"))).unwrap(), "mine");
-        ends_with(0, &here, &format!("new {kind} --force"));
+        run_with_exit_code(0, &here, &format!("new {kind} --force"));
         assert_ne!(fs::read_to_string(here.join(format!("{kind}.toml"))).unwrap(), "mine");
     }
-    ends_with(0, &here, "new free-rotating other.toml");
-    ends_with(2, &here, "new free-rotating other.toml/below.toml");
-    assert_eq!(names(&here).len(), 9, "{:?}", names(&here));
+    run_with_exit_code(0, &here, "new free-rotating other.toml");
+    run_with_exit_code(2, &here, "new free-rotating other.toml/below.toml");
+    assert_eq!(list_entries(&here).len(), 9, "{:?}", list_entries(&here));
 }
 
 #[test]
-fn bad_requests_end_with_2_and_leave_nothing() {
-    let here = folder("bad");
-    ends_with(0, &here, "new harris-grekova case.toml");
+fn invalid_requests_exit_with_2_and_write_nothing() {
+    let here = create_folder(TEST_FOLDER, "bad");
+    run_with_exit_code(0, &here, "new harris-grekova case.toml");
     fs::write(here.join("file"), "").unwrap();
     fs::create_dir(here.join("full")).unwrap();
     fs::write(here.join("full/notes"), "").unwrap();
-    let before = names(&here);
-    for (arguments, words) in [
+    let before = list_entries(&here);
+    for (arguments, expected) in [
         ("map absent.toml", "error: absent.toml: No such file"),
         ("point .", "error: .: "),
         ("point case.toml --set background.presure=1", "error: --set background.presure=1: "),
@@ -169,64 +140,64 @@ fn bad_requests_end_with_2_and_leave_nothing() {
         ("point case.toml --out . --force", "name another folder with --out"),
         ("point case.toml --out full", "--force"),
     ] {
-        let (stdout, stderr) = ends_with(2, &here, arguments);
-        assert!(stderr.contains(words), "{arguments}: {stderr}");
+        let (stdout, stderr) = run_with_exit_code(2, &here, arguments);
+        assert!(stderr.contains(expected), "{arguments}: {stderr}");
         assert_eq!((stdout.as_str(), stderr.lines().count()), ("", 1), "{arguments}: {stderr}");
-        assert_eq!(names(&here), before, "{arguments}");
+        assert_eq!(list_entries(&here), before, "{arguments}");
     }
 }
 
 #[test]
-fn a_dry_run_writes_nothing() {
-    let here = folder("dry");
-    ends_with(0, &here, "new harris-grekova case.toml");
+fn dry_run_writes_nothing() {
+    let here = create_folder(TEST_FOLDER, "dry");
+    run_with_exit_code(0, &here, "new harris-grekova case.toml");
     for verb in ["map", "point"] {
-        let (stdout, _) = ends_with(0, &here, &format!("{verb} case.toml --dry-run"));
+        let (stdout, _) = run_with_exit_code(0, &here, &format!("{verb} case.toml --dry-run"));
         assert!(stdout.contains("out/case"), "{stdout}");
     }
-    assert_eq!(names(&here), ["case.toml"]);
+    assert_eq!(list_entries(&here), ["case.toml"]);
 }
 
 #[test]
-fn results_of_another_case_are_overwritten_by_force_alone() {
-    let here = folder("force");
-    ends_with(0, &here, "new harris-grekova case.toml");
+fn results_of_another_case_are_overwritten_only_with_force() {
+    let here = create_folder(TEST_FOLDER, "force");
+    run_with_exit_code(0, &here, "new harris-grekova case.toml");
     let point = "point case.toml --out results";
-    ends_with(0, &here, point);
+    run_with_exit_code(0, &here, point);
     // The same case may be repeated, also next to the results of a map.
-    ends_with(0, &here, point);
+    run_with_exit_code(0, &here, point);
     fs::write(here.join("results/map.csv"), "of the first case").unwrap();
     fs::write(here.join("results/notes"), "of the user").unwrap();
-    ends_with(0, &here, point);
+    run_with_exit_code(0, &here, point);
     assert_eq!(fs::read(here.join("results/map.csv")).unwrap(), b"of the first case");
 
     let other = format!("{point} --set background.pressure=2000");
-    let (_, stderr) = ends_with(2, &here, &other);
+    let (_, stderr) = run_with_exit_code(2, &here, &other);
     assert!(stderr.contains("results: ") && stderr.contains("--force"), "{stderr}");
-    let kept = fs::read_to_string(here.join("results/case.toml")).unwrap();
-    assert!(kept.contains("pressure = 1000.0"), "{kept}");
+    let resolved_case = fs::read_to_string(here.join("results/case.toml")).unwrap();
+    assert!(resolved_case.contains("pressure = 1000.0"), "{resolved_case}");
 
-    ends_with(0, &here, &format!("{other} --force"));
-    let kept = fs::read_to_string(here.join("results/case.toml")).unwrap();
-    assert!(kept.contains("pressure = 2000.0"), "{kept}");
+    run_with_exit_code(0, &here, &format!("{other} --force"));
+    let resolved_case = fs::read_to_string(here.join("results/case.toml")).unwrap();
+    assert!(resolved_case.contains("pressure = 2000.0"), "{resolved_case}");
     assert!(!here.join("results/map.csv").exists(), "a stale result stands beside another case");
     assert!(here.join("results/notes").exists(), "a file of the user is gone");
 
     // A non-empty folder without results is refused, too.
     fs::create_dir(here.join("full")).unwrap();
     fs::write(here.join("full/notes"), "").unwrap();
-    ends_with(2, &here, "point case.toml --out full");
+    run_with_exit_code(2, &here, "point case.toml --out full");
     fs::create_dir(here.join("empty")).unwrap();
-    ends_with(0, &here, "point case.toml --out empty");
+    run_with_exit_code(0, &here, "point case.toml --out empty");
 }
 
 /// Verifies that unwritable folders are detected by writing: no file can be created in /proc, although its permission
 /// bits allow it.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_folder_that_takes_no_files_is_refused_before_anything_is_computed() {
-    let here = folder("unwritable");
-    ends_with(0, &here, "new harris-grekova case.toml");
+fn unwritable_folder_is_refused_before_computation() {
+    let here = create_folder(TEST_FOLDER, "unwritable");
+    run_with_exit_code(0, &here, "new harris-grekova case.toml");
     std::os::unix::fs::symlink("nowhere", here.join("link")).unwrap();
     for (arguments, start) in [
         ("--out /proc/absent/below", "error: /proc: "),
@@ -235,26 +206,29 @@ fn a_folder_that_takes_no_files_is_refused_before_anything_is_computed() {
     ] {
         for verb in ["map", "point"] {
             let (_, stderr) =
-                ends_with(2, &here, &format!("{verb} case.toml --dry-run {arguments}"));
+                run_with_exit_code(2, &here, &format!("{verb} case.toml --dry-run {arguments}"));
             assert!(stderr.starts_with(start), "{stderr}");
         }
     }
-    assert_eq!(names(&here), ["case.toml", "link"]);
+    assert_eq!(list_entries(&here), ["case.toml", "link"]);
 }
 
 #[test]
-fn what_a_killed_run_left_is_swept_away() {
-    let here = folder("killed");
-    ends_with(0, &here, "new harris-grekova case.toml");
+fn partial_files_of_killed_run_are_removed() {
+    let here = create_folder(TEST_FOLDER, "killed");
+    run_with_exit_code(0, &here, "new harris-grekova case.toml");
     fs::create_dir(here.join("results")).unwrap();
     for name in [".case.toml.7.partial", ".map.png.123.partial", ".probe.5-0.partial"] {
         fs::write(here.join("results").join(name), "half").unwrap();
     }
-    ends_with(0, &here, "point case.toml --out results --dry-run");
-    assert_eq!(names(&here.join("results")).len(), 3);
-    ends_with(0, &here, "point case.toml --out results");
-    let left = names(&here.join("results"));
-    assert!(left.len() > 3 && left.iter().all(|name| !name.ends_with(".partial")), "{left:?}");
+    run_with_exit_code(0, &here, "point case.toml --out results --dry-run");
+    assert_eq!(list_entries(&here.join("results")).len(), 3);
+    run_with_exit_code(0, &here, "point case.toml --out results");
+    let entries = list_entries(&here.join("results"));
+    assert!(
+        entries.len() > 3 && entries.iter().all(|name| !name.ends_with(".partial")),
+        "{entries:?}"
+    );
 
     // Partial files with other names are not removed.
     for name in [".notes.7.partial", ".map.png.partial", "map.png.7.partial", ".map.png.x.partial"]
@@ -262,102 +236,112 @@ fn what_a_killed_run_left_is_swept_away() {
         let other = here.join("other");
         fs::create_dir(&other).unwrap();
         fs::write(other.join(name), "").unwrap();
-        ends_with(2, &here, "point case.toml --out other");
-        ends_with(0, &here, "point case.toml --out other --force");
+        run_with_exit_code(2, &here, "point case.toml --out other");
+        run_with_exit_code(0, &here, "point case.toml --out other --force");
         assert!(other.join(name).exists(), "{name} is gone");
         fs::remove_dir_all(&other).unwrap();
     }
 }
 
 #[test]
-fn the_case_file_is_never_overwritten() {
-    let here = folder("itself");
+fn case_file_is_never_overwritten() {
+    let here = create_folder(TEST_FOLDER, "itself");
     for (name, out) in [("results/case.toml", "results"), ("results/map.txt", "results/../results")]
     {
         fs::create_dir_all(here.join("results")).unwrap();
-        ends_with(0, &here, &format!("new harris-grekova {name}"));
+        run_with_exit_code(0, &here, &format!("new harris-grekova {name}"));
         let before = fs::read(here.join(name)).unwrap();
         for force in ["", "--force", "--dry-run --force"] {
             for verb in ["map", "point"] {
                 let arguments = format!("{verb} {name} --out {out} {force}");
-                let (_, stderr) = ends_with(2, &here, &arguments);
+                let (_, stderr) = run_with_exit_code(2, &here, &arguments);
                 assert!(stderr.contains("the case file itself"), "{stderr}");
                 assert!(stderr.contains("name another folder with --out\n"), "{stderr}");
                 assert_eq!(fs::read(here.join(name)).unwrap(), before);
             }
         }
-        assert_eq!(names(&here.join("results")).len(), 1);
+        assert_eq!(list_entries(&here.join("results")).len(), 1);
         fs::remove_dir_all(here.join("results")).unwrap();
     }
 }
 
 #[test]
-fn a_resolved_case_gives_the_same_bits_again() {
-    let here = folder("again");
-    let text = wellposed::cli::new::text(Kind::from_name("double-shearing").expect("a kind"));
+fn resolved_case_gives_bit_identical_results() {
+    let here = create_folder(TEST_FOLDER, "again");
+    let text = wellposed::cli::new::generate_state_template(
+        ModelKind::from_name("double-shearing").expect("a kind"),
+    );
     let text: String =
         text.lines().filter(|l| !l.starts_with("title")).map(|l| format!("{l}\n")).collect();
     fs::write(here.join("untitled.toml"), text).unwrap();
     let bits = |folder: &str| {
         let read = |name: String| (fs::read(here.join(folder).join(&name)).unwrap(), name);
-        names(&here.join(folder)).into_iter().map(read).collect::<Vec<_>>()
+        list_entries(&here.join(folder)).into_iter().map(read).collect::<Vec<_>>()
     };
-    ends_with(0, &here, "point untitled.toml");
+    run_with_exit_code(0, &here, "point untitled.toml");
     let first = bits("out/untitled");
     // In the same folder, whose case file is not rewritten, and in another folder.
     let written = || fs::metadata(here.join("out/untitled/case.toml")).unwrap().modified().unwrap();
     let before = written();
-    let (stdout, _) = ends_with(0, &here, "point out/untitled/case.toml");
+    let (stdout, _) = run_with_exit_code(0, &here, "point out/untitled/case.toml");
     assert!(stdout.contains("out/untitled"), "{stdout}");
     assert_eq!(written(), before);
-    ends_with(0, &here, "point out/untitled/case.toml --out elsewhere");
+    run_with_exit_code(0, &here, "point out/untitled/case.toml --out elsewhere");
     assert!(bits("out/untitled") == first && bits("elsewhere") == first);
     // A case changed by hand or by an option is refused, since it would overwrite its own file.
-    ends_with(2, &here, "point out/untitled/case.toml --force --set background.pressure=7");
+    run_with_exit_code(
+        2,
+        &here,
+        "point out/untitled/case.toml --force --set background.pressure=7",
+    );
     assert!(bits("out/untitled") == first);
 }
 
 #[test]
-fn results_of_another_version_need_force() {
-    let here = folder("version_of_results");
-    ends_with(0, &here, "new harris-grekova case.toml");
+fn results_of_another_version_are_overwritten_only_with_force() {
+    let here = create_folder(TEST_FOLDER, "version_of_results");
+    run_with_exit_code(0, &here, "new harris-grekova case.toml");
     let point = "point case.toml --out results";
     let program = here.join("results/program.json");
     for key in ["version", "commit"] {
-        ends_with(0, &here, point);
+        run_with_exit_code(0, &here, point);
         fs::write(here.join("results/map.csv"), "of the old program").unwrap();
-        let own = fs::read_to_string(&program).unwrap();
-        let mut other: serde_json::Value = serde_json::from_str(&own).unwrap();
+        let original = fs::read_to_string(&program).unwrap();
+        let mut other: serde_json::Value = serde_json::from_str(&original).unwrap();
         other[key] = "another".into();
         fs::write(&program, format!("{other:#}\n")).unwrap();
-        let (_, stderr) = ends_with(2, &here, point);
+        let (_, stderr) = run_with_exit_code(2, &here, point);
         assert!(stderr.contains("another version") && stderr.contains("--force"), "{stderr}");
-        ends_with(0, &here, &format!("{point} --force"));
-        assert_eq!(fs::read_to_string(&program).unwrap(), own);
+        run_with_exit_code(0, &here, &format!("{point} --force"));
+        assert_eq!(fs::read_to_string(&program).unwrap(), original);
         assert!(!here.join("results/map.csv").exists(), "an old result under a new version");
     }
     // A folder without version is refused, too, unless it has no results yet.
     fs::remove_file(&program).unwrap();
-    ends_with(2, &here, point);
+    run_with_exit_code(2, &here, point);
     fs::create_dir(here.join("early")).unwrap();
     fs::copy(here.join("results/case.toml"), here.join("early/case.toml")).unwrap();
-    ends_with(0, &here, "point case.toml --out early");
+    run_with_exit_code(0, &here, "point case.toml --out early");
 }
 
 #[test]
-fn completions_are_printed() {
+fn shell_completions_are_printed() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        let (stdout, _) = ends_with(0, &folder("completions"), &format!("completions {shell}"));
+        let (stdout, _) = run_with_exit_code(
+            0,
+            &create_folder(TEST_FOLDER, "completions"),
+            &format!("completions {shell}"),
+        );
         assert!(stdout.contains("wellposed") && stdout.contains("dry-run"), "{shell}");
     }
 }
 
 #[test]
-fn a_closed_pipe_is_success() {
+fn closed_pipe_exits_with_0() {
     for arguments in [&["cases"][..], &["completions", "bash"], &["--help"]] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let output = Command::new(PROGRAM).args(arguments).stdout(writer).output().unwrap();
+        let output = Command::new(PROGRAM_PATH).args(arguments).stdout(writer).output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{arguments:?}");
         assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{arguments:?}");
     }
@@ -365,9 +349,9 @@ fn a_closed_pipe_is_success() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_device_is_no_success() {
+fn full_device_exits_with_2() {
     let full = File::options().write(true).open("/dev/full").unwrap();
-    let output = Command::new(PROGRAM).arg("cases").stdout(full).output().unwrap();
+    let output = Command::new(PROGRAM_PATH).arg("cases").stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("error: standard output: "));
 }
@@ -375,12 +359,12 @@ fn a_full_device_is_no_success() {
 /// Runs a mutant; returns whether it was computed, or a description of a wrong reaction.
 fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String> {
     // Terminates processes that hang; generous, since the machine may be busy.
-    const LIMIT: Duration = Duration::from_secs(20);
+    const TIME_LIMIT: Duration = Duration::from_secs(20);
     let (case, log) = (folder.join(format!("{index}.toml")), folder.join(format!("{index}.log")));
     let out = folder.join(format!("{index}"));
     fs::write(&case, mutant).unwrap();
     let start = Instant::now();
-    let mut child = Command::new(PROGRAM)
+    let mut child = Command::new(PROGRAM_PATH)
         .arg(["point", "map", "point", "map", "dispersion"][index % 5])
         .arg(&case)
         .args(["--threads", "1", "--out"])
@@ -394,29 +378,30 @@ fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if start.elapsed() > LIMIT {
+        if start.elapsed() > TIME_LIMIT {
             child.kill().unwrap();
             child.wait().unwrap();
-            return Err(format!("not done after {LIMIT:?}"));
+            return Err(format!("not done after {TIME_LIMIT:?}"));
         }
         std::thread::sleep(Duration::from_millis(1));
     };
     let message = String::from_utf8_lossy(&fs::read(&log).unwrap()).into_owned();
-    let left = names(&out);
+    let entries = list_entries(&out);
     match status.code() {
         _ if message.contains("panicked") => Err(message),
         Some(0) => {
-            let is_known =
-                |name: &String| results().any(|known| known == name) || *name == "program.json";
-            match left.iter().find(|name| !is_known(name) && *name != "case.toml") {
+            let is_known = |name: &String| {
+                result_names().any(|known| known == name) || *name == "program.json"
+            };
+            match entries.iter().find(|name| !is_known(name) && *name != "case.toml") {
                 Some(name) => Err(format!("{name} was left behind")),
-                None if !left.iter().any(|name| name == "case.toml") => {
+                None if !entries.iter().any(|name| name == "case.toml") => {
                     Err("no results were written".into())
                 }
                 None => Ok(true),
             }
         }
-        Some(2) if !left.is_empty() => Err(format!("refused, but wrote {left:?}")),
+        Some(2) if !entries.is_empty() => Err(format!("refused, but wrote {entries:?}")),
         Some(2) if !message.starts_with("error: ") || message.lines().count() != 1 => {
             Err(format!("not one message: {message}"))
         }
@@ -427,33 +412,36 @@ fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String
 
 #[test]
 fn a_thousand_mutants_are_run_or_refused() {
-    const COUNT: usize = 1000;
-    const THREADS: usize = 2;
-    let here = folder("mutants");
-    let mutants: Vec<Vec<u8>> = mutants(2).take(COUNT).collect();
+    const MUTANT_COUNT: usize = 1000;
+    const THREAD_COUNT: usize = 2;
+    let here = create_folder(TEST_FOLDER, "mutants");
+    let mutants: Vec<Vec<u8>> = generate_mutants(2).take(MUTANT_COUNT).collect();
     let run = |thread: usize| {
         let (mut done, mut failures) = (0, Vec::new());
-        for index in (thread..COUNT).step_by(THREADS) {
+        for index in (thread..MUTANT_COUNT).step_by(THREAD_COUNT) {
             match run_mutant(&here, index, &mutants[index]) {
                 Ok(was_done) => done += usize::from(was_done),
-                Err(words) => {
+                Err(message) => {
                     let text = String::from_utf8_lossy(&mutants[index]);
-                    failures.push(format!("mutant {index}: {words}\n{text}"));
+                    failures.push(format!("mutant {index}: {message}\n{text}"));
                 }
             }
         }
         (done, failures)
     };
     let (done, failures) = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..THREADS).map(|i| scope.spawn(move || run(i))).collect();
+        let threads: Vec<_> = (0..THREAD_COUNT).map(|i| scope.spawn(move || run(i))).collect();
         let results = threads.into_iter().map(|thread| thread.join().unwrap());
         results.fold((0, Vec::new()), |(done, mut failures), (more, others)| {
             failures.extend(others);
             (done + more, failures)
         })
     });
-    println!("{done} of {COUNT} mutants were run to the end, the others refused");
+    println!("{done} of {MUTANT_COUNT} mutants were run to the end, the others refused");
     assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures[0]);
     // The mutants test little if nearly all or nearly none of them are refused.
-    assert!(done > COUNT / 20 && done < COUNT * 3 / 4, "{done} of {COUNT} were run");
+    assert!(
+        done > MUTANT_COUNT / 20 && done < MUTANT_COUNT * 3 / 4,
+        "{done} of {MUTANT_COUNT} were run"
+    );
 }

@@ -1,27 +1,28 @@
 //! Verifies links, paths, commands and command output in the documents.
 
+mod program;
+
 use files::npz;
+use program::run_with_arguments;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 use wellposed::CASES;
 use wellposed::case::Case;
-use wellposed::cli::folder::{is_snapshot, results};
+use wellposed::cli::folder::{is_snapshot, result_names};
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
-
-fn root() -> &'static Path {
+fn repository_root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn read(name: &str) -> String {
-    fs::read_to_string(root().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+fn read_document(name: &str) -> String {
+    fs::read_to_string(repository_root().join(name))
+        .unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// Paths of all documents, relative to the root.
-fn documents() -> Vec<String> {
-    let docs = fs::read_dir(root().join("docs")).expect("docs");
+fn document_paths() -> Vec<String> {
+    let docs = fs::read_dir(repository_root().join("docs")).expect("docs");
     let docs = docs.map(|entry| entry.expect("an entry").file_name().into_string().expect("text"));
     let pages = docs.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}"));
     let others = ["README.md", "CONTRIBUTING.md", "BENCHMARKS.md", "CHANGELOG.md"];
@@ -29,8 +30,8 @@ fn documents() -> Vec<String> {
 }
 
 /// Paths of all files and folders of the repository, relative to the root; folders end with a slash.
-fn tree() -> BTreeSet<String> {
-    fn collect(folder: &Path, prefix: &str, names: &mut BTreeSet<String>) {
+fn list_repository_paths() -> BTreeSet<String> {
+    fn collect_paths(folder: &Path, prefix: &str, names: &mut BTreeSet<String>) {
         for entry in fs::read_dir(folder).expect("a folder") {
             let entry = entry.expect("an entry");
             let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
@@ -38,7 +39,7 @@ fn tree() -> BTreeSet<String> {
                 continue;
             }
             if entry.path().is_dir() {
-                collect(&entry.path(), &format!("{name}/"), names);
+                collect_paths(&entry.path(), &format!("{name}/"), names);
                 names.insert(format!("{name}/"));
             } else {
                 names.insert(name);
@@ -46,17 +47,17 @@ fn tree() -> BTreeSet<String> {
         }
     }
     let mut names = BTreeSet::new();
-    collect(root(), "", &mut names);
+    collect_paths(repository_root(), "", &mut names);
     names
 }
 
 /// Code in a document: blocks with their language, and inline spans.
-struct Code {
+struct DocumentCode {
     blocks: Vec<(String, String)>,
     spans: Vec<String>,
 }
 
-impl Code {
+impl DocumentCode {
     fn new(text: &str) -> Self {
         let (mut blocks, mut spans) = (Vec::new(), Vec::new());
         for (index, part) in text.split("```").enumerate() {
@@ -64,8 +65,8 @@ impl Code {
                 let (language, block) = part.split_once('\n').unwrap_or((part, ""));
                 blocks.push((language.to_owned(), block.to_owned()));
             } else {
-                let own = part.split('`').skip(1).step_by(2);
-                spans.extend(own.filter(|span| !span.contains("\n\n")).map(str::to_owned));
+                let code = part.split('`').skip(1).step_by(2);
+                spans.extend(code.filter(|span| !span.contains("\n\n")).map(str::to_owned));
             }
         }
         Self { blocks, spans }
@@ -73,30 +74,37 @@ impl Code {
 }
 
 /// Link anchor of a heading.
-fn anchor(headline: &str) -> String {
-    let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
-    headline.trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")
+fn heading_anchor(headline: &str) -> String {
+    let is_anchor_character = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    headline
+        .trim()
+        .to_lowercase()
+        .chars()
+        .filter(is_anchor_character)
+        .collect::<String>()
+        .replace(' ', "-")
 }
 
 #[test]
-fn relative_links_lead_somewhere() {
+fn relative_links_have_targets() {
     let mut count = 0;
-    for document in documents() {
-        let text = read(&document);
-        let folder = root().join(&document).parent().expect("a folder").to_owned();
+    for document in document_paths() {
+        let text = read_document(&document);
+        let folder = repository_root().join(&document).parent().expect("a folder").to_owned();
         let links = text.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
-        for link in links.map(|own| own.0).filter(|link| !link.starts_with("http")) {
-            let (path, place) = link.split_once('#').unwrap_or((link, ""));
+        for link in links.map(|(link, _)| link).filter(|link| !link.starts_with("http")) {
+            let (path, fragment) = link.split_once('#').unwrap_or((link, ""));
             let target = match path {
-                "" => root().join(&document),
+                "" => repository_root().join(&document),
                 path => folder.join(path),
             };
             assert!(target.exists(), "{document}: {link}");
-            if !place.is_empty() {
+            if !fragment.is_empty() {
                 let target = fs::read_to_string(&target).expect("a page");
                 let mut headlines = target.lines().filter(|line| line.starts_with('#'));
-                let is_meant = |line: &str| anchor(line.trim_start_matches('#')) == place;
-                assert!(headlines.any(is_meant), "{document}: {link}");
+                let is_target =
+                    |line: &str| heading_anchor(line.trim_start_matches('#')) == fragment;
+                assert!(headlines.any(is_target), "{document}: {link}");
             }
             count += 1;
         }
@@ -106,35 +114,41 @@ fn relative_links_lead_somewhere() {
 
 /// Verifies that paths and file names are those of the repository or of result files.
 #[test]
-fn paths_exist() {
-    const ENDINGS: [&str; 12] =
+fn paths_in_documents_exist() {
+    const FILE_EXTENSIONS: [&str; 12] =
         ["rs", "toml", "md", "py", "svg", "png", "csv", "json", "txt", "npz", "gif", "pvd"];
-    let tree = tree();
-    let is_file = |word: &str| word.rsplit_once('.').is_some_and(|(_, own)| ENDINGS.contains(&own));
+    let tree = list_repository_paths();
+    let is_file = |word: &str| {
+        word.rsplit_once('.').is_some_and(|(_, extension)| FILE_EXTENSIONS.contains(&extension))
+    };
     let exists = |word: &str| {
         let end = format!("/{word}");
         // Relative to the root or to the folder of cases; a file name without folder may be anywhere.
-        let is_named = |own: &&String| match word.trim_end_matches('/').contains('/') {
-            true => **own == word || **own == format!("cases/{word}"),
-            false => **own == word || own.ends_with(&end),
+        let is_named = |path: &&String| match word.trim_end_matches('/').contains('/') {
+            true => **path == word || **path == format!("cases/{word}"),
+            false => **path == word || path.ends_with(&end),
         };
-        let is_result = results().chain(["case.toml", "program.json", "log.txt"]);
-        tree.iter().any(|own| is_named(&own) || own.trim_end_matches('/') == word)
-            || is_result.into_iter().any(|own| own == word)
+        let is_result = result_names().chain(["case.toml", "program.json", "log.txt"]);
+        tree.iter().any(|path| is_named(&path) || path.trim_end_matches('/') == word)
+            || is_result.into_iter().any(|name| name == word)
             || is_snapshot(word)
             || word.starts_with("out/")
     };
-    let first = |word: &str| word.split('/').next().is_some_and(|own| root().join(own).is_dir());
+    let starts_with_folder = |word: &str| {
+        word.split('/').next().is_some_and(|name| repository_root().join(name).is_dir())
+    };
     let mut count = 0;
-    for document in documents().into_iter().filter(|own| own != "CHANGELOG.md") {
-        let code = Code::new(&read(&document));
+    for document in document_paths().into_iter().filter(|document| document != "CHANGELOG.md") {
+        let code = DocumentCode::new(&read_document(&document));
         let is_path = |word: &&str| {
-            let may_stand = |c: char| c.is_ascii_alphanumeric() || "-_./".contains(c);
-            word.chars().all(may_stand)
+            let is_path_character = |c: char| c.is_ascii_alphanumeric() || "-_./".contains(c);
+            word.chars().all(is_path_character)
                 && !word.starts_with("..")
                 && (word.contains('/') || !word.starts_with('.'))
                 && word.chars().any(|c| c.is_ascii_alphabetic())
-                && (is_file(word) || word.ends_with('/') || (word.contains('/') && first(word)))
+                && (is_file(word)
+                    || word.ends_with('/')
+                    || (word.contains('/') && starts_with_folder(word)))
         };
         for word in code.spans.iter().flat_map(|span| span.split_whitespace()).filter(is_path) {
             assert!(exists(word), "{document}: {word}");
@@ -152,75 +166,72 @@ fn paths_exist() {
     assert!(count > 100, "{count}");
 }
 
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(PROGRAM).current_dir(folder).args(arguments).output().expect("the program")
-}
-
 /// Commands of the program in a block: lines that begin with its name, joined with their continuation lines.
-fn commands(block: &str) -> Vec<String> {
+fn extract_commands(block: &str) -> Vec<String> {
     let joined = block.replace("\\\n", " ");
-    let own = |line: &str| {
+    let command = |line: &str| {
         let line = line.trim().trim_start_matches("$ ");
-        let rest = ["wellposed ", "cargo run --release -- "];
-        let found = rest.iter().find_map(|start| line.strip_prefix(start))?;
+        let programs = ["wellposed ", "cargo run --release -- "];
+        let arguments = programs.iter().find_map(|program| line.strip_prefix(program))?;
         // Without comment and without redirection of the output.
-        let end = [" #", " >"].iter().filter_map(|mark| found.find(mark)).min();
-        Some(found[..end.unwrap_or(found.len())].trim().to_owned())
+        let end = [" #", " >"].iter().filter_map(|mark| arguments.find(mark)).min();
+        Some(arguments[..end.unwrap_or(arguments.len())].trim().to_owned())
     };
-    joined.lines().filter_map(own).collect()
+    joined.lines().filter_map(command).collect()
 }
 
-/// Executes a command: as a dry run if its verb takes a case; with `--help` if it has placeholders for other
-/// arguments.
-fn parses(command: &str) {
+/// Checks that the program accepts a command: as a dry run if its verb takes a case; with `--help` if it has
+/// placeholders for other arguments.
+fn check_command(command: &str) {
     let case = "cases/granular-flow/noncoaxiality-bound.toml";
     let arguments: Vec<&str> =
         command.split_whitespace().filter(|word| *word != "--dry-run").collect();
-    let place = |word: &&str| ["CASE", "DIR", "KIND", "SHELL", "FILE", "SET", "…"].contains(word);
+    let is_placeholder =
+        |word: &&str| ["CASE", "DIR", "KIND", "SHELL", "FILE", "SET", "…"].contains(word);
     let (verb, rest) = arguments.split_first().expect("a verb");
     let takes_case = ["map", "point", "dispersion", "speeds", "run", "check"].contains(verb);
-    let has_place = rest.iter().any(|word| place(&word.trim_matches(['[', ']'])));
+    let has_placeholder = rest.iter().any(|word| is_placeholder(&word.trim_matches(['[', ']'])));
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let out = scratch.path().join("out");
     let out = out.to_str().expect("text");
     let (folder, arguments): (&Path, Vec<&str>) = match *verb {
-        _ if rest.is_empty() || (has_place && !takes_case) => {
+        _ if rest.is_empty() || (has_placeholder && !takes_case) => {
             (scratch.path(), vec![verb, "--help"])
         }
         // The placeholder `CASE` is replaced by a bundled case that the verb accepts.
-        _ if takes_case && has_place => {
+        _ if takes_case && has_placeholder => {
             let case = match *verb {
                 "map" | "point" => case,
                 "run" => "cases/flow/decay.toml",
                 _ => "cases/cosserat/forbidden-band.toml",
             };
-            let own = rest.iter().map(|word| if *word == "CASE" { case } else { word });
-            let own = std::iter::once(*verb).chain(own).chain(["--dry-run", "--out", out]);
-            (root(), own.collect())
+            let rest = rest.iter().map(|word| if *word == "CASE" { case } else { word });
+            let arguments = std::iter::once(*verb).chain(rest);
+            (repository_root(), arguments.chain(["--dry-run", "--out", out]).collect())
         }
         _ if takes_case => {
-            let own = arguments.iter().copied();
-            (root(), own.chain(["--dry-run", "--out", out]).collect())
+            let arguments = arguments.iter().copied();
+            (repository_root(), arguments.chain(["--dry-run", "--out", out]).collect())
         }
         _ => (scratch.path(), arguments.clone()),
     };
-    let output = run(folder, &arguments);
+    let output = run_with_arguments(folder, &arguments);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "wellposed {command}\n{errors}");
 }
 
 #[test]
-fn commands_parse_and_name_cases_that_there_are() {
-    let mut commands_found = BTreeSet::new();
-    for document in documents() {
-        let text = read(&document);
-        let code = Code::new(&text);
+fn commands_in_documents_are_accepted() {
+    let mut commands = BTreeSet::new();
+    for document in document_paths() {
+        let text = read_document(&document);
+        let code = DocumentCode::new(&text);
         // Blocks indented by four spaces are included.
         let indented: Vec<&str> = text.lines().filter(|line| line.starts_with("    ")).collect();
-        commands_found.extend(code.blocks.iter().flat_map(|(_, block)| commands(block)));
-        commands_found.extend(commands(&indented.join("\n")));
+        commands.extend(code.blocks.iter().flat_map(|(_, block)| extract_commands(block)));
+        commands.extend(extract_commands(&indented.join("\n")));
         let spans = code.spans.iter().map(|span| span.replace('\n', " "));
-        commands_found.extend(spans.flat_map(|span| commands(&span)));
+        commands.extend(spans.flat_map(|span| extract_commands(&span)));
     }
     // Commands in the leading comments of cases, which show how to run them.
     for (_, text) in CASES {
@@ -228,30 +239,32 @@ fn commands_parse_and_name_cases_that_there_are() {
         let lines = lines.map(|line| line.strip_prefix("Run").unwrap_or(line).trim());
         // The comment continues with the output, separated by two spaces.
         let command = |line: &str| line.split("  ").next().unwrap_or_default().to_owned();
-        let own = |line: &str| line.starts_with("wellposed ").then(|| command(line));
-        commands_found.extend(lines.filter_map(own).flat_map(|line| commands(&line)));
+        let program_line = |line: &str| line.starts_with("wellposed ").then(|| command(line));
+        commands.extend(lines.filter_map(program_line).flat_map(|line| extract_commands(&line)));
     }
     let is_verb = |command: &&String| !command.starts_with('-') && !command.starts_with('=');
-    let all: Vec<&String> = commands_found.iter().filter(is_verb).collect();
-    assert!(all.len() > 40, "{all:#?}");
-    all.iter().for_each(|command| parses(command));
+    let commands: Vec<&String> = commands.iter().filter(is_verb).collect();
+    assert!(commands.len() > 40, "{commands:#?}");
+    commands.iter().for_each(|command| check_command(command));
 }
 
 /// Verifies that transcripts in the documents equal the output of the commands.
 #[test]
-fn transcripts_are_what_is_printed() {
-    let codes = documents().into_iter().map(|document| Code::new(&read(&document)));
-    let blocks: Vec<String> = codes.flat_map(|code| code.blocks).map(|own| own.1).collect();
+fn transcripts_equal_program_output() {
+    let codes =
+        document_paths().into_iter().map(|document| DocumentCode::new(&read_document(&document)));
+    let blocks: Vec<String> = codes.flat_map(|code| code.blocks).map(|(_, block)| block).collect();
     let mut count = 0;
     for block in blocks.iter().filter(|block| block.starts_with("$ wellposed ")) {
-        let command = commands(block).remove(0);
+        let command = extract_commands(block).remove(0);
         let lines = block.lines().position(|line| !line.ends_with('\\')).expect("a command") + 1;
         let expected: Vec<&str> = block.lines().skip(lines).collect();
         let scratch = tempfile::tempdir().expect("a scratch folder");
         let out: PathBuf = scratch.path().join("out");
         let mut arguments: Vec<&str> = command.split_whitespace().collect();
         arguments.extend(["--out", out.to_str().expect("text")]);
-        let printed = String::from_utf8(run(root(), &arguments).stdout).expect("text");
+        let printed = String::from_utf8(run_with_arguments(repository_root(), &arguments).stdout)
+            .expect("text");
         // Without the path of the results.
         let printed: Vec<&str> =
             printed.lines().filter(|line| !line.starts_with("picture: ")).collect();
@@ -263,11 +276,11 @@ fn transcripts_are_what_is_printed() {
 
 /// Verifies that cargo commands name existing packages, tests, benchmarks and examples.
 #[test]
-fn cargo_commands_name_targets_that_there_are() {
+fn cargo_commands_name_existing_targets() {
     let mut count = 0;
-    for document in documents() {
-        let text = read(&document);
-        let code = Code::new(&text);
+    for document in document_paths() {
+        let text = read_document(&document);
+        let code = DocumentCode::new(&text);
         let blocks = code.blocks.iter().flat_map(|(_, block)| block.lines());
         let spans = code.spans.iter().map(|span| span.replace('\n', " "));
         let indented = text.lines().filter(|line| line.starts_with("    "));
@@ -275,18 +288,18 @@ fn cargo_commands_name_targets_that_there_are() {
         for line in lines.filter(|line| line.starts_with("cargo ")) {
             let words: Vec<&str> =
                 line.split_whitespace().take_while(|word| *word != "--" && *word != "#").collect();
-            let after =
-                |option: &str| words.windows(2).find(|own| own[0] == option).map(|own| own[1]);
-            let package = after("-p").map(|name| {
+            let value =
+                |option: &str| words.windows(2).find(|pair| pair[0] == option).map(|pair| pair[1]);
+            let package = value("-p").map(|name| {
                 name.strip_prefix("wellposed-").unwrap_or_else(|| panic!("{document}: {line}"))
             });
-            let folder = root().join(package.unwrap_or("."));
+            let folder = repository_root().join(package.unwrap_or("."));
             assert!(folder.join("Cargo.toml").exists(), "{document}: {line}");
-            for (option, place) in
+            for (option, target_folder) in
                 [("--test", "tests"), ("--bench", "benches"), ("--example", "examples")]
             {
-                let Some(name) = after(option) else { continue };
-                let path = folder.join(place).join(name);
+                let Some(name) = value(option) else { continue };
+                let path = folder.join(target_folder).join(name);
                 let exists = path.with_extension("rs").exists() || path.join("main.rs").exists();
                 assert!(exists, "{document}: {line}");
                 count += 1;
@@ -298,26 +311,30 @@ fn cargo_commands_name_targets_that_there_are() {
 
 /// Verifies that the README is short, shows six pictures with the command of each, and links to every page.
 #[test]
-fn the_readme_is_a_short_way_in() {
-    let text = read("README.md");
+fn readme_is_short_and_links_every_page() {
+    let text = read_document("README.md");
     assert!(text.lines().count() <= 150, "{}", text.lines().count());
-    let section = text.split("\n## ").find(|own| own.starts_with("Six pictures"));
+    let section = text.split("\n## ").find(|section| section.starts_with("Six pictures"));
     let pictures: Vec<&str> = section.expect("pictures").split("![").skip(1).collect();
     assert_eq!(pictures.len(), 6);
     for picture in pictures {
-        let blocks = Code::new(picture).blocks;
-        assert_eq!(blocks.iter().flat_map(|(_, block)| commands(block)).count(), 1, "{picture}");
+        let blocks = DocumentCode::new(picture).blocks;
+        assert_eq!(
+            blocks.iter().flat_map(|(_, block)| extract_commands(block)).count(),
+            1,
+            "{picture}"
+        );
     }
-    for page in documents().iter().filter(|page| *page != "README.md") {
+    for page in document_paths().iter().filter(|page| *page != "README.md") {
         assert!(text.contains(&format!("]({page})")), "{page}");
     }
 }
 
 /// Verifies that every picture of the gallery is in a document.
 #[test]
-fn every_picture_has_a_place() {
-    let text: String = documents().iter().map(|document| read(document)).collect();
-    for entry in fs::read_dir(root().join("gallery")).expect("a folder") {
+fn every_gallery_picture_is_shown_in_a_document() {
+    let text: String = document_paths().iter().map(|document| read_document(document)).collect();
+    for entry in fs::read_dir(repository_root().join("gallery")).expect("a folder") {
         let name = entry.expect("an entry").file_name().into_string().expect("text");
         assert!(text.contains(&format!("gallery/{name})")), "{name}");
     }
@@ -325,8 +342,8 @@ fn every_picture_has_a_place() {
 
 /// Verifies that the page of cases has a row for every bundled case and no others.
 #[test]
-fn the_page_of_cases_is_complete() {
-    let page = read("docs/cases.md");
+fn case_page_lists_every_bundled_case() {
+    let page = read_document("docs/cases.md");
     let rows = page.lines().filter_map(|line| line.strip_prefix("| `")?.split_once('`'));
     let rows: BTreeSet<String> = rows.map(|(name, _)| format!("cases/{name}")).collect();
     let bundled: BTreeSet<String> = CASES.iter().map(|(path, _)| (*path).to_owned()).collect();
@@ -335,10 +352,10 @@ fn the_page_of_cases_is_complete() {
 
 /// Verifies that TOML blocks are complete, valid cases.
 #[test]
-fn cases_in_the_documents_are_read() {
+fn toml_blocks_in_documents_are_valid_cases() {
     let mut count = 0;
-    for document in documents() {
-        for (language, block) in Code::new(&read(&document)).blocks {
+    for document in document_paths() {
+        for (language, block) in DocumentCode::new(&read_document(&document)).blocks {
             if language == "toml" {
                 let read = Case::parse(&block, &document, &[]);
                 read.unwrap_or_else(|error| panic!("{error}\n{block}"));
@@ -351,19 +368,22 @@ fn cases_in_the_documents_are_read() {
 
 /// Verifies that the arrays used by Python examples exist in the result files.
 #[test]
-fn python_examples_name_arrays_that_there_are() {
+fn python_examples_name_existing_arrays() {
     let mut count = 0;
-    for document in documents() {
-        for (_, block) in Code::new(&read(&document)).blocks.iter().filter(|own| own.0 == "python")
+    for document in document_paths() {
+        for (_, block) in DocumentCode::new(&read_document(&document))
+            .blocks
+            .iter()
+            .filter(|(language, _)| language == "python")
         {
             for line in block.lines() {
                 let Some((name, rest)) = line.split_once(" = np.load(\"out/") else { continue };
                 let path = rest.split_once('"').expect("a path").0;
                 let (case, file) = path.split_once('/').expect("a folder");
-                let arrays = result(case, file);
+                let arrays = run_and_list_arrays(case, file);
                 let start = format!("{name}[\"");
                 for index in block.split(&start).skip(1).filter_map(|rest| rest.split_once('"')) {
-                    assert!(arrays.iter().any(|own| own == index.0), "{document}: {}", index.0);
+                    assert!(arrays.iter().any(|name| name == index.0), "{document}: {}", index.0);
                     count += 1;
                 }
             }
@@ -373,7 +393,7 @@ fn python_examples_name_arrays_that_there_are() {
 }
 
 /// Names of the arrays in a result file of a bundled case, which is run for a short time.
-fn result(case: &str, file: &str) -> Vec<String> {
+fn run_and_list_arrays(case: &str, file: &str) -> Vec<String> {
     let end = format!("/{case}.toml");
     let (path, _) = CASES.iter().find(|(path, _)| path.ends_with(&end)).expect("a bundled case");
     let scratch = tempfile::tempdir().expect("a scratch folder");
@@ -382,8 +402,8 @@ fn result(case: &str, file: &str) -> Vec<String> {
         "map.npz" => &["map", path, "--out", out],
         _ => &["run", path, "--set", "time.duration=1e-3", "--out", out],
     };
-    let output = run(root(), arguments);
+    let output = run_with_arguments(repository_root(), arguments);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let bytes = fs::read(scratch.path().join(file)).expect("a file of results");
-    npz::read(&bytes).expect("arrays").into_iter().map(|own| own.name).collect()
+    npz::read_arrays(&bytes).expect("arrays").into_iter().map(|array| array.name).collect()
 }

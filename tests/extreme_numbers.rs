@@ -6,25 +6,25 @@ mod program;
 use program::*;
 use std::path::Path;
 
-const TEST: &str = "extreme-numbers";
+const TEST_FOLDER: &str = "extreme-numbers";
 
 /// Checks that a run with the settings is refused, naming `key`.
-fn is_refused(here: &Path, settings: &str, key: &str, words: &str) {
+fn assert_refused(here: &Path, settings: &str, key: &str, message: &str) {
     let arguments = format!("run case.toml --out out --threads 1 --accept-ill-posed {settings}");
     for more in ["", " --dry-run"] {
-        let (stdout, stderr) = ends_with(2, here, &format!("{arguments}{more}"));
+        let (stdout, stderr) = run_with_exit_code(2, here, &format!("{arguments}{more}"));
         assert!(stdout.is_empty() && !here.join("out").exists(), "{settings}: {stdout}");
-        for own in [key, words] {
-            assert!(stderr.contains(own), "{settings}: no {own} in {stderr}");
+        for expected in [key, message] {
+            assert!(stderr.contains(expected), "{settings}: no {expected} in {stderr}");
         }
     }
 }
 
 /// Verifies that studies of states either print finite numbers or are refused.
 #[test]
-fn states_of_solids_have_numbers_or_are_refused() {
+fn solid_states_with_extreme_parameters_are_finite_or_refused() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let here = folder(TEST, "states", "");
+    let here = create_case_folder(TEST_FOLDER, "states", "");
     let mut computed = 0;
     for name in ["forbidden-band", "shear-band", "rotation-waves", "flutter", "microrotation"] {
         let case = root.join(format!("cases/cosserat/{name}.toml"));
@@ -41,7 +41,7 @@ fn states_of_solids_have_numbers_or_are_refused() {
             "model.density=1e200",
         ] {
             let arguments = format!("point {} --set {setting} --out out --force", case.display());
-            let output = ends(&here, &arguments);
+            let output = run_program(&here, &arguments);
             let text = String::from_utf8_lossy(&output.stdout).into_owned();
             let errors = String::from_utf8_lossy(&output.stderr).into_owned();
             assert!(!text.contains("NaN") && !text.contains("inf"), "{arguments}: {text}");
@@ -61,8 +61,8 @@ fn states_of_solids_have_numbers_or_are_refused() {
 
 /// Verifies that constants whose products overflow are refused: a yielding solid would behave as an elastic one.
 #[test]
-fn constants_that_overflow_are_refused() {
-    let here = folder(TEST, "constants", SOLID);
+fn overflowing_constants_are_refused() {
+    let here = create_case_folder(TEST_FOLDER, "constants", SOLID_CASE);
     for (settings, key) in [
         ("--set yield.strength=2e104", "yield.strength"),
         (
@@ -73,16 +73,16 @@ fn constants_that_overflow_are_refused() {
         ("--set scheme.precision='f32' --set yield.strength=2e16", "yield.strength"),
     ] {
         let settings = settings.replace('\'', "\"");
-        is_refused(&here, &settings, key, "numbers from");
+        assert_refused(&here, &settings, key, "numbers from");
     }
 }
 
 /// Verifies that a solid in other units of mass, and hence of stress, gives bit-identical results up to the limits of
 /// the range.
 #[test]
-fn units_of_mass_change_no_bit() {
+fn results_are_bit_identical_under_change_of_mass_unit() {
     let scaled = |name: &str, factor: f64| {
-        let here = folder(TEST, name, SOLID);
+        let here = create_case_folder(TEST_FOLDER, name, SOLID_CASE);
         let settings: String = [
             ("model.lambda", 1.2e8),
             ("model.mu", 8e7),
@@ -95,7 +95,7 @@ fn units_of_mass_change_no_bit() {
         .iter()
         .map(|(key, value)| format!(" --set {key}={:e}", value * factor))
         .collect();
-        ends_with(0, &here, &format!("{RUN}{settings}"));
+        run_with_exit_code(0, &here, &format!("{RUN_ARGUMENTS}{settings}"));
         let text = std::fs::read_to_string(here.join("out/receivers.csv")).unwrap();
         let rows: Vec<Vec<f64>> = text
             .lines()
@@ -106,47 +106,62 @@ fn units_of_mass_change_no_bit() {
             text.lines().next().unwrap().split(',').map(str::to_owned).collect();
         (names, rows)
     };
-    let (names, own) = scaled("own", 1.0);
+    let (names, rows) = scaled("own", 1.0);
     for (name, factor) in [("small", 2f64.powi(-60)), ("large", 2f64.powi(60))] {
         let (_, other) = scaled(name, factor);
-        for (row, other) in own.iter().zip(&other) {
+        for (row, other) in rows.iter().zip(&other) {
             for ((name, a), b) in names.iter().zip(row).zip(other) {
                 let factor = if name.contains("sigma") { factor } else { 1.0 };
                 assert_eq!((a * factor).to_bits(), b.to_bits(), "{name}");
             }
         }
-        assert_eq!(own.len(), other.len());
+        assert_eq!(rows.len(), other.len());
     }
 }
 
 /// Verifies that loads below the threshold of flushing to zero are refused.
 #[test]
-fn loads_that_vanish_are_refused() {
-    let here = folder(TEST, "loads", SOLID);
+fn loads_below_flush_threshold_are_refused() {
+    let here = create_case_folder(TEST_FOLDER, "loads", SOLID_CASE);
     let f32 = "--set scheme.precision=\"f32\"";
-    is_refused(&here, &format!("{f32} --set load[0].amplitude=4e-20"), "load[0].amplitude", "f32");
-    is_refused(&here, "--set load[0].amplitude=1e-290", "load[0].amplitude", "f64");
-    let kept = format!("run case.toml --out out --threads 1 {f32} --set load[0].amplitude=1e-10");
-    let (_, stderr) = ends_with(0, &here, &kept);
+    assert_refused(
+        &here,
+        &format!("{f32} --set load[0].amplitude=4e-20"),
+        "load[0].amplitude",
+        "f32",
+    );
+    assert_refused(&here, "--set load[0].amplitude=1e-290", "load[0].amplitude", "f64");
+    let arguments =
+        format!("run case.toml --out out --threads 1 {f32} --set load[0].amplitude=1e-10");
+    let (_, stderr) = run_with_exit_code(0, &here, &arguments);
     assert!(!stderr.contains("left over"), "{stderr}");
 }
 
 #[test]
 fn tolerances_below_rounding_are_refused() {
-    let here = folder(TEST, "tolerances", "");
-    ends_with(0, &here, "new harris-grekova --run --force case.toml");
+    let here = create_case_folder(TEST_FOLDER, "tolerances", "");
+    run_with_exit_code(0, &here, "new harris-grekova --run --force case.toml");
     for key in ["time.tolerance", "time.pressure_tolerance"] {
-        is_refused(&here, &format!("--set {key}=1e-30"), key, "lost in rounding");
+        assert_refused(&here, &format!("--set {key}=1e-30"), key, "lost in rounding");
     }
 }
 
 #[test]
-fn bells_far_wider_than_the_grid_are_refused() {
+fn sources_much_wider_than_grid_are_refused() {
     let source = "[[source]]\nkind = 'explosion'\namplitude = 1e6\nat = [15, 10]\nradius = 4\n\
                   time = { kind = 'pulse', duration = 0.02 }\n";
-    let here = folder(TEST, "bells", &SOLID.replace("[output]", &format!("{source}[output]")));
+    let here = create_case_folder(
+        TEST_FOLDER,
+        "bells",
+        &SOLID_CASE.replace("[output]", &format!("{source}[output]")),
+    );
     for radius in ["1e6", "1e15", "1e300"] {
-        is_refused(&here, &format!("--set source[0].radius={radius}"), "source[0].radius", "grid");
+        assert_refused(
+            &here,
+            &format!("--set source[0].radius={radius}"),
+            "source[0].radius",
+            "grid",
+        );
     }
-    ends_with(0, &here, "run case.toml --out out --dry-run --set source[0].radius=50");
+    run_with_exit_code(0, &here, "run case.toml --out out --dry-run --set source[0].radius=50");
 }

@@ -1,16 +1,18 @@
 //! Tests of time-domain flow sections of case files: parsing, refusals and messages.
 
+mod support;
+
 use models::flow::RotationKind;
 use std::fs;
 use std::path::Path;
-use wellposed::case::flow::{Disturbed, FlowRun, Initial, Quantity};
-use wellposed::case::{Case, Kind};
-use wellposed::cli::new::{self, Purpose};
-use wellposed::cli::{self, Control};
-use wellposed::cli::{Error, Options};
+use support::{NO_CHECKPOINTS, parse_case, replace_first};
+use wellposed::case::flow::{FlowPerturbation, FlowQuantity, FlowRun, PerturbedField};
+use wellposed::case::{Case, ModelKind};
+use wellposed::cli::new::{self, TemplateKind};
+use wellposed::cli::{self, Error, Options};
 
 /// Flow case with every section; tests refer to its line numbers.
-const FLOW: &str = "\
+const FLOW_CASE: &str = "\
 title = 'Flow'
 [model]
 kind = 'harris-grekova'
@@ -65,82 +67,82 @@ picture = 'psi_deg'
 contours = [0.1]
 ";
 
-const CONTROL: Control = Control { checkpoint_every: 1e9 };
-
-fn parse(text: &str) -> Result<Case, String> {
-    Case::parse(text, "folder/x.toml", &[]).map_err(|error| error.to_string())
-}
-
-fn flow(text: &str) -> FlowRun {
-    parse(text).unwrap().flow.unwrap()
-}
-
-/// Text with its part `old`, which must occur, replaced by `new`.
-fn with(text: &str, old: &str, new: &str) -> String {
-    assert!(text.contains(old), "{old}");
-    text.replacen(old, new, 1)
+fn parse_flow_run(text: &str) -> FlowRun {
+    parse_case(text).unwrap().flow_run.unwrap()
 }
 
 /// Case of a model without spin.
-fn without_spin(kind: &str, inner: &str) -> String {
-    let text = with(FLOW, "moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
-    let text = with(&text, "harris-grekova", kind).replace("field = 'w'", inner);
-    with(&text, "noncoaxiality_deg = 20\n", "")
+fn format_case_without_spin(kind: &str, inner: &str) -> String {
+    let text =
+        replace_first(FLOW_CASE, "moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
+    let text = replace_first(&text, "harris-grekova", kind).replace("field = 'w'", inner);
+    replace_first(&text, "noncoaxiality_deg = 20\n", "")
 }
 
-fn plastic() -> String {
-    let text = without_spin("plastic-potential", "field = 'v'");
-    with(&text, "[[initial]]\nkind = 'uniform'\nfield = 'v'\namplitude = 0.1\n", "")
+fn format_plastic_potential_case() -> String {
+    let text = format_case_without_spin("plastic-potential", "field = 'v'");
+    replace_first(&text, "[[initial]]\nkind = 'uniform'\nfield = 'v'\namplitude = 0.1\n", "")
 }
 
 #[test]
-fn a_case_is_read_as_written() {
-    let run = flow(FLOW);
+fn case_is_parsed_as_written() {
+    let run = parse_flow_run(FLOW_CASE);
     assert_eq!(
-        (run.grid.cells, run.grid.lengths, run.rotation),
+        (run.grid.points, run.grid.lengths, run.rotation),
         ([32, 24], [0.2, 0.1], RotationKind::IntrinsicSpin)
     );
     assert_eq!((run.time.tolerance, run.time.pressure_tolerance), (1e-4, 1e-9));
-    let Initial::Mode(wave) = &run.initial[0] else { panic!() };
-    assert_eq!((wave.mode, wave.field, wave.phase_deg), ([2, -1], Disturbed::Velocity, 0.0));
+    let FlowPerturbation::Mode(wave) = &run.perturbation_terms[0] else { panic!() };
+    assert_eq!((wave.mode, wave.field, wave.phase_deg), ([2, -1], PerturbedField::Velocity, 0.0));
     assert!(matches!(
-        run.initial[1],
-        Initial::Packet { wave: own, at: [0.1, 0.05], radius: 0.02 } if own.phase_deg == 90.0
+        run.perturbation_terms[1],
+        FlowPerturbation::Packet { carrier: own, centre: [0.1, 0.05], radius: 0.02 } if own.phase_deg == 90.0
     ));
-    assert!(matches!(run.initial[2], Initial::Noise { to: 6.5, seed: 12, .. }));
+    assert!(matches!(
+        run.perturbation_terms[2],
+        FlowPerturbation::Noise { max_wave_number: 6.5, seed: 12, .. }
+    ));
     // Positions on both boundaries of the box are valid; the nearest point is a point of the box.
-    assert_eq!(run.grid.nearest(&run.receivers[0].at), 31);
-    let names: Vec<&str> = run.receivers[0].fields.iter().map(|own| own.name()).collect();
+    assert_eq!(run.grid.nearest_point(&run.receivers[0].position), 31);
+    let names: Vec<&str> = run.receivers[0].fields.iter().map(|quantity| quantity.name()).collect();
     assert_eq!(names, ["v1", "v2", "w", "psi_deg", "p", "shear_rate"]);
-    assert_eq!(run.receivers[1].fields, [Quantity::StressAngle, Quantity::Velocity(1)]);
-    assert_eq!(run.output.picture, Some(Quantity::StressAngle));
-    let text = without_spin("double-shearing", "field = 'psi_deg'");
-    assert_eq!(flow(&text).rotation, RotationKind::StressAxes);
-    let run = flow(&(plastic() + "[limits]\nshear_rate = 0.01\n"));
-    assert_eq!(run.least_shear_rate, 0.01);
-    let equal = with(FLOW, "length = [0.2, 0.1]", "length = 0.2");
-    assert_eq!(flow(&equal).grid.lengths, [0.2, 0.2]);
+    assert_eq!(run.receivers[1].fields, [FlowQuantity::StressAngle, FlowQuantity::Velocity(1)]);
+    assert_eq!(run.output.plotted_field, Some(FlowQuantity::StressAngle));
+    let text = format_case_without_spin("double-shearing", "field = 'psi_deg'");
+    assert_eq!(parse_flow_run(&text).rotation, RotationKind::StressAxes);
+    let run = parse_flow_run(&(format_plastic_potential_case() + "[limits]\nshear_rate = 0.01\n"));
+    assert_eq!(run.min_shear_rate, 0.01);
+    let equal = replace_first(FLOW_CASE, "length = [0.2, 0.1]", "length = 0.2");
+    assert_eq!(parse_flow_run(&equal).grid.lengths, [0.2, 0.2]);
 }
 
 #[test]
-fn the_resolved_case_reads_back_to_itself() {
-    for text in [FLOW.to_owned(), without_spin("double-shearing", "field = 'psi_deg'"), plastic()] {
-        let case = parse(&text).unwrap();
+fn resolved_case_parses_to_equal_case() {
+    for text in [
+        FLOW_CASE.to_owned(),
+        format_case_without_spin("double-shearing", "field = 'psi_deg'"),
+        format_plastic_potential_case(),
+    ] {
+        let case = parse_case(&text).unwrap();
         let resolved = case.to_toml();
-        assert_eq!(parse(&resolved).unwrap_or_else(|error| panic!("{error}\n{resolved}")), case);
+        assert_eq!(
+            parse_case(&resolved).unwrap_or_else(|error| panic!("{error}\n{resolved}")),
+            case
+        );
         assert!(resolved.contains("pressure_tolerance = 1e-9"), "{resolved}");
         assert_eq!(resolved.contains("[limits]"), text.contains("plastic"), "{resolved}");
         // Plot options do not change the results.
-        let drawn = parse(&with(&text, "picture = 'psi_deg'", "picture = 'v1'")).unwrap();
+        let drawn =
+            parse_case(&replace_first(&text, "picture = 'psi_deg'", "picture = 'v1'")).unwrap();
         assert_ne!(drawn, case);
         assert_eq!(drawn.without_plot_options(), case.without_plot_options());
-        let other = parse(&with(&text, "seed = 12", "seed = 13")).unwrap();
+        let other = parse_case(&replace_first(&text, "seed = 12", "seed = 13")).unwrap();
         assert_ne!(other.without_plot_options(), case.without_plot_options());
     }
 }
 
 /// Part of the case text, its replacement, and the beginning of the message.
-const WRONG: &[(&str, &str, &str)] = &[
+const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "cells = [32, 24]",
         "cells = [32, 15]",
@@ -263,67 +265,79 @@ const WRONG: &[(&str, &str, &str)] = &[
 ];
 
 #[test]
-fn wrong_cases_are_refused_with_place_and_remedy() {
-    for (old, new, message) in WRONG {
-        let error = parse(&with(FLOW, old, new)).expect_err(new);
+fn invalid_cases_are_refused_with_location_and_remedy() {
+    for (old, new, message) in INVALID_INPUTS {
+        let error = parse_case(&replace_first(FLOW_CASE, old, new)).expect_err(new);
         assert!(error.starts_with(message), "{new}:\n{message}\n{error}");
     }
 }
 
 #[test]
-fn sections_that_are_missing_or_of_another_medium_are_refused() {
-    let (head, rest) = FLOW.split_once("[[initial]]").unwrap();
+fn missing_and_misplaced_sections_are_refused() {
+    let (head, rest) = FLOW_CASE.split_once("[[initial]]").unwrap();
     let (_, tail) = rest.split_once("[[receiver]]").unwrap();
-    let error = parse(&format!("{head}[[receiver]]{tail}")).unwrap_err();
+    let error = parse_case(&format!("{head}[[receiver]]{tail}")).unwrap_err();
     let start =
         "folder/x.toml: initial: missing; add [[initial]] with kind = \"noise\", field = \"v\"";
     assert!(error.starts_with(start), "{error}");
-    let (model, rest) = FLOW.split_once("[grid]").unwrap();
+    let (model, rest) = FLOW_CASE.split_once("[grid]").unwrap();
     let (_, time) = rest.split_once("[time]").unwrap();
-    let error = parse(&format!("{model}[time]{time}")).unwrap_err();
+    let error = parse_case(&format!("{model}[time]{time}")).unwrap_err();
     let start =
         "folder/x.toml:13: time: found without a grid; add a section [grid] with cells and length";
     assert!(error.starts_with(start), "{error}");
-    let error = parse(&with(&plastic(), "kind = 'mode'", "kind = 'uniform'")).unwrap_err();
+    let error = parse_case(&replace_first(
+        &format_plastic_potential_case(),
+        "kind = 'mode'",
+        "kind = 'uniform'",
+    ))
+    .unwrap_err();
     assert!(
         error.contains("initial[0].kind: found 'uniform' for the model plastic-potential;"),
         "{error}"
     );
-    let free = new::text(Kind::flows()[3]) + "[grid]\ncells = [8, 8]\nlength = 1\n";
-    let error = parse(&free).unwrap_err();
+    let free = new::generate_state_template(ModelKind::flow_kinds()[3])
+        + "[grid]\ncells = [8, 8]\nlength = 1\n";
+    let error = parse_case(&free).unwrap_err();
     assert!(
         error.contains("grid: found for the model free-rotating, a flow; leave it out"),
         "{error}"
     );
-    let solid = new::text(Kind::solids()[0]) + "[grid]\ncells = [8, 8]\nlength = 1\n";
-    let error = parse(&solid).unwrap_err();
+    let solid = new::generate_state_template(ModelKind::solid_kinds()[0])
+        + "[grid]\ncells = [8, 8]\nlength = 1\n";
+    let error = parse_case(&solid).unwrap_err();
     assert!(error.contains("grid.length: found for a solid; give spacing"), "{error}");
-    let error =
-        parse(&(solid.replace("length", "spacing") + "[limits]\nshear_rate = 0.1\n")).unwrap_err();
+    let error = parse_case(&(solid.replace("length", "spacing") + "[limits]\nshear_rate = 0.1\n"))
+        .unwrap_err();
     assert!(
         error.contains("limits: found for the model classical, a solid; leave it out"),
         "{error}"
     );
 }
 
-fn dry_run(folder: &Path, case: &str) -> Result<String, Error> {
+fn execute_dry_run(folder: &Path, case: &str) -> Result<String, Error> {
     let file = folder.join("case.run.toml");
     fs::write(&file, case).unwrap();
     let out = Some(folder.join("out"));
-    let options =
-        Options { case: file, out, dry_run: true, accept_ill_posed: true, ..Options::default() };
+    let options = Options {
+        case_path: file,
+        output_folder: out,
+        is_dry_run: true,
+        accept_ill_posed: true,
+        ..Options::default()
+    };
     let mut stdout = Vec::new();
-    cli::run(&options, CONTROL, &mut stdout)?;
+    cli::run_simulation(&options, NO_CHECKPOINTS, &mut stdout)?;
     assert!(!folder.join("out").exists());
     Ok(String::from_utf8(stdout).unwrap())
 }
 
 /// Verifies that states which are not uniform flows in their own frame are refused.
 #[test]
-fn states_that_cannot_be_run_are_refused() {
+fn states_without_solver_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |text: &str| {
-        let error = dry_run(folder.path(), text).expect_err(text);
+        let error = execute_dry_run(folder.path(), text).expect_err(text);
         assert_eq!(error.exit_code(), 2, "{error}");
         error.to_string().rsplit_once("case.run.toml").unwrap().1.to_owned()
     };
@@ -353,91 +367,97 @@ fn states_that_cannot_be_run_are_refused() {
         ),
         ("body_moment = 1", ":13: background.body_moment: "),
     ] {
-        let text = with(FLOW, "[grid]", &format!("{extra}\n[grid]"));
+        let text = replace_first(FLOW_CASE, "[grid]", &format!("{extra}\n[grid]"));
         let error = refused(&text);
         assert!(error.starts_with(message), "{error}");
     }
-    let dilatant = with(FLOW, "moment_of_inertia", "dilatancy_angle_deg = 10\nmoment_of_inertia");
+    let dilatant = replace_first(
+        FLOW_CASE,
+        "moment_of_inertia",
+        "dilatancy_angle_deg = 10\nmoment_of_inertia",
+    );
     let error = refused(&dilatant);
     let message =
         ":5: model.dilatancy_angle_deg: found 10.0; flows are run in time at constant volume: 0";
     assert_eq!(error, message);
-    let error = refused(&with(FLOW, "noncoaxiality_deg = 20", "noncoaxiality_deg = -45"));
+    let error =
+        refused(&replace_first(FLOW_CASE, "noncoaxiality_deg = 20", "noncoaxiality_deg = -45"));
     assert!(error.starts_with(":12: background.noncoaxiality_deg: found |Δ| = 45"), "{error}");
     // Refused as by `point`.
-    let error = refused(&with(FLOW, "friction_angle_deg = 30", "friction_angle_deg = 95"));
+    let error =
+        refused(&replace_first(FLOW_CASE, "friction_angle_deg = 30", "friction_angle_deg = 95"));
     assert!(error.starts_with(":4: model.friction_angle_deg: found 95"), "{error}");
-    let error = refused(&with(FLOW, "[grid]", "spin = 1\n[grid]"));
+    let error = refused(&replace_first(FLOW_CASE, "[grid]", "spin = 1\n[grid]"));
     assert!(error.contains("background.spin"), "{error}");
-    let error = refused(&new::text(Kind::flows()[3]));
+    let error = refused(&new::generate_state_template(ModelKind::flow_kinds()[3]));
     assert!(
         error
             .ends_with("nothing determines the spin of this one, so that it cannot be run in time")
     );
     if Path::new("/proc/meminfo").exists() {
-        let large = with(FLOW, "cells = [32, 24]", "cells = [16384, 16384]");
+        let large = replace_first(FLOW_CASE, "cells = [32, 24]", "cells = [16384, 16384]");
         let error = refused(&large);
         assert!(error.contains("GiB that are free; ask for fewer points"), "{error}");
     }
 }
 
 #[test]
-fn dry_runs_say_what_would_be_computed() {
+fn dry_run_describes_computation() {
     let folder = tempfile::tempdir().unwrap();
-    let text = dry_run(folder.path(), FLOW).unwrap();
+    let text = execute_dry_run(folder.path(), FLOW_CASE).unwrap();
     let start = "would compute 32 × 24 points, Harris–Grekova, 0.001 s, wave numbers from 31.42 to 439.8 1/m, memory ";
     assert!(text.starts_with(start) && text.contains("run.png"), "{text}");
-    for (path, text) in wellposed::CASES.iter().filter(|own| own.0.starts_with("cases/flow/")) {
-        dry_run(folder.path(), text).unwrap_or_else(|error| panic!("{path}: {error}"));
+    for (path, text) in wellposed::CASES.iter().filter(|case| case.0.starts_with("cases/flow/")) {
+        execute_dry_run(folder.path(), text).unwrap_or_else(|error| panic!("{path}: {error}"));
     }
 }
 
 /// Verifies that the fields of an archive must match the points of the case, and that the archive is part of the
 /// case.
 #[test]
-fn archives_are_read_next_to_the_case() {
+fn initial_archives_are_read_relative_to_case() {
     let folder = tempfile::tempdir().unwrap();
     let archive = |names: &[&str], shape: [usize; 2]| {
-        let mut archive = files::npz::Npz::new();
+        let mut archive = files::npz::NpzWriter::new();
         for name in names {
             archive.add_f64(name, &shape, &vec![0.5; shape[0] * shape[1]]).unwrap();
         }
         fs::write(folder.path().join("old.npz"), archive.finish().unwrap()).unwrap();
     };
     let entry = "kind = 'file'\npath = 'old.npz'";
-    let text = with(FLOW, "kind = 'uniform'\nfield = 'w'\namplitude = 0.1", entry);
-    let error = dry_run(folder.path(), &text).unwrap_err().to_string();
+    let text = replace_first(FLOW_CASE, "kind = 'uniform'\nfield = 'w'\namplitude = 0.1", entry);
+    let error = execute_dry_run(folder.path(), &text).unwrap_err().to_string();
     assert!(error.contains("initial[3].path: 'old.npz': No such file"), "{error}");
     archive(&["v1", "v2", "w"], [24, 32]);
-    dry_run(folder.path(), &text).unwrap();
+    execute_dry_run(folder.path(), &text).unwrap();
 
     let file = folder.path().join("case.run.toml");
     let case = Case::load(&file, &[]).unwrap();
     let resolved = case.to_toml();
     // The resolved case is equal in any folder and does not read the archive.
-    assert_eq!(parse(&resolved).unwrap(), case);
+    assert_eq!(parse_case(&resolved).unwrap(), case);
     archive(&["v1", "v2", "psi"], [24, 32]);
     assert_ne!(Case::load(&file, &[]).unwrap(), case);
-    let error = dry_run(folder.path(), &resolved).unwrap_err().to_string();
+    let error = execute_dry_run(folder.path(), &resolved).unwrap_err().to_string();
     assert!(error.contains("has changed since the case was read; bring it back"), "{error}");
-    let refused = |text: &str| dry_run(folder.path(), text).unwrap_err().to_string();
+    let refused = |text: &str| execute_dry_run(folder.path(), text).unwrap_err().to_string();
     assert!(refused(&text).contains("old.npz': no array w; an archive (NPZ) with v1, v2 and"));
     archive(&["v1", "v2", "w"], [32, 24]);
     let error = refused(&text);
     assert!(error.contains("v1 is of shape [32, 24], not [24, 32]"), "{error}");
     fs::write(folder.path().join("old.npz"), "no archive").unwrap();
     assert!(refused(&text).contains("initial[3].path: '"));
-    let odd = with(&text, entry, "kind = 'file'\npath = 'old.npz'\nchecksum = 'xyz'");
+    let odd = replace_first(&text, entry, "kind = 'file'\npath = 'old.npz'\nchecksum = 'xyz'");
     assert!(refused(&odd).contains("initial[3].checksum: found the text 'xyz'; expected eight"));
 }
 
 /// Verifies that the template contains every key of a flow, and that every entry of it is valid.
 #[test]
-fn new_runs_show_every_key() {
+fn run_templates_contain_every_key() {
     let folder = tempfile::tempdir().unwrap();
-    for kind in &Kind::flows()[..3] {
-        let text = new::text_for((*kind).into(), Purpose::Run);
-        dry_run(folder.path(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    for kind in &ModelKind::flow_kinds()[..3] {
+        let text = new::generate_template((*kind).into(), TemplateKind::Simulation);
+        execute_dry_run(folder.path(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
         let template = &text[text.find("\n[grid]\n").unwrap()..];
         let base = text.split("\n\n").filter(|block| !block.starts_with("[[initial]]"));
         let base = base.collect::<Vec<_>>().join("\n\n");
@@ -449,14 +469,14 @@ fn new_runs_show_every_key() {
                 .collect();
             let Some(header) = lines.first().filter(|line| line.starts_with('[')) else { continue };
             let is_file = block.contains("\"file\"");
-            let own = lines.join("\n");
+            let section = lines.join("\n");
             let document = match header.starts_with("[[initial]]") {
-                true => format!("{base}\n{own}\n"),
-                false => text.replace(block, &own),
+                true => format!("{base}\n{section}\n"),
+                false => text.replace(block, &section),
             };
             let found = Case::parse(&document, "x.toml", &[]);
             found.unwrap_or_else(|error| panic!("{error}\n{document}"));
-            let odd = document.replace(&own, &format!("{own}\nodd = 0"));
+            let odd = document.replace(&section, &format!("{section}\nodd = 0"));
             let error = Case::parse(&odd, "x.toml", &[]).unwrap_err().to_string();
             let (_, allowed) =
                 error.split_once("allowed here: ").unwrap_or_else(|| panic!("{error}"));
@@ -464,26 +484,33 @@ fn new_runs_show_every_key() {
                 // A receiver entry is a point, a line or a grid; the keys of the other forms are in other entries.
                 let is_shown = match header.starts_with("[[receiver]]") {
                     true => template.contains(&format!("{key} = ")),
-                    false => own.contains(&format!("{key} = ")),
+                    false => section.contains(&format!("{key} = ")),
                 };
                 assert!(is_shown, "{key} is missing in {block} {is_file}");
             }
         }
-        for name in
-            Initial::NAMES.iter().filter(|name| text.contains("psi_deg") || **name != "uniform")
+        for name in FlowPerturbation::NAMES
+            .iter()
+            .filter(|name| text.contains("psi_deg") || **name != "uniform")
         {
             let is_shown = template.contains(&format!("kind = \"{name}\""));
             let is_coaxial = *name == "uniform" && kind.name() == "plastic-potential";
             assert!(is_shown != is_coaxial, "{name}");
         }
-        for own in Quantity::all(kind.rotation_in_time().unwrap()) {
-            assert!(template.contains(own.name()), "{own}");
+        for quantity in FlowQuantity::all_fields(kind.simulation_rotation().unwrap()) {
+            assert!(template.contains(quantity.name()), "{quantity}");
         }
         for word in ["EVOLVES", "INNER", "NAMES"] {
             assert!(!text.contains(word), "{text}");
         }
     }
     let other = folder.path().join("other.toml");
-    let error = new::run(Kind::flows()[3].into(), Purpose::Run, Some(&other), false).unwrap_err();
+    let error = new::write_template(
+        ModelKind::flow_kinds()[3].into(),
+        TemplateKind::Simulation,
+        Some(&other),
+        false,
+    )
+    .unwrap_err();
     assert!(error.to_string().contains("nothing determines the spin of free-rotating"), "{error}");
 }

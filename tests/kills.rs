@@ -10,11 +10,12 @@ use std::fs;
 use std::path::Path;
 use std::process::Child;
 use std::time::{Duration, Instant};
+use testkit::random::RandomNumbers;
 
-const TEST: &str = "kills";
+const TEST_FOLDER: &str = "kills";
 
 /// Verbs executed concurrently with the run.
-const BESIDE: [&str; 4] = [
+const CONCURRENT_VERBS: [&str; 4] = [
     "speeds case.toml --out out --threads 1",
     "dispersion case.toml --out out --threads 1",
     "point case.toml --out out --threads 1",
@@ -22,13 +23,13 @@ const BESIDE: [&str; 4] = [
 ];
 
 /// Admissible messages of refused verbs: no results are written yet, or the run is finished.
-const REFUSALS: [&str; 2] = ["holds no results", "the run is finished"];
+const REFUSAL_MESSAGES: [&str; 2] = ["holds no results", "the run is finished"];
 
-/// Checks the exit code of a process.
-fn check_end(arguments: &str, child: Child, was_killed: bool) {
+/// Checks exit code and messages of a process.
+fn check_exit(arguments: &str, child: Child, was_killed: bool) {
     let output = child.wait_with_output().unwrap();
     let [stdout, stderr] =
-        [output.stdout, output.stderr].map(|own| String::from_utf8_lossy(&own).into_owned());
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
     let is_clean = match output.status.code() {
         None => was_killed,
         Some(0) => true,
@@ -36,7 +37,8 @@ fn check_end(arguments: &str, child: Child, was_killed: bool) {
         Some(1) => arguments.starts_with("verify") && stdout.contains("has no checksum"),
         Some(2) => {
             let last = stderr.lines().last().unwrap_or_default();
-            last.starts_with("error: ") && REFUSALS.iter().any(|words| last.contains(words))
+            last.starts_with("error: ")
+                && REFUSAL_MESSAGES.iter().any(|message| last.contains(message))
         }
         Some(_) => false,
     };
@@ -45,69 +47,75 @@ fn check_end(arguments: &str, child: Child, was_killed: bool) {
 }
 
 /// Arguments that resume the run, or start it if it cannot be resumed.
-fn arguments_of_run(here: &Path) -> String {
+fn run_arguments(here: &Path) -> String {
     let out = here.join("out");
     match out.join("program.json").exists() && out.join("case.toml").exists() {
         true => "resume out --threads 1 --checkpoint-every 0".to_owned(),
-        false => format!("{RUN} --force"),
+        false => format!("{RUN_ARGUMENTS} --force"),
     }
 }
 
 /// Executes one run with at most `kills` kills until it is finished; returns the number of kills.
-fn run_with_kills(here: &Path, kills: usize, duration: Duration, chance: &mut Chance) -> usize {
+fn run_with_kills(
+    here: &Path,
+    kills: usize,
+    duration: Duration,
+    random: &mut RandomNumbers,
+) -> usize {
     let mut killed = 0;
     for _ in 0..200 {
         if here.join("out/run.json").exists() {
             break;
         }
-        let arguments = arguments_of_run(here);
-        let mut run = starts(here, &arguments);
-        let is_to_die = killed < kills;
-        let end = Instant::now() + duration.mul_f64(1.1 * chance.part());
-        while run.try_wait().unwrap().is_none() && !(is_to_die && Instant::now() > end) {
-            let beside = BESIDE[chance.below(BESIDE.len())];
-            let mut other = starts(here, beside);
+        let arguments = run_arguments(here);
+        let mut run = start_program(here, &arguments);
+        let may_kill = killed < kills;
+        let end = Instant::now() + duration.mul_f64(1.1 * random.unit_interval());
+        while run.try_wait().unwrap().is_none() && !(may_kill && Instant::now() > end) {
+            let verb = CONCURRENT_VERBS[random.uniform_index(CONCURRENT_VERBS.len())];
+            let mut other = start_program(here, verb);
             // Half of the concurrent verbs are killed as well.
-            let is_killed = is_to_die && chance.below(2) == 0;
+            let is_killed = may_kill && random.uniform_index(2) == 0;
             if is_killed {
-                std::thread::sleep(Duration::from_micros(chance.next() % 60_000));
+                std::thread::sleep(Duration::from_micros(random.next_bits() % 60_000));
                 let _ = other.kill();
             }
-            check_end(beside, other, is_killed);
+            check_exit(verb, other, is_killed);
         }
         let is_running = run.try_wait().unwrap().is_none();
-        if is_to_die && is_running {
+        if may_kill && is_running {
             run.kill().unwrap();
             killed += 1;
         }
-        check_end(&arguments, run, is_to_die && is_running);
+        check_exit(&arguments, run, may_kill && is_running);
     }
     killed
 }
 
-fn whole() -> (BTreeMap<String, Vec<u8>>, Duration) {
-    let here = folder(TEST, "whole", SOLID);
+/// Executes the run and the verbs without kills; returns the result files and the duration of the run.
+fn run_without_kills() -> (BTreeMap<String, Vec<u8>>, Duration) {
+    let here = create_case_folder(TEST_FOLDER, "whole", SOLID_CASE);
     let start = Instant::now();
-    ends_with(0, &here, RUN);
+    run_with_exit_code(0, &here, RUN_ARGUMENTS);
     let duration = start.elapsed();
-    BESIDE.iter().for_each(|verb| drop(ends_with(0, &here, verb)));
-    (results(&here.join("out")), duration)
+    CONCURRENT_VERBS.iter().for_each(|verb| drop(run_with_exit_code(0, &here, verb)));
+    (read_result_files(&here.join("out")), duration)
 }
 
-fn many_kills(all: usize, seed: u64) {
-    let (expected, duration) = whole();
-    let mut chance = Chance::new(seed);
+/// Checks that runs with `count` kills in all have the same result files as a run without kills.
+fn check_runs_with_kills(count: usize, seed: u64) {
+    let (expected, duration) = run_without_kills();
+    let mut random = RandomNumbers::new(seed);
     let (mut killed, mut runs) = (0, 0);
-    while killed < all {
-        let here = folder(TEST, &format!("killed{seed}-{runs}"), SOLID);
-        killed += run_with_kills(&here, 1 + chance.below(4), duration, &mut chance);
+    while killed < count {
+        let here = create_case_folder(TEST_FOLDER, &format!("killed{seed}-{runs}"), SOLID_CASE);
+        killed += run_with_kills(&here, 1 + random.uniform_index(4), duration, &mut random);
         runs += 1;
-        assert!(here.join("out/run.json").exists(), "run {runs} does not come to its end");
+        assert!(here.join("out/run.json").exists(), "run {runs} is not finished");
         // Repeating the verbs restores the files missing after kills; there are no other files.
-        BESIDE.iter().for_each(|verb| drop(ends_with(0, &here, verb)));
-        let found = results(&here.join("out"));
-        let names = |own: &BTreeMap<String, Vec<u8>>| own.keys().cloned().collect::<Vec<_>>();
-        assert_eq!(names(&found), names(&expected), "run {runs}");
+        CONCURRENT_VERBS.iter().for_each(|verb| drop(run_with_exit_code(0, &here, verb)));
+        let found = read_result_files(&here.join("out"));
+        assert!(found.keys().eq(expected.keys()), "run {runs}: {:?}", found.keys());
         for (name, bytes) in &expected {
             assert!(found[name] == *bytes, "run {runs}: {name} differs");
         }
@@ -117,12 +125,12 @@ fn many_kills(all: usize, seed: u64) {
 }
 
 #[test]
-fn a_few_kills_change_no_bit() {
-    many_kills(8, 1);
+fn results_are_bit_identical_after_eight_kills() {
+    check_runs_with_kills(8, 1);
 }
 
 #[test]
 #[ignore = "takes long"]
-fn a_hundred_kills_change_no_bit() {
-    many_kills(100, 2);
+fn results_are_bit_identical_after_a_hundred_kills() {
+    check_runs_with_kills(100, 2);
 }

@@ -7,34 +7,40 @@ use program::*;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const TEST: &str = "limits";
+const TEST_FOLDER: &str = "limits";
 
 /// Time-domain flow case with a negligible perturbation.
-fn flow(name: &str) -> PathBuf {
-    let here = folder(TEST, name, "");
-    ends_with(0, &here, "new harris-grekova --run --force case.toml");
+fn create_flow_folder(name: &str) -> PathBuf {
+    let here = create_case_folder(TEST_FOLDER, name, "");
+    run_with_exit_code(0, &here, "new harris-grekova --run --force case.toml");
     here
 }
 
 /// Checks that a run is refused within seconds, naming `key`, unless forced.
-fn is_refused(name: &str, here: &std::path::Path, settings: &str, key: &str, words: &str) {
+fn assert_refused_unless_forced(
+    name: &str,
+    here: &std::path::Path,
+    settings: &str,
+    key: &str,
+    message: &str,
+) {
     let arguments = format!("run case.toml --out out --threads 1 --accept-ill-posed {settings}");
     for more in ["", " --dry-run"] {
         let start = Instant::now();
-        let (stdout, stderr) = ends_with(2, here, &format!("{arguments}{more}"));
+        let (stdout, stderr) = run_with_exit_code(2, here, &format!("{arguments}{more}"));
         assert!(stdout.is_empty() && start.elapsed() < Duration::from_secs(10), "{name}");
-        for own in [key, words, "found", "--force runs it all the same"] {
-            assert!(stderr.contains(own), "{name}: no {own} in {stderr}");
+        for expected in [key, message, "found", "--force runs it all the same"] {
+            assert!(stderr.contains(expected), "{name}: no {expected} in {stderr}");
         }
         assert!(!here.join("out").exists(), "{name}");
     }
-    let (stdout, _) = ends_with(0, here, &format!("{arguments} --dry-run --force"));
+    let (stdout, _) = run_with_exit_code(0, here, &format!("{arguments} --dry-run --force"));
     assert!(stdout.contains("would compute"), "{name}: {stdout}");
 }
 
 #[test]
-fn absurd_solids_are_refused() {
-    for (name, settings, key, words) in [
+fn excessive_solid_runs_are_refused() {
+    for (name, settings, key, message) in [
         (
             "duration",
             "--set time.duration=1e8 --set output.snapshot_interval=0",
@@ -50,14 +56,14 @@ fn absurd_solids_are_refused() {
             "TiB",
         ),
     ] {
-        let here = folder(TEST, name, SOLID);
-        is_refused(name, &here, settings, key, words);
+        let here = create_case_folder(TEST_FOLDER, name, SOLID_CASE);
+        assert_refused_unless_forced(name, &here, settings, key, message);
     }
 }
 
 #[test]
-fn absurd_flows_are_refused() {
-    for (name, settings, key, words) in [
+fn excessive_flow_runs_are_refused() {
+    for (name, settings, key, message) in [
         ("pressure", "--set background.pressure=1e100", "time.duration", "steps"),
         ("long", "--set time.duration=1e9", "time.duration", "days"),
         ("lines", "--set output.ledger_interval=1e-300", "output.ledger_interval", "tables of"),
@@ -68,61 +74,61 @@ fn absurd_flows_are_refused() {
             "snapshots",
         ),
     ] {
-        is_refused(name, &flow(name), settings, key, words);
+        assert_refused_unless_forced(name, &create_flow_folder(name), settings, key, message);
     }
 }
 
 /// Verifies that a run announces its duration, files and bytes before it starts.
 #[test]
-fn time_files_and_bytes_are_said_beforehand() {
-    let here = folder(TEST, "said", SOLID);
-    let (_, stderr) = ends_with(0, &here, RUN);
+fn run_announces_duration_files_and_bytes() {
+    let here = create_case_folder(TEST_FOLDER, "said", SOLID_CASE);
+    let (_, stderr) = run_with_exit_code(0, &here, RUN_ARGUMENTS);
     let first = stderr.lines().next().unwrap();
-    let written: u64 = names(&here.join("out"))
+    let written: u64 = list_entries(&here.join("out"))
         .iter()
         .filter(|name| name.ends_with(".vti"))
         .map(|name| here.join("out").join(name).metadata().unwrap().len())
         .sum();
     let (_, snapshots) = first.split_once("KiB, 16 snapshots in ").expect(first);
-    let said: f64 = snapshots.trim_end_matches(" MiB").parse().expect(first);
+    let announced: f64 = snapshots.trim_end_matches(" MiB").parse().expect(first);
     let written = written as f64 / (1 << 20) as f64;
-    assert!((said - written).abs() < 0.1 * written, "{first}: {written} MiB");
+    assert!((announced - written).abs() < 0.1 * written, "{first}: {written} MiB");
     assert!(first.contains(" s of one thread"), "{first}");
 }
 
 /// Verifies that Ctrl-C ends a run during a very long step.
 #[test]
-fn interrupted_steps_end_soon() {
-    let here = folder(TEST, "long-step", SOLID);
+fn interrupted_step_ends_within_ten_seconds() {
+    let here = create_case_folder(TEST_FOLDER, "long-step", SOLID_CASE);
     let settings =
         "--set grid.cells=[3000,3000] --set output.snapshot_interval=0 --set time.duration=1000";
     let mut child =
-        command(&here, &format!("run case.toml --out out --threads 1 {settings} --force"))
+        create_command(&here, &format!("run case.toml --out out --threads 1 {settings} --force"))
             .spawn()
             .unwrap();
-    wait_for(&here.join("out/ledger.csv"));
-    signal(&child, "INT");
+    wait_for_file(&here.join("out/ledger.csv"));
+    send_signal(&child, "INT");
     let start = Instant::now();
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
 
 /// Announced and peak resident memory of a run, bytes.
-fn memory(name: &str, case: &str, settings: &str) -> (f64, f64) {
-    let here = folder(TEST, name, case);
+fn measure_memory(name: &str, case: &str, settings: &str) -> (f64, f64) {
+    let here = create_case_folder(TEST_FOLDER, name, case);
     let arguments = format!("run case.toml --out out --threads 1 --checkpoint-every 0 {settings}");
-    let output = ends(&here, &format!("{arguments} --dry-run"));
+    let output = run_program(&here, &format!("{arguments} --dry-run"));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let words: Vec<&str> =
+    let value_and_unit: Vec<&str> =
         text.split_once("memory ").expect(&text).1.split([' ', ';']).take(2).collect();
-    let unit = ["KiB", "MiB", "GiB"].iter().position(|own| *own == words[1]).unwrap();
-    let said = words[0].parse::<f64>().unwrap() * 1024f64.powi(1 + unit as i32);
-    (said, peak(&here, &arguments))
+    let unit = ["KiB", "MiB", "GiB"].iter().position(|unit| *unit == value_and_unit[1]).unwrap();
+    let announced = value_and_unit[0].parse::<f64>().unwrap() * 1024f64.powi(1 + unit as i32);
+    (announced, measure_peak_memory(&here, &arguments))
 }
 
 /// Peak resident memory of a process, bytes.
-fn peak(here: &std::path::Path, arguments: &str) -> f64 {
-    let mut child = command(here, arguments).spawn().unwrap();
+fn measure_peak_memory(here: &std::path::Path, arguments: &str) -> f64 {
+    let mut child = create_command(here, arguments).spawn().unwrap();
     let mut status = 0;
     // SAFETY: `rusage` may be all zeros, and `wait4` writes to both arguments.
     let usage = unsafe {
@@ -140,8 +146,8 @@ fn peak(here: &std::path::Path, arguments: &str) -> f64 {
 /// dimensions need a quarter more than announced.
 #[test]
 #[ignore = "peaks depend on the pages of the system: cargo test --release --test limits -- --ignored"]
-fn memory_is_foretold() {
-    const SOLID: &str = "
+fn peak_memory_agrees_with_announced_memory() {
+    const SOLID_MODEL: &str = "
 [model]
 kind = 'classical'
 lambda = 1.2e8
@@ -152,13 +158,13 @@ spacing = 1
 ";
     let snapshots = "--set output.snapshot_interval=5e-4";
     for (index, (case, cells, settings)) in [
-        (SOLID, "1000,1000", ""),
-        (SOLID, "300000,1", ""),
-        (SOLID, "30000,40", ""),
-        (SOLID, "10,100000", ""),
-        (SOLID, "1000,700", snapshots),
-        (SOLID, "90,90,90", ""),
-        (SOLID, "600,600,1", ""),
+        (SOLID_MODEL, "1000,1000", ""),
+        (SOLID_MODEL, "300000,1", ""),
+        (SOLID_MODEL, "30000,40", ""),
+        (SOLID_MODEL, "10,100000", ""),
+        (SOLID_MODEL, "1000,700", snapshots),
+        (SOLID_MODEL, "90,90,90", ""),
+        (SOLID_MODEL, "600,600,1", ""),
     ]
     .into_iter()
     .enumerate()
@@ -166,8 +172,15 @@ spacing = 1
         let settings = format!("--set grid.cells=[{cells}] --set time.duration=1e-3 {settings}");
         let case = case.replace("spacing", "cells = [1, 1]\nspacing");
         let case = case.clone() + "[time]\nduration = 1\n";
-        let (said, peak) = memory(&format!("memory-{index}"), &case, &settings);
-        println!("[{cells}] {settings}: {:.0} MiB, said {:.0}", peak / 1048576.0, said / 1048576.0);
-        assert!((said - peak).abs() < 0.15 * peak, "[{cells}] {settings}: {peak:e}, said {said:e}");
+        let (announced, peak) = measure_memory(&format!("memory-{index}"), &case, &settings);
+        println!(
+            "[{cells}] {settings}: {:.0} MiB, said {:.0}",
+            peak / 1048576.0,
+            announced / 1048576.0
+        );
+        assert!(
+            (announced - peak).abs() < 0.15 * peak,
+            "[{cells}] {settings}: {peak:e}, said {announced:e}"
+        );
     }
 }

@@ -1,73 +1,63 @@
 //! Tests of point sources and point loads: against the exact wave of a plane source at any position in a cell, and
 //! reduced models with planes of symmetry against the complete model.
 
-use files::npz::{Values, read};
+mod support;
+
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::fs;
-use wellposed::cli::Options;
-use wellposed::cli::{self, Control};
+use support::{create_run_options, read_arrays_by_name, run_case};
 
-const CONTROL: Control = Control { checkpoint_every: 1e9 };
-const MEDIUM: &str = "[model]\nkind='classical'\nlambda=1e8\nmu=1e8\ndensity=3000\n";
+const MODEL_SECTION: &str = "[model]\nkind='classical'\nlambda=1e8\nmu=1e8\ndensity=3000\n";
 /// Pressure wave speed √((λ + 2μ)/ρ), m/s.
-const SPEED: f64 = 316.227_766_016_837_94;
+const PRESSURE_SPEED: f64 = 316.227_766_016_837_94;
 
-fn arrays(case: &str, file: &str) -> HashMap<String, Vec<f64>> {
+/// Runs a case and returns the arrays of a result file by name.
+fn run_and_read_arrays(case: &str, file: &str) -> HashMap<String, Vec<f64>> {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let path = folder.path().join("case.toml");
-    fs::write(&path, case).expect("a scratch file");
-    let out = folder.path().join("out");
-    let options = Options { case: path, out: Some(out.clone()), ..Options::default() };
-    cli::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
-    let arrays = read(&fs::read(out.join(file)).expect("a file")).expect("arrays");
-    let numbers = arrays.into_iter().filter_map(|array| match array.values {
-        Values::F64(values) => Some((array.name, values)),
-        _ => None,
-    });
-    numbers.collect()
+    run_case(&create_run_options(folder.path(), case)).expect("a sound case");
+    read_arrays_by_name(&folder.path().join("out").join(file))
 }
 
 /// Verifies a force per area F f(t) across a strip against the exact velocity F f(t − |x − x₀|/c)/(2ρc). At Courant
 /// number 1 propagation along the strip is exact; the error of source and receiver is of second order at any position
 /// in a cell, since sources act once per step. A force on one cell has more than twice the error.
 #[test]
-fn a_plane_source_is_where_it_is_put() {
+fn plane_source_converges_at_second_order_at_any_position() {
     let frequency = 20.0;
-    let wavelength = SPEED / frequency;
-    let error = |cells: usize, part: f64, kernel: &str| {
+    let wavelength = PRESSURE_SPEED / frequency;
+    let error = |cells: usize, offset: f64, kernel: &str| {
         let h = wavelength / cells as f64;
         let length = 16 * cells;
-        let (at, seen) = (7.0 * wavelength + part * h, 9.0 * wavelength + 0.71 * part * h);
+        let (at, receiver) = (7.0 * wavelength + offset * h, 9.0 * wavelength + 0.71 * offset * h);
         let case = format!(
-            "{MEDIUM}[grid]\ncells=[{length}, 1]\nspacing={h:?}\n[time]\nduration={:?}\ncourant=1\n\
+            "{MODEL_SECTION}[grid]\ncells=[{length}, 1]\nspacing={h:?}\n[time]\nduration={:?}\ncourant=1\n\
              [[side]]\nside='x2-'\nkind='periodic'\n[[side]]\nside='x2+'\nkind='periodic'\n\
              [[source]]\nkind='force'\namplitude=[{:?}, 0]\nat=[{at:?}, 0]\n{kernel}\n\
              time={{kind='ricker', frequency={frequency}}}\n\
-             [[receiver]]\nname='r'\nat=[{seen:?}, 0]\nfields=['v1']\n",
+             [[receiver]]\nname='r'\nat=[{receiver:?}, 0]\nfields=['v1']\n",
             5.5 / frequency,
-            h * 2.0 * 3000.0 * SPEED,
+            h * 2.0 * 3000.0 * PRESSURE_SPEED,
         );
-        let found = arrays(&case, "receivers.npz");
+        let found = run_and_read_arrays(&case, "receivers.npz");
         let ricker = |t: f64| {
             let a = (PI * (frequency * t - 1.5)).powi(2);
             (1.0 - 2.0 * a) * (-a).exp()
         };
         let exact = found["time"].iter().map(|t| {
-            let t = t - (seen - at) / SPEED;
+            let t = t - (receiver - at) / PRESSURE_SPEED;
             if t > 0.0 { ricker(t) } else { 0.0 }
         });
-        let (mut wrong, mut all) = (0.0, 0.0);
+        let (mut error, mut norm) = (0.0, 0.0);
         for (exact, found) in exact.zip(&found["r.v1"]) {
-            wrong += (exact - found).powi(2);
-            all += exact * exact;
+            error += (exact - found).powi(2);
+            norm += exact * exact;
         }
-        (wrong / all).sqrt()
+        (error / norm).sqrt()
     };
-    for part in [0.0, 0.3, 0.5, 0.86] {
-        let errors = [10, 20, 40].map(|cells| error(cells, part, ""));
-        println!("{part}: {errors:?}; one cell {:?}", error(20, part, "kernel='cell'"));
-        assert!((errors[1] / errors[2]).log2() > 1.8, "{part}: {errors:?}");
+    for offset in [0.0, 0.3, 0.5, 0.86] {
+        let errors = [10, 20, 40].map(|cells| error(cells, offset, ""));
+        println!("{offset}: {errors:?}; one cell {:?}", error(20, offset, "kernel='cell'"));
+        assert!((errors[1] / errors[2]).log2() > 1.8, "{offset}: {errors:?}");
     }
     assert!(error(20, 0.86, "kernel='cell'") > 2.0 * error(20, 0.86, ""));
 }
@@ -75,15 +65,15 @@ fn a_plane_source_is_where_it_is_put() {
 /// Verifies sources on planes of symmetry: half and quarter models move like the complete model with the same
 /// sections; sources next to a plane move like the complete model with their image.
 #[test]
-fn parts_of_a_symmetric_model_move_as_the_whole() {
+fn symmetric_submodels_move_like_complete_model() {
     let time = "time={kind='ricker', frequency=60}";
     let model = |cells: [usize; 2], origin: [f64; 2], sides: &str, acting: &str| {
         let case = format!(
-            "{MEDIUM}[grid]\ncells=[{}, {}, 6]\nspacing=0.5\norigin=[{:?}, {:?}, -3]\n\
+            "{MODEL_SECTION}[grid]\ncells=[{}, {}, 6]\nspacing=0.5\norigin=[{:?}, {:?}, -3]\n\
              [time]\nduration=0.025\n{sides}{acting}",
             cells[0], cells[1], origin[0], origin[1]
         );
-        arrays(&case, "fields.npz")
+        run_and_read_arrays(&case, "fields.npz")
     };
     let plane = |side: &str| format!("[[side]]\nside='{side}'\nkind='symmetry'\n");
     for kernel in ["", "radius=1.3"] {
@@ -131,18 +121,21 @@ fn parts_of_a_symmetric_model_move_as_the_whole() {
                 + &images(&[[1.0, 1.0]])),
         );
         for name in ["v1", "v2", "v3", "sigma11", "sigma12", "sigma33"] {
-            let most = whole[name].iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            assert!(most > 0.0, "{name}");
+            let largest = whole[name].iter().fold(0.0, |largest: f64, v| largest.max(v.abs()));
+            assert!(largest > 0.0, "{name}");
             for (cell, value) in whole[name].iter().enumerate() {
                 let [a, b, c] = [cell % 12, cell / 12 % 12, cell / 144];
                 if a < 6 {
                     continue;
                 }
                 let found = half[name][(c * 12 + b) * 6 + a - 6];
-                assert!((found - value).abs() < 1e-9 * most, "{name} of the half at {a}, {b}, {c}");
+                assert!(
+                    (found - value).abs() < 1e-9 * largest,
+                    "{name} of the half at {a}, {b}, {c}"
+                );
                 if b >= 6 {
                     let found = quarter[name][(c * 6 + b - 6) * 6 + a - 6];
-                    assert!((found - value).abs() < 1e-9 * most, "{name} of the quarter");
+                    assert!((found - value).abs() < 1e-9 * largest, "{name} of the quarter");
                 }
             }
         }
@@ -152,7 +145,7 @@ fn parts_of_a_symmetric_model_move_as_the_whole() {
 /// Verifies sources at the corner of all planes: a quarter model in two dimensions and an eighth in three, with the
 /// sections of the complete model. Forces need a plane of antisymmetry normal to them.
 #[test]
-fn corners_of_planes_of_symmetry_take_their_part() {
+fn sources_at_symmetry_corners_act_as_in_complete_model() {
     let time = "time={kind='ricker', frequency=60}";
     let explosion =
         |at: &[f64]| format!("[[source]]\nkind='explosion'\namplitude=3e4\nat={at:?}\n{time}\n");
@@ -168,26 +161,26 @@ fn corners_of_planes_of_symmetry_take_their_part() {
     for (medium, dimensions, is_force) in
         [(0, 2, false), (0, 2, true), (1, 2, false), (0, 3, false), (0, 3, true), (1, 3, true)]
     {
-        let model = |is_part: bool| {
+        let model = |is_reduced: bool| {
             let mut case = format!(
                 "[model]\n{}\n[grid]\ncells={:?}\nspacing=0.5\norigin={:?}\n[time]\nduration=0.02\n",
                 solids[medium],
-                vec![if is_part { 6 } else { 12 }; dimensions],
-                vec![if is_part { 0.0 } else { -3.0 }; dimensions],
+                vec![if is_reduced { 6 } else { 12 }; dimensions],
+                vec![if is_reduced { 0.0 } else { -3.0 }; dimensions],
             );
-            for axis in (1..=dimensions).filter(|_| is_part) {
+            for axis in (1..=dimensions).filter(|_| is_reduced) {
                 let kind = if is_force && axis == 1 { "antisymmetry" } else { "symmetry" };
                 case += &format!("[[side]]\nside='x{axis}-'\nkind='{kind}'\n");
             }
             let at = vec![0.0; dimensions];
             case += &if is_force { force(&at) } else { explosion(&at) };
-            arrays(&case, "fields.npz")
+            run_and_read_arrays(&case, "fields.npz")
         };
-        let (whole, part) = (model(false), model(true));
+        let (whole, reduced) = (model(false), model(true));
         for name in ["v1", "v2", "sigma11", "sigma12", "sigma22"] {
-            let most = whole[name].iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            assert!(most > 0.0, "{name}");
-            for (cell, found) in part[name].iter().enumerate() {
+            let largest = whole[name].iter().fold(0.0, |largest: f64, v| largest.max(v.abs()));
+            assert!(largest > 0.0, "{name}");
+            for (cell, found) in reduced[name].iter().enumerate() {
                 let (mut rest, mut place, mut stride) = (cell, 0, 1);
                 for _ in 0..dimensions {
                     place += (rest % 6 + 6) * stride;
@@ -196,7 +189,10 @@ fn corners_of_planes_of_symmetry_take_their_part() {
                 }
                 let value = whole[name][place];
                 let case = (solids[medium], dimensions, is_force);
-                assert!((found - value).abs() < 1e-9 * most, "{case:?}, {name}: {found}, {value}");
+                assert!(
+                    (found - value).abs() < 1e-9 * largest,
+                    "{case:?}, {name}: {found}, {value}"
+                );
             }
         }
     }
@@ -204,17 +200,14 @@ fn corners_of_planes_of_symmetry_take_their_part() {
 
 /// Verifies that a force normal to a plane of symmetry is refused, since its image cancels it.
 #[test]
-fn forces_across_a_plane_of_symmetry_are_refused() {
+fn forces_normal_to_symmetry_plane_are_refused() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let path = folder.path().join("case.toml");
     let case = format!(
-        "{MEDIUM}[grid]\ncells=[8, 8]\nspacing=1\n[time]\nduration=0.01\n[[side]]\nside='x1-'\n\
+        "{MODEL_SECTION}[grid]\ncells=[8, 8]\nspacing=1\n[time]\nduration=0.01\n[[side]]\nside='x1-'\n\
          kind='symmetry'\n[[source]]\nkind='force'\namplitude=[1, 0]\nat=[0, 4]\n\
          time={{kind='pulse', duration=0.01}}\n"
     );
-    fs::write(&path, case).expect("a scratch file");
-    let out = Some(folder.path().join("out"));
-    let options = Options { case: path, out, ..Options::default() };
-    let error = cli::run(&options, CONTROL, &mut Vec::new()).expect_err("nothing acts").to_string();
+    let options = create_run_options(folder.path(), &case);
+    let error = run_case(&options).expect_err("nothing acts").to_string();
     assert!(error.contains("source[0].at: what drives v1 is on a plane of symmetry"), "{error}");
 }

@@ -1,96 +1,104 @@
 //! Tests of a flow model, a solid and a yield set that are not part of the project and are registered through public
 //! interfaces by one call each: verdict, map, run and check treat them like built-in models.
 
+mod polyhedral_set;
+
 use analysis::growth::Verdict;
 use models::InputError;
 use models::LinearisedSystem;
 use models::Rounded;
-use models::common::parameter::{Parameter, constants};
-use models::common::range::Range;
-use models::common::system::Matrix;
-use models::flow::balance::{Columns, flow_rule, mass, momentum};
-use models::flow::state::{Coulomb, Flow, FlowRule, MaterialRotation};
+use models::common::parameter::{Parameter, to_constant_array};
+use models::common::range::AllowedRange;
+use models::common::system::RoundedMatrix;
+use models::flow::balance::{UnknownColumns, write_flow_rule, write_mass, write_momentum};
+use models::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
 use models::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
 use models::registry;
 use models::solid::parameters::Theory;
-use models::solid::stress::{Component, Stress};
-use models::solid::waves::{Field, Pair};
+use models::solid::stress::{Stress, StressComponent};
+use models::solid::waves::{SolidField, VelocityStressPair};
 use models::solid::{ElasticLaw, Elasticity, SolidModel};
-use models::yield_set::parameters::{ActiveCondition, Mises, contract};
+use models::yield_set::parameters::{ActiveCondition, Mises};
 use models::yield_set::projection::Projection;
 use models::yield_set::{
-    Needs, NotInterior, YieldConditions, YieldSet, YieldSetModel, check_associated, linear_ray_exit,
+    RayStartError, SolidClass, YieldConditions, YieldSet, YieldSetModel, check_associated,
 };
+use polyhedral_set::{active_conditions, ray_exit};
 use std::sync::{Arc, Once};
-use wellposed::case::{Case, Kind, Medium};
-use wellposed::study::check::Extent;
-use wellposed::study::simulate::Settings;
-use wellposed::study::{MapOptions, unwatched};
+use wellposed::case::{Case, MediumKind, ModelKind};
+use wellposed::study::check::CheckExtent;
+use wellposed::study::simulate::SimulationSettings;
+use wellposed::study::{MapOptions, ignore_progress};
 
 /// Double shearing with a factor in the rotation term of the stress axes, larger for slower rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SlowRotation {
-    coulomb: Coulomb,
+    coulomb: MohrCoulomb,
     dilatancy_angle: f64,
-    factor: f64,
+    rotation_factor: f64,
 }
 
 impl SlowRotation {
     fn new(given: &[f64]) -> Result<Self, InputError> {
-        let [friction_angle, dilatancy_angle, cohesion, factor] = constants(given)?;
-        let coulomb = Coulomb::new(friction_angle, cohesion)?;
-        ROTATION_FACTOR.check(factor, "a positive number")?;
-        Ok(Self { coulomb, dilatancy_angle, factor })
+        let [friction_angle, dilatancy_angle, cohesion, rotation_factor] =
+            to_constant_array(given)?;
+        let coulomb = MohrCoulomb::new(friction_angle, cohesion)?;
+        ROTATION_FACTOR.check(rotation_factor, "a positive number")?;
+        Ok(Self { coulomb, dilatancy_angle, rotation_factor })
     }
 }
 
 impl FlowLaw for SlowRotation {
-    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+    fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError> {
         *self = Self::new(constants)?;
         Ok(())
     }
 
-    fn coulomb(&self) -> &Coulomb {
+    fn coulomb(&self) -> &MohrCoulomb {
         &self.coulomb
     }
 
     fn flow_rule(&self) -> FlowRule {
-        let rule = FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle);
-        FlowRule { rotation: Rounded::given(self.factor) * rule.rotation, ..rule }
+        let rule = FlowRule::new_double_shearing(self.coulomb.friction_angle, self.dilatancy_angle);
+        FlowRule {
+            rotation_coefficient: Rounded::from_rounded(self.rotation_factor)
+                * rule.rotation_coefficient,
+            ..rule
+        }
     }
 
     fn rotation(&self) -> MaterialRotation {
         MaterialRotation::StressAxes
     }
 
-    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
-        const EQUATIONS: [&str; 5] =
+    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
+        const EQUATION_NAMES: [&str; 5] =
             ["momentum 1", "momentum 2", "flow rule: volume", "flow rule: rotation", "mass"];
         let rule = self.flow_rule();
-        let columns = Columns::reset(system, false, &EQUATIONS, &rule, flow);
-        momentum(system, &columns, &self.coulomb, flow);
-        flow_rule(system, 2, &columns, &rule, flow);
-        mass(system, 4, &columns, flow);
+        let columns = UnknownColumns::reset_system(system, false, &EQUATION_NAMES, &rule, flow);
+        write_momentum(system, &columns, &self.coulomb, flow);
+        write_flow_rule(system, 2, &columns, &rule, flow);
+        write_mass(system, 4, &columns, flow);
         // Rotation term 2 e_r Dψ/Dt
-        let rotation = 2.0 * rule.rotation;
+        let rotation = 2.0 * rule.rotation_coefficient;
         system.a[(3, columns.angle)] = rotation;
         for j in 0..2 {
             system.c[(3, columns.velocity[j])] =
-                rotation * Rounded::angle(flow.stress_angle_gradient[j]);
+                rotation * Rounded::from_angle(flow.stress_angle_gradient[j]);
         }
     }
 }
 
 const ROTATION_FACTOR: Parameter =
-    Parameter::required(["rotation_factor", "rotation factor", ""], "factor; > 0", 2.0)
-        .within(Range::Positive);
+    Parameter::new_required(["rotation_factor", "rotation factor", ""], "factor; > 0", 2.0)
+        .with_range(AllowedRange::Positive);
 
 static SLOW_ROTATION: FlowModel = FlowModel {
     name: "slow-rotation",
     title: "double shearing with slow rotation",
     parameters: &[FRICTION_ANGLE, DILATANCY_ANGLE, COHESION, ROTATION_FACTOR],
     rotation: RotationKind::StressAxes,
-    build: |given| Ok(Arc::new(SlowRotation::new(given)?)),
+    constructor: |given| Ok(Arc::new(SlowRotation::new(given)?)),
 };
 
 /// Orthotropic solid in plane strain with the axes x₁ and x₂.
@@ -116,29 +124,29 @@ impl Elasticity for Orthotropic {
         self.density
     }
 
-    fn stiffness(&self, stresses: &[Component]) -> Matrix {
-        Matrix::from_fn(stresses.len(), stresses.len(), |row, column| {
-            let Component::Symmetric(i, j) = stresses[row] else { return Rounded::ZERO };
-            let Component::Symmetric(k, l) = stresses[column] else { return Rounded::ZERO };
+    fn stiffness(&self, stresses: &[StressComponent]) -> RoundedMatrix {
+        RoundedMatrix::from_fn(stresses.len(), stresses.len(), |row, column| {
+            let StressComponent::Symmetric(i, j) = stresses[row] else { return Rounded::ZERO };
+            let StressComponent::Symmetric(k, l) = stresses[column] else { return Rounded::ZERO };
             match ((i, j), (k, l)) {
-                ((0, 0), (0, 0)) => Rounded::given(self.c11),
-                ((1, 1), (1, 1)) => Rounded::given(self.c22),
-                ((0, 0), (1, 1)) | ((1, 1), (0, 0)) => Rounded::given(self.c12),
-                ((0, 1), (0, 1)) => Rounded::given(self.c66),
+                ((0, 0), (0, 0)) => Rounded::from_rounded(self.c11),
+                ((1, 1), (1, 1)) => Rounded::from_rounded(self.c22),
+                ((0, 0), (1, 1)) | ((1, 1), (0, 0)) => Rounded::from_rounded(self.c12),
+                ((0, 1), (0, 1)) => Rounded::from_rounded(self.c66),
                 _ => Rounded::ZERO,
             }
         })
     }
 
-    fn pairs(&self, _dimensions: usize, axis: usize) -> Vec<Pair> {
+    fn pairs(&self, _dimensions: usize, axis: usize) -> Vec<VelocityStressPair> {
         let along = [self.c11, self.c22][axis];
-        let pair = |i: usize| Pair {
-            velocity: Field::Velocity(i),
-            stress: Field::Stress(i.min(axis), i.max(axis)),
+        let pair = |i: usize| VelocityStressPair {
+            velocity: SolidField::Velocity(i),
+            stress: SolidField::Stress(i.min(axis), i.max(axis)),
             inertia: self.density,
             modulus: if i == axis { along } else { self.c66 },
             passive_stresses: match i == axis {
-                true => vec![(Field::Stress(1 - axis, 1 - axis), self.c12 / along)],
+                true => vec![(SolidField::Stress(1 - axis, 1 - axis), self.c12 / along)],
                 false => Vec::new(),
             },
         };
@@ -153,30 +161,30 @@ impl Elasticity for Orthotropic {
     }
 }
 
-const fn modulus(name: &'static str, example: f64) -> Parameter {
-    Parameter::required([name, name, "Pa"], "stiffness; positive definite", example)
+const fn modulus_parameter(name: &'static str, example: f64) -> Parameter {
+    Parameter::new_required([name, name, "Pa"], "stiffness; positive definite", example)
 }
 
 const ORTHOTROPIC_ENTRY: SolidModel = SolidModel {
     name: "orthotropic",
     title: "orthotropic solid",
     parameters: &[
-        modulus("c11", 9e9),
-        modulus("c22", 4e9),
-        modulus("c12", 2e9),
-        modulus("c66", 1.5e9),
-        Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2000.0)
-            .within(Range::Positive),
+        modulus_parameter("c11", 9e9),
+        modulus_parameter("c22", 4e9),
+        modulus_parameter("c12", 2e9),
+        modulus_parameter("c66", 1.5e9),
+        Parameter::new_required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2000.0)
+            .with_range(AllowedRange::Positive),
     ],
     theory: Theory::Classical,
     is_plane: true,
-    build: |given| {
-        let [c11, c22, c12, c66, density] = constants(given)?;
+    constructor: |given| {
+        let [c11, c22, c12, c66, density] = to_constant_array(given)?;
         if !(c11 > 0.0 && c22 > 0.0 && c11 * c22 > c12 * c12 && c66 > 0.0 && density > 0.0) {
             return Err(InputError {
                 input: "c11",
-                found: format!("{given:?}"),
-                allowed: "a positive definite stiffness".to_owned(),
+                rejected_value: format!("{given:?}"),
+                allowed_values: "a positive definite stiffness".to_owned(),
             });
         }
         Ok(ElasticLaw::from(Orthotropic { c11, c22, c12, c66, density }))
@@ -196,35 +204,29 @@ impl ShearLimit {
         [("σ12 > 0", 0.5), ("σ12 < 0", -0.5)].map(|(name, half)| {
             let mut normal = Stress::default();
             (normal.force[0][1], normal.force[1][0]) = (half, half);
-            (ActiveCondition { name, normal, flow: normal, hardening: 0.0 }, self.strength)
+            (
+                ActiveCondition { name, normal, flow_direction: normal, hardening: 0.0 },
+                self.strength,
+            )
         })
     }
 }
 
 impl YieldConditions for ShearLimit {
-    fn value(&self, stress: &Stress) -> f64 {
+    fn yield_function(&self, stress: &Stress) -> f64 {
         stress.force[0][1].abs() - self.strength
     }
 
-    fn active(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition> {
-        let is_active = |own: &(ActiveCondition, f64)| {
-            contract(&own.0.normal, stress) >= self.strength * (1.0 - tolerance)
-        };
-        self.conditions().into_iter().filter(is_active).map(|own| own.0).collect()
+    fn active_conditions(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition> {
+        active_conditions(&self.conditions(), stress, tolerance)
     }
 
     fn check_ideal_and_associated(&self) -> Result<(), InputError> {
         check_associated("strength", self.strength, self.strength)
     }
 
-    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, NotInterior> {
-        let mut least = f64::INFINITY;
-        for (condition, strength) in self.conditions() {
-            let used = contract(&condition.normal, start);
-            least =
-                least.min(linear_ray_exit(used, strength, contract(&condition.normal, direction))?);
-        }
-        Ok(least)
+    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, RayStartError> {
+        ray_exit(&self.conditions(), start, direction)
     }
 
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
@@ -241,42 +243,42 @@ impl YieldConditions for ShearLimit {
     }
 }
 
-const STRENGTH: Parameter =
-    Parameter::required(["strength", "shear strength k", "Pa"], "strength; > 0", 1e6)
-        .within(Range::Positive);
+const SHEAR_STRENGTH: Parameter =
+    Parameter::new_required(["strength", "shear strength k", "Pa"], "strength; > 0", 1e6)
+        .with_range(AllowedRange::Positive);
 
 const SHEAR_LIMIT_ENTRY: YieldSetModel = YieldSetModel {
     name: "shear-limit",
     title: "limit of shear",
-    parameters: &[(STRENGTH, Needs::All)],
+    parameters: &[(SHEAR_STRENGTH, SolidClass::AllSolids)],
     is_plane: true,
     is_curved: false,
-    conditions: &[("+sigma12", Needs::All), ("-sigma12", Needs::All)],
-    admits: |law| law.theory() == Theory::Classical,
-    build: |_, given| {
-        let [strength] = constants(given)?;
-        STRENGTH.check(strength, "a positive strength, in Pa")?;
+    conditions: &[("+sigma12", SolidClass::AllSolids), ("-sigma12", SolidClass::AllSolids)],
+    is_compatible_law: |law| law.theory() == Theory::Classical,
+    constructor: |_, given| {
+        let [strength] = to_constant_array(given)?;
+        SHEAR_STRENGTH.check(strength, "a positive strength, in Pa")?;
         Ok(YieldSet::from(ShearLimit { strength }))
     },
 };
 
 static SHEAR_LIMIT: YieldSetModel = SHEAR_LIMIT_ENTRY;
 
-fn register() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
+fn register_models() {
+    static REGISTRATION: Once = Once::new();
+    REGISTRATION.call_once(|| {
         registry::register_flow(&SLOW_ROTATION).expect("a new flow");
         registry::register_solid(&ORTHOTROPIC).expect("a new solid");
         registry::register_yield_set(&SHEAR_LIMIT).expect("a new yield set");
     });
 }
 
-fn case(text: &str) -> Case {
-    register();
+fn parse_case(text: &str) -> Case {
+    register_models();
     Case::parse(text, "toy.toml", &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-const FLOW: &str = "
+const FLOW_CASE: &str = "
 [model]
 kind = 'slow-rotation'
 friction_angle_deg = 30
@@ -289,7 +291,7 @@ shear_rate = 25
 half_vorticity = -25
 ";
 
-const IN_TIME: &str = "
+const RUN_SECTIONS: &str = "
 [grid]
 cells = [16, 16]
 length = 0.1
@@ -305,44 +307,52 @@ seed = 1
 ";
 
 #[test]
-fn a_flow_gets_verdict_map_run_and_check() {
+fn registered_flow_has_verdict_map_run_and_check() {
     // Ill-posed like double shearing: growth rate proportional to k.
-    let point = wellposed::point(&case(FLOW), &unwatched).expect("a state");
+    let point =
+        wellposed::analyse_point(&parse_case(FLOW_CASE), &ignore_progress).expect("a state");
     let Some(Verdict::IllPosed { growth: Some(growth), .. }) = point.verdict() else {
         panic!("{:?}", point.verdict());
     };
-    assert_eq!(growth.order.value(), 1.0);
+    assert_eq!(growth.order.to_f64(), 1.0);
     // With factor 1 the model is double shearing, which gives the same verdict by its equations and by its closed
     // form.
-    let same = FLOW.replace("rotation_factor = 1.5", "rotation_factor = 1");
+    let same = FLOW_CASE.replace("rotation_factor = 1.5", "rotation_factor = 1");
     let double =
         same.replace("slow-rotation", "double-shearing").replace("rotation_factor = 1", "");
-    let [own, double] =
-        [same, double].map(|text| match wellposed::point(&case(&text), &unwatched) {
+    let [own, double] = [same, double].map(|text| {
+        match wellposed::analyse_point(&parse_case(&text), &ignore_progress) {
             Ok(point) => match point.verdict() {
                 Some(Verdict::IllPosed { growth: Some(growth), .. }) => growth.coefficient,
                 other => panic!("{other:?}"),
             },
             Err(error) => panic!("{error}"),
-        });
+        }
+    });
     assert!((own / double - 1.0).abs() < 1e-9, "{own} {double}");
 
     let map = "[map]
 x = { parameter = 'model.rotation_factor', from = 0.5, to = 2, points = 4 }
 y = { parameter = 'background.pressure', from = 500, to = 2000, points = 3 }";
-    let map = wellposed::map(&case(&format!("{FLOW}{map}")), MapOptions::default(), &unwatched);
+    let map = wellposed::compute_map(
+        &parse_case(&format!("{FLOW_CASE}{map}")),
+        MapOptions::default(),
+        &ignore_progress,
+    );
     let points = map.expect("a map").points;
     assert!(points.len() == 12 && points.iter().all(|point| point.order == 1.0));
 
-    let run = case(&format!("{FLOW}{IN_TIME}"));
-    let settings = Settings { accept_ill_posed: true };
-    let result = wellposed::simulate(&run, settings, &unwatched).expect("a run");
-    assert!(result.stopped.is_none() && result.fields.get("psi").is_some());
-    let checked = wellposed::check(&case(FLOW), Extent::Short, &unwatched).expect("a check");
+    let run = parse_case(&format!("{FLOW_CASE}{RUN_SECTIONS}"));
+    let settings = SimulationSettings { accept_ill_posed: true };
+    let result = wellposed::simulate(&run, settings, &ignore_progress).expect("a run");
+    assert!(result.stop_report.is_none() && result.fields.get("psi").is_some());
+    let checked =
+        wellposed::check_agreement(&parse_case(FLOW_CASE), CheckExtent::Short, &ignore_progress)
+            .expect("a check");
     assert_eq!(checked.agrees, Some(true), "{checked:?}");
 }
 
-const SOLID: &str = "
+const SOLID_CASE: &str = "
 [model]
 kind = 'orthotropic'
 c11 = 9e9
@@ -356,13 +366,15 @@ direction_deg = 45
 ";
 
 #[test]
-fn a_solid_gets_verdict_waves_map_run_and_check() {
-    let point = wellposed::point(&case(SOLID), &unwatched).expect("a state");
+fn registered_solid_has_verdict_waves_map_and_check() {
+    let point =
+        wellposed::analyse_point(&parse_case(SOLID_CASE), &ignore_progress).expect("a state");
     assert_eq!(point.verdict(), Some(&Verdict::WellPosed));
     // Christoffel equation along 45°: ρc² are the eigenvalues of ½[c11 + c66, c12 + c66; c12 + c66, c22 + c66].
-    let found = wellposed::dispersion(&case(SOLID), &unwatched).expect("waves");
+    let found =
+        wellposed::compute_dispersion(&parse_case(SOLID_CASE), &ignore_progress).expect("waves");
     let mut speeds: Vec<f64> =
-        found.families.iter().flat_map(|own| own.characteristic_speeds.clone()).collect();
+        found.families.iter().flat_map(|family| family.characteristic_speeds.clone()).collect();
     speeds.sort_by(f64::total_cmp);
     let (a, b, c): (f64, f64, f64) = (5.25e9, 1.75e9, 2.75e9);
     let (mean, half) = (0.5 * (a + c), (0.25 * (a - c).powi(2) + b * b).sqrt());
@@ -373,15 +385,21 @@ fn a_solid_gets_verdict_waves_map_run_and_check() {
     let map = "[map]
 x = { parameter = 'model.c12', from = 0, to = 3e9, points = 3 }
 y = { parameter = 'model.density', from = 1000, to = 2000, points = 2 }";
-    let map = wellposed::map(&case(&format!("{SOLID}{map}")), MapOptions::default(), &unwatched);
+    let map = wellposed::compute_map(
+        &parse_case(&format!("{SOLID_CASE}{map}")),
+        MapOptions::default(),
+        &ignore_progress,
+    );
     assert_eq!(map.expect("a map").points.len(), 6);
-    let checked = wellposed::check(&case(SOLID), Extent::Short, &unwatched).expect("a check");
+    let checked =
+        wellposed::check_agreement(&parse_case(SOLID_CASE), CheckExtent::Short, &ignore_progress)
+            .expect("a check");
     assert_eq!(checked.agrees, Some(true), "{checked:?}");
 }
 
 /// Verifies verdict, run and check for a shear load on the upper boundary of a block that yields in shear.
 #[test]
-fn a_yield_set_gets_verdict_run_and_check() {
+fn registered_yield_set_has_verdict_run_and_check() {
     let text = "
 [model]
 kind = 'classical'
@@ -394,9 +412,11 @@ kind = 'shear-limit'
 strength = 1e6
 ";
     let active = text.replace("strength = 1e6", "strength = 1e6\nactive = ['+sigma12']");
-    let point = wellposed::point(&case(&active), &unwatched).expect("a state");
+    let point = wellposed::analyse_point(&parse_case(&active), &ignore_progress).expect("a state");
     assert_eq!(point.verdict(), Some(&Verdict::WellPosed));
-    let checked = wellposed::check(&case(&active), Extent::Short, &unwatched).expect("a check");
+    let checked =
+        wellposed::check_agreement(&parse_case(&active), CheckExtent::Short, &ignore_progress)
+            .expect("a check");
     assert_eq!(checked.agrees, Some(true), "{checked:?}");
 
     let run = "
@@ -417,38 +437,39 @@ field = 'sigma12'
 amplitude = 3e6
 time = { kind = 'step', duration = 0.02 }
 ";
-    let settings = Settings { accept_ill_posed: false };
-    let result = wellposed::simulate(&case(&format!("{text}{run}")), settings, &unwatched);
+    let settings = SimulationSettings { accept_ill_posed: false };
+    let result =
+        wellposed::simulate(&parse_case(&format!("{text}{run}")), settings, &ignore_progress);
     let fields = result.expect("a run").fields;
     let shear = fields.get("sigma12").expect("the shear stress");
-    let greatest = shear.iter().fold(0.0f64, |most, value| most.max(value.abs()));
-    assert!((0.99e6..=1e6 * (1.0 + 1e-12)).contains(&greatest), "{greatest}");
+    let max_shear = shear.iter().fold(0.0f64, |max, value| max.max(value.abs()));
+    assert!((0.99e6..=1e6 * (1.0 + 1e-12)).contains(&max_shear), "{max_shear}");
     assert!(fields.dissipation.iter().sum::<f64>() > 0.0);
 }
 
 #[test]
-fn names_are_listed_everywhere_and_taken_once() {
-    register();
-    let kinds: Vec<&str> = Kind::all().into_iter().map(Kind::name).collect();
+fn registered_names_are_listed_and_unique() {
+    register_models();
+    let kinds: Vec<&str> = ModelKind::all_kinds().into_iter().map(ModelKind::name).collect();
     assert!(kinds.contains(&"slow-rotation") && kinds.contains(&"orthotropic"));
     // Every registered medium has a template, which is a valid case.
-    for medium in Medium::all() {
-        let text = wellposed::cli::new::text(medium);
+    for medium in MediumKind::all_media() {
+        let text = wellposed::cli::new::generate_state_template(medium);
         Case::parse(&text, "new.toml", &[]).unwrap_or_else(|error| panic!("{error}\n{text}"));
     }
-    for again in [
+    for result in [
         registry::register_flow(&SLOW_ROTATION),
         registry::register_solid(&ORTHOTROPIC),
         registry::register_yield_set(&SHEAR_LIMIT),
     ] {
-        assert!(matches!(again, Err(registry::RegistryError::NameTaken(_))), "{again:?}");
+        assert!(matches!(result, Err(registry::RegistryError::DuplicateName(_))), "{result:?}");
     }
 }
 
 /// Verifies that a solid is refused for yield sets that project in the norm of another elastic law.
 #[test]
-fn a_solid_that_a_set_cannot_project_is_refused_with_both_names() {
-    register();
+fn unsupported_solid_of_yield_set_is_refused_with_both_names() {
+    register_models();
     let run = "
 [grid]
 cells = [4, 8]
@@ -461,21 +482,24 @@ shear_strength = 1e6
 shear_friction = 0.5
 shear_dilatancy = 0.5
 ";
-    let error = Case::parse(&format!("{SOLID}{run}"), "toy.toml", &[]).expect_err("no such medium");
+    let error =
+        Case::parse(&format!("{SOLID_CASE}{run}"), "toy.toml", &[]).expect_err("no such medium");
     let error = error.to_string();
     assert!(error.contains("orthotropic") && error.contains("interlayer"), "{error}");
     assert!(error.contains("shear-limit"), "the set that it can have is named: {error}");
     // For every solid that a set accepts, the projection returns a stress far outside to the set.
-    for medium in Medium::all() {
-        let (Kind::Solid(solid), Some(kind)) = (medium.kind, medium.yields) else { continue };
+    for medium in MediumKind::all_media() {
+        let (ModelKind::Solid(solid), Some(kind)) = (medium.kind, medium.yield_set) else {
+            continue;
+        };
         let examples: Vec<f64> =
-            kind.parameters_for(solid.theory).map(Parameter::example).collect();
-        let set = kind.set(solid.theory, &examples).expect("examples make a set");
+            kind.parameters_for(solid.theory).map(Parameter::example_value).collect();
+        let set = kind.build_set(solid.theory, &examples).expect("examples make a set");
         let force = [[0.0, 1e9, 0.0], [1e9, 0.0, 0.0], [0.0; 3]];
         let trial = Stress { force, ..Stress::default() };
         let law = solid.example().expect("examples make a law");
         let found = set.project(&law, &trial);
-        let excess = set.value(&found.stress) / set.value(&trial);
+        let excess = set.yield_function(&found.stress) / set.yield_function(&trial);
         assert!(excess.abs() < 1e-12 && found.energy_lost > 0.0, "{}: {excess}", medium.title());
     }
 }
@@ -483,35 +507,38 @@ shear_dilatancy = 0.5
 /// Verifies that inconsistent entries are refused: a solid of another theory than stated or with examples out of
 /// range, and a yield set that names active conditions and has none.
 #[test]
-fn entries_that_contradict_themselves_are_refused() {
-    static CURVED: YieldSetModel = YieldSetModel {
+fn inconsistent_entries_are_refused() {
+    static CURVED_YIELD_SET: YieldSetModel = YieldSetModel {
         name: "curved-with-names",
         title: "",
-        conditions: &[("+sigma12", Needs::All)],
-        build: |_, _| Ok(YieldSet::from(Mises::von_mises(1e6))),
+        conditions: &[("+sigma12", SolidClass::AllSolids)],
+        constructor: |_, _| Ok(YieldSet::from(Mises::new_von_mises(1e6))),
         ..SHEAR_LIMIT_ENTRY
     };
-    let error = registry::register_yield_set(&CURVED).expect_err("no half-spaces").to_string();
+    let error =
+        registry::register_yield_set(&CURVED_YIELD_SET).expect_err("no half-spaces").to_string();
     assert!(error.contains("curved-with-names") && error.contains("0 half-spaces"), "{error}");
 
-    static SPACE: SolidModel =
+    static SPATIAL_SOLID: SolidModel =
         SolidModel { name: "orthotropic-space", is_plane: false, ..ORTHOTROPIC_ENTRY };
-    let found = registry::register_solid(&SPACE);
-    assert!(matches!(found, Err(registry::RegistryError::OtherTheory(_))), "{found:?}");
+    let found = registry::register_solid(&SPATIAL_SOLID);
+    assert!(matches!(found, Err(registry::RegistryError::TheoryMismatch(_))), "{found:?}");
 
-    static NEGATIVE: SolidModel = SolidModel {
+    static NEGATIVE_MODULUS_SOLID: SolidModel = SolidModel {
         name: "negative",
         parameters: &[
-            modulus("c11", -9e9),
-            modulus("c22", 4e9),
-            modulus("c12", 2e9),
-            modulus("c66", 1.5e9),
-            Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2000.0),
+            modulus_parameter("c11", -9e9),
+            modulus_parameter("c22", 4e9),
+            modulus_parameter("c12", 2e9),
+            modulus_parameter("c66", 1.5e9),
+            Parameter::new_required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2000.0),
         ],
         ..ORTHOTROPIC_ENTRY
     };
-    let error = registry::register_solid(&NEGATIVE).expect_err("a negative modulus").to_string();
+    let error = registry::register_solid(&NEGATIVE_MODULUS_SOLID)
+        .expect_err("a negative modulus")
+        .to_string();
     assert!(error.contains("negative") && error.contains("c11"), "{error}");
     let listed = registry::solids();
-    assert!(listed.iter().all(|own| !["orthotropic-space", "negative"].contains(&own.name)));
+    assert!(listed.iter().all(|solid| !["orthotropic-space", "negative"].contains(&solid.name)));
 }

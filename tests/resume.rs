@@ -2,35 +2,32 @@
 
 mod program;
 
-use program::{PROGRAM, RUN, SOLID, command, ends};
-use std::collections::BTreeMap;
+use program::{
+    PROGRAM_PATH, RUN_ARGUMENTS, SOLID_CASE, create_case_folder, create_command, interrupt_run,
+    read_result_files, run_program, send_signal, wait_for_file,
+};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Creates an empty folder with the case.
-fn folder(name: &str) -> PathBuf {
-    program::folder("resume", name, SOLID)
-}
-
-/// Contents of all result files of a run.
-fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    program::results(&folder.join("out"))
+/// Creates a folder with the case alone.
+fn create_solid_folder(name: &str) -> PathBuf {
+    create_case_folder("resume", name, SOLID_CASE)
 }
 
 /// Verifies that runs killed at twenty times and resumed until finished give the same files.
 #[test]
-fn killed_runs_resume_to_the_same_files() {
-    let whole = folder("whole");
+fn killed_runs_resume_to_bit_identical_files() {
+    let uninterrupted = create_solid_folder("whole");
     let start = Instant::now();
-    assert!(ends(&whole, RUN).status.success());
+    assert!(run_program(&uninterrupted, RUN_ARGUMENTS).status.success());
     let duration = start.elapsed();
-    let expected = results(&whole);
+    let expected = read_result_files(&uninterrupted.join("out"));
     assert!(expected.iter().any(|file| file.0 == "snapshot-00000000.vti"));
     for index in 0..20 {
-        let here = folder(&format!("killed{index}"));
-        let mut child = command(&here, RUN).spawn().unwrap();
+        let here = create_solid_folder(&format!("killed{index}"));
+        let mut child = create_command(&here, RUN_ARGUMENTS).spawn().unwrap();
         std::thread::sleep(duration.mul_f64((f64::from(index) + 0.5) / 21.0));
         // SIGKILL; a run that finished earlier is valid, too.
         let _ = child.kill();
@@ -39,64 +36,56 @@ fn killed_runs_resume_to_the_same_files() {
             // A run killed during its last action may still have a checkpoint.
             let _ = fs::remove_file(here.join("out/checkpoint"));
         } else if !here.join("out/program.json").exists() {
-            assert!(ends(&here, &format!("{RUN} --force")).status.success());
+            assert!(run_program(&here, &format!("{RUN_ARGUMENTS} --force")).status.success());
         } else {
             // Resumed with another number of threads, and killed once more.
-            let mut child =
-                command(&here, "resume out --threads 2 --checkpoint-every 0").spawn().unwrap();
+            let mut child = create_command(&here, "resume out --threads 2 --checkpoint-every 0")
+                .spawn()
+                .unwrap();
             std::thread::sleep(duration.mul_f64(0.1));
             let _ = child.kill();
             child.wait().unwrap();
             if !here.join("out/run.json").exists() {
-                let output = ends(&here, "resume out --threads 3");
+                let output = run_program(&here, "resume out --threads 3");
                 let text = String::from_utf8_lossy(&output.stderr).into_owned();
                 assert!(output.status.success(), "{index}: {text}");
             } else {
                 let _ = fs::remove_file(here.join("out/checkpoint"));
             }
         }
-        let found = results(&here);
-        for (one, other) in found.iter().zip(&expected) {
-            assert!(one == other, "{index}: {} differs from {}", one.0, other.0);
+        let found = read_result_files(&here.join("out"));
+        for (file, other) in found.iter().zip(&expected) {
+            assert!(file == other, "{index}: {} differs from {}", file.0, other.0);
         }
         assert_eq!(found.len(), expected.len(), "{index}");
     }
 }
 
-/// Folder of a run interrupted as by Ctrl-C, with a checkpoint and its own exit code.
+/// Starts a run and interrupts it after its first snapshot; returns its folder.
 #[cfg(unix)]
-fn interrupted(name: &str) -> PathBuf {
-    let here = folder(name);
-    let mut child = command(&here, "run case.toml --out out --threads 1").spawn().unwrap();
-    let start = Instant::now();
-    while !here.join("out/snapshot-00000000.vti").exists() {
-        assert!(start.elapsed() < Duration::from_secs(60));
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(here.join("out/checkpoint").exists());
+fn create_interrupted_run(name: &str) -> PathBuf {
+    let here = create_solid_folder(name);
+    interrupt_run(&here, "run case.toml --out out --threads 1", "snapshot-00000000.vti");
     here
 }
 
 #[cfg(unix)]
 #[test]
 fn interrupted_runs_leave_a_checkpoint() {
-    let here = interrupted("interrupted");
-    let again = ends(&here, "run case.toml --out out");
-    assert_eq!(again.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&again.stderr).contains("go on with wellposed resume"));
-    assert!(ends(&here, "resume out").status.success());
-    let again = ends(&here, "resume out");
-    assert_eq!(again.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&again.stderr).contains("the run is finished"));
-    assert_eq!(ends(&here, "run case.toml --out out").status.code(), Some(2));
+    let here = create_interrupted_run("interrupted");
+    let output = run_program(&here, "run case.toml --out out");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("go on with wellposed resume"));
+    assert!(run_program(&here, "resume out").status.success());
+    let output = run_program(&here, "resume out");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the run is finished"));
+    assert_eq!(run_program(&here, "run case.toml --out out").status.code(), Some(2));
     // Without one of the snapshots there is no animation.
     let snapshot = here.join("out/snapshot-00000000.vti");
     let image = fs::read(&snapshot).unwrap();
     fs::remove_file(&snapshot).unwrap();
-    let output = ends(&here, "plot out");
+    let output = run_program(&here, "plot out");
     assert_eq!(output.status.code(), Some(2));
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(text.contains("snapshot-00000000.vti: is missing; run the case again"), "{text}");
@@ -107,10 +96,10 @@ fn interrupted_runs_leave_a_checkpoint() {
     let before = fs::read(here.join("out/run.svg")).unwrap();
     let drawn = resolved.replace("picture = \"speed\"", "picture = \"u2\"\ncontours = [1e-3]");
     fs::write(&case, drawn).unwrap();
-    assert!(ends(&here, "plot out").status.success());
+    assert!(run_program(&here, "plot out").status.success());
     assert!(fs::read(here.join("out/run.svg")).unwrap() != before);
     fs::write(&case, resolved.replace("density = 1900", "density = 1800")).unwrap();
-    let output = ends(&here, "plot out");
+    let output = run_program(&here, "plot out");
     assert_eq!(output.status.code(), Some(2));
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(text.contains("case.toml: not what the run began with"), "{text}");
@@ -119,8 +108,8 @@ fn interrupted_runs_leave_a_checkpoint() {
 /// Verifies that a case changed after the start of the run is detected, also without a checkpoint.
 #[cfg(unix)]
 #[test]
-fn a_changed_case_is_not_resumed() {
-    let here = interrupted("changed");
+fn changed_case_is_not_resumed() {
+    let here = create_interrupted_run("changed");
     fs::remove_file(here.join("out/checkpoint")).unwrap();
     let case = here.join("out/case.toml");
     let resolved = fs::read_to_string(&case).unwrap();
@@ -128,80 +117,70 @@ fn a_changed_case_is_not_resumed() {
     assert_ne!(changed, resolved);
     fs::write(&case, changed).unwrap();
     for arguments in ["resume out", "run out/case.toml --out out"] {
-        let output = ends(&here, arguments);
+        let output = run_program(&here, arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments}");
     }
     // The same case in another notation.
     fs::write(&case, format!("# as it was\n{}", resolved.replace("1900.0", "1.9e3"))).unwrap();
-    assert!(ends(&here, "resume out").status.success());
+    assert!(run_program(&here, "resume out").status.success());
 }
 
 /// Verifies that the first Ctrl-C ends the run after the step, and the second at once; the run can be resumed.
 #[cfg(unix)]
 #[test]
-fn a_second_interruption_ends_at_once() {
-    let whole = folder("uninterrupted");
-    assert!(ends(&whole, RUN).status.success());
+fn second_interruption_ends_run_at_once() {
+    let uninterrupted = create_solid_folder("uninterrupted");
+    assert!(run_program(&uninterrupted, RUN_ARGUMENTS).status.success());
     for pause in [0, 1, 5] {
-        let here = folder("twice");
-        let child = command(&here, RUN).stderr(Stdio::piped()).spawn().unwrap();
-        let start = Instant::now();
-        while !here.join("out/checkpoint").exists() {
-            assert!(start.elapsed() < Duration::from_secs(60));
-            std::thread::sleep(Duration::from_millis(2));
-        }
-        let id = child.id().to_string();
+        let here = create_solid_folder("twice");
+        let child = create_command(&here, RUN_ARGUMENTS).stderr(Stdio::piped()).spawn().unwrap();
+        wait_for_file(&here.join("out/checkpoint"));
         for _ in 0..2 {
-            // The process may have ended after the first signal.
-            let kill = Command::new("kill").args(["-INT", &id]).stderr(Stdio::null()).status();
-            kill.unwrap();
+            send_signal(&child, "INT");
             std::thread::sleep(Duration::from_millis(pause));
         }
         let output = child.wait_with_output().unwrap();
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(130), "{text}");
-        let said = "finishing the step and writing a checkpoint; press again to stop at once\n";
-        assert_eq!(text.matches(said).count(), 1, "{text}");
-        assert!(ends(&here, "resume out").status.success());
-        assert!(results(&here) == results(&whole));
+        let message = "finishing the step and writing a checkpoint; press again to stop at once\n";
+        assert_eq!(text.matches(message).count(), 1, "{text}");
+        assert!(run_program(&here, "resume out").status.success());
+        assert!(
+            read_result_files(&here.join("out")) == read_result_files(&uninterrupted.join("out"))
+        );
     }
 }
 
 /// Verifies that only one run at a time writes to a folder, and that SIGTERM ends it like Ctrl-C.
 #[cfg(unix)]
 #[test]
-fn a_folder_takes_one_run_at_a_time() {
-    let here = folder("busy");
-    let mut child = command(&here, "run case.toml --out out --threads 1").spawn().unwrap();
-    let start = Instant::now();
-    while !here.join("out/snapshot-00000000.vti").exists() {
-        assert!(start.elapsed() < Duration::from_secs(60));
-        std::thread::sleep(Duration::from_millis(2));
-    }
+fn folder_accepts_one_run_at_a_time() {
+    let here = create_solid_folder("busy");
+    let mut child = create_command(&here, "run case.toml --out out --threads 1").spawn().unwrap();
+    wait_for_file(&here.join("out/snapshot-00000000.vti"));
     for arguments in ["run case.toml --out out", "run case.toml --out out --force", "resume out"] {
-        let output = ends(&here, arguments);
+        let output = run_program(&here, arguments);
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
         assert!(text.contains("a run is in progress here"), "{arguments}: {text}");
     }
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
+    send_signal(&child, "TERM");
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(ends(&here, "resume out").status.success());
+    assert!(run_program(&here, "resume out").status.success());
 }
 
 /// Verifies that damaged checkpoints and folders without a checkpoint are refused.
 #[cfg(unix)]
 #[test]
 fn damaged_checkpoints_are_refused() {
-    let here = interrupted("damaged");
+    let here = create_interrupted_run("damaged");
     let path = here.join("out/checkpoint");
     let sound = fs::read(&path).unwrap();
     let mut flipped = sound.clone();
     flipped[sound.len() / 2] ^= 4;
     for damaged in [flipped, sound[..sound.len() - 5].to_vec(), Vec::new()] {
         fs::write(&path, damaged).unwrap();
-        let output = ends(&here, "resume out");
+        let output = run_program(&here, "resume out");
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert!(text.contains("--force") && text.matches("checkpoint").count() == 1, "{text}");
@@ -209,7 +188,7 @@ fn damaged_checkpoints_are_refused() {
     // An unreadable checkpoint is not reported as damaged.
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();
-    let output = ends(&here, "resume out");
+    let output = run_program(&here, "resume out");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(text.contains("let it be read") && !text.contains("--force"), "{text}");
     fs::remove_dir(&path).unwrap();
@@ -218,13 +197,13 @@ fn damaged_checkpoints_are_refused() {
     let table = here.join("out/receivers.csv");
     let rows = fs::read(&table).unwrap();
     fs::write(&table, &rows[..20]).unwrap();
-    assert_eq!(ends(&here, "resume out").status.code(), Some(2));
+    assert_eq!(run_program(&here, "resume out").status.code(), Some(2));
     // A table with other content than recorded in the checkpoint.
     let mut changed = rows.clone();
     let first_row = rows.iter().position(|byte| *byte == b'\n').unwrap() + 1;
     changed[first_row] = b'7';
     fs::write(&table, changed).unwrap();
-    let output = ends(&here, "resume out");
+    let output = run_program(&here, "resume out");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("receivers.csv: has other content in its first"), "{text}");
@@ -233,16 +212,16 @@ fn damaged_checkpoints_are_refused() {
     let snapshot = here.join("out/snapshot-00000000.vti");
     let image = fs::read(&snapshot).unwrap();
     fs::remove_file(&snapshot).unwrap();
-    let output = ends(&here, "resume out");
+    let output = run_program(&here, "resume out");
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("snapshot-00000000.vti: is missing"));
     fs::write(&snapshot, image).unwrap();
-    assert!(ends(&here, "resume out").status.success());
+    assert!(run_program(&here, "resume out").status.success());
     for arguments in ["resume nowhere", "resume .", "plot nowhere"] {
-        assert_eq!(ends(&here, arguments).status.code(), Some(2), "{arguments}");
+        assert_eq!(run_program(&here, arguments).status.code(), Some(2), "{arguments}");
     }
     for seconds in ["nan", "inf", "-1", "soon"] {
-        let output = ends(&here, &format!("resume out --checkpoint-every={seconds}"));
+        let output = run_program(&here, &format!("resume out --checkpoint-every={seconds}"));
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert!(text.contains("expected a finite number of at least 0"), "{text}");
@@ -253,19 +232,19 @@ fn damaged_checkpoints_are_refused() {
 /// checkpoint unchanged.
 #[cfg(unix)]
 #[test]
-fn a_full_disk_leaves_the_last_checkpoint() {
-    let here = interrupted("full");
+fn full_disk_leaves_last_checkpoint_unchanged() {
+    let here = create_interrupted_run("full");
     let path = here.join("out/checkpoint");
     let sound = fs::read(&path).unwrap();
     // `ulimit -f` counts blocks of 1 KiB; the signal SIGXFSZ for larger files is ignored.
     let limit = sound.len() / 1024 / 2;
     let script = format!(
-        "trap '' XFSZ; ulimit -f {limit}; exec '{PROGRAM}' resume out --checkpoint-every 0 --threads 1"
+        "trap '' XFSZ; ulimit -f {limit}; exec '{PROGRAM_PATH}' resume out --checkpoint-every 0 --threads 1"
     );
     let output = Command::new("bash").args(["-c", &script]).current_dir(&here).output().unwrap();
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("File too large"), "{text}");
     assert!(fs::read(&path).unwrap() == sound);
-    assert!(ends(&here, "resume out").status.success());
+    assert!(run_program(&here, "resume out").status.success());
 }

@@ -3,76 +3,76 @@
 
 mod states;
 
-use analysis::flows::Workspace;
+use analysis::flows::FlowWorkspace;
 use analysis::growth::Verdict;
-use models::ClosedForm;
+use models::ClosedFormVerdict;
 use models::flow::FlowKind;
-use models::flow::state::State;
+use models::flow::state::MaterialState;
 use models::registry;
 use rayon::prelude::*;
-use states::{Range, seeded};
+use states::{ParameterRange, create_random_numbers};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
-use testkit::flows::Parameters;
+use testkit::flows::FlowParameters;
 use wellposed::cli::{self, Options};
 use wellposed::study::MapOptions;
 
 /// Tolerance of the relative difference of two coefficients.
-const COEFFICIENT: f64 = 1e-9;
+const COEFFICIENT_TOLERANCE: f64 = 1e-9;
 
 /// Tolerance of the angle between two directions, rad: the maximum of a smooth function is located with the square
 /// root of the rounding error.
-const DIRECTION: f64 = 1e-7;
+const DIRECTION_TOLERANCE: f64 = 1e-7;
 
-/// State of a model, assessed by both routes.
-struct Judged {
-    closed_form: Option<ClosedForm>,
+/// Comparison of both routes for one state of a model.
+struct RouteComparison {
+    closed_form: Option<ClosedFormVerdict>,
     /// Quantity in which closed form and linearised equations differ; `None` if they agree or without a closed form.
     difference: Option<String>,
 }
 
-impl Judged {
+impl RouteComparison {
     fn new(
-        workspace: &mut Workspace,
+        workspace: &mut FlowWorkspace,
         kind: FlowKind,
-        parameters: &Parameters,
-        state: &State,
+        parameters: &FlowParameters,
+        state: &MaterialState,
     ) -> Self {
-        let (model, flow) = states::flow(kind, parameters, state);
+        let (model, flow) = states::build_flow(kind, parameters, state);
         let closed_form = model.closed_form(&flow);
         let assessed = workspace.assess(&model, &flow).expect("finite coefficients").verdict;
-        let difference = closed_form.and_then(|own| {
-            let what = difference(&Verdict::from(own), &assessed, |from| {
-                equally_bad(kind, parameters, state, from)
+        let difference = closed_form.and_then(|verdict| {
+            let quantity = find_difference(&Verdict::from(verdict), &assessed, |from| {
+                mirrored_direction(kind, parameters, state, from)
             })?;
             Some(format!(
-                "{what}: {own:?} against {assessed:?} for {kind:?}, {parameters:?}, {state:?}"
+                "{quantity}: {verdict:?} against {assessed:?} for {kind:?}, {parameters:?}, {state:?}"
             ))
         });
         Self { closed_form, difference }
     }
 
     /// Name of the closed-form verdict.
-    fn name(&self) -> &'static str {
+    fn closed_form_name(&self) -> &'static str {
         match self.closed_form {
             None => "declined",
-            Some(ClosedForm::WellPosed) => "well-posed",
-            Some(ClosedForm::Grows { order: 1, .. }) => "order 1",
-            Some(ClosedForm::Grows { .. }) => "order 2",
-            Some(ClosedForm::UnboundedAtFiniteWaveNumber { .. }) => "unbounded at finite k",
-            Some(ClosedForm::Indeterminate { .. }) => "indeterminate",
+            Some(ClosedFormVerdict::WellPosed) => "well-posed",
+            Some(ClosedFormVerdict::PowerLawGrowth { order: 1, .. }) => "order 1",
+            Some(ClosedFormVerdict::PowerLawGrowth { .. }) => "order 2",
+            Some(ClosedFormVerdict::UnboundedAtFiniteWaveNumber { .. }) => "unbounded at finite k",
+            Some(ClosedFormVerdict::Indeterminate { .. }) => "indeterminate",
         }
     }
 }
 
-/// Quantity in which two verdicts differ; `None` if they agree. `mirrored` returns the other direction with equal
-/// growth, which is also accepted.
-fn difference(
+/// Quantity in which two verdicts differ; `None` if they agree. `mirror_direction` returns the other direction with
+/// equal growth, which is also accepted.
+fn find_difference(
     closed_form: &Verdict,
     assessed: &Verdict,
-    mirrored: impl Fn(f64) -> f64,
+    mirror_direction: impl Fn(f64) -> f64,
 ) -> Option<&'static str> {
     let (
         Verdict::IllPosed { growth, direction },
@@ -84,7 +84,7 @@ fn difference(
     match (growth, other_growth) {
         (None, None) => {}
         (Some(own), Some(other)) if own.order == other.order => {
-            if (own.coefficient / other.coefficient - 1.0).abs() > COEFFICIENT {
+            if (own.coefficient / other.coefficient - 1.0).abs() > COEFFICIENT_TOLERANCE {
                 return Some("coefficient");
             }
         }
@@ -92,20 +92,25 @@ fn difference(
     }
     let is_far = |from: f64| {
         let difference = (from - other).rem_euclid(PI);
-        difference.min(PI - difference) > DIRECTION
+        difference.min(PI - difference) > DIRECTION_TOLERANCE
     };
-    (is_far(*direction) && is_far(mirrored(*direction))).then_some("direction")
+    (is_far(*direction) && is_far(mirror_direction(*direction))).then_some("direction")
 }
 
 /// The other direction in which waves grow as in `direction`, or `direction` itself if there is none.
 ///
 /// The plastic potential is symmetric about the principal axes of stress. In dilatant Harris–Grekova the leading
 /// coefficient a − b cos β + d sin β vanishes at two angles β, whose mean is −atan2(d, b).
-fn equally_bad(kind: FlowKind, parameters: &Parameters, state: &State, direction: f64) -> f64 {
+fn mirrored_direction(
+    kind: FlowKind,
+    parameters: &FlowParameters,
+    state: &MaterialState,
+    direction: f64,
+) -> f64 {
     let psi = state.stress_angle;
     match kind {
-        own if own == registry::PLASTIC_POTENTIAL => 2.0 * psi - direction,
-        own if own == registry::HARRIS_GREKOVA && parameters.dilatancy_angle > 0.0 => {
+        kind if kind == registry::PLASTIC_POTENTIAL => 2.0 * psi - direction,
+        kind if kind == registry::HARRIS_GREKOVA && parameters.dilatancy_angle > 0.0 => {
             let (phi, nu) = (parameters.friction_angle, parameters.dilatancy_angle);
             let twice_delta = 2.0 * state.noncoaxiality.unwrap_or(0.0);
             let e = phi - nu;
@@ -118,24 +123,25 @@ fn equally_bad(kind: FlowKind, parameters: &Parameters, state: &State, direction
 }
 
 /// Assesses states in parallel; panics with the first few that differ, and counts the closed-form verdicts by model.
-fn agree(
-    states: impl IndexedParallelIterator<Item = (FlowKind, Parameters, State)>,
+fn check_route_agreement(
+    states: impl IndexedParallelIterator<Item = (FlowKind, FlowParameters, MaterialState)>,
 ) -> BTreeMap<(&'static str, &'static str), usize> {
-    let judged: Vec<_> = states
-        .map_init(Workspace::default, |workspace, (kind, parameters, state)| {
-            let judged = Judged::new(workspace, kind, &parameters, &state);
-            ((kind.name(), judged.name()), judged.difference)
+    let comparisons: Vec<_> = states
+        .map_init(FlowWorkspace::default, |workspace, (kind, parameters, state)| {
+            let comparison = RouteComparison::new(workspace, kind, &parameters, &state);
+            ((kind.name(), comparison.closed_form_name()), comparison.difference)
         })
         .collect();
-    let differ: Vec<&str> = judged.iter().filter_map(|j| j.1.as_deref()).collect();
+    let differences: Vec<&str> =
+        comparisons.iter().filter_map(|(_, difference)| difference.as_deref()).collect();
     assert!(
-        differ.is_empty(),
+        differences.is_empty(),
         "{} differ:\n{}",
-        differ.len(),
-        differ[..differ.len().min(5)].join("\n")
+        differences.len(),
+        differences[..differences.len().min(5)].join("\n")
     );
     let mut counts = BTreeMap::new();
-    for (name, _) in judged {
+    for (name, _) in comparisons {
         *counts.entry(name).or_insert(0) += 1;
     }
     counts
@@ -145,18 +151,23 @@ fn agree(
 /// accelerations, for ordinary materials and for the full ranges of angles and quantities over many decades.
 #[test]
 fn both_routes_agree_on_random_states() {
-    const STATES: u64 = 100_000;
-    let states = (0..STATES as usize).into_par_iter().map(|index| {
-        let random = &mut seeded(index as u64);
+    const STATE_COUNT: u64 = 100_000;
+    let states = (0..STATE_COUNT as usize).into_par_iter().map(|index| {
+        let random = &mut create_random_numbers(index as u64);
         let kind = registry::STANDARD_FLOWS[index % 4];
-        let (dilatant, gradients) = (index / 4 % 2 == 0, index / 8 % 2 == 0);
-        let range = if index / 16 % 2 == 0 { Range::Wide } else { Range::Materials };
-        let (parameters, state) = states::random(random, kind, range, dilatant, gradients);
+        let (is_dilatant, has_gradients) = (index / 4 % 2 == 0, index / 8 % 2 == 0);
+        let range = if index / 16 % 2 == 0 {
+            ParameterRange::FullRange
+        } else {
+            ParameterRange::GranularMaterials
+        };
+        let (parameters, state) =
+            states::generate_state(random, kind, range, is_dilatant, has_gradients);
         (kind, parameters, state)
     });
-    let counts = agree(states);
+    let counts = check_route_agreement(states);
     println!("{counts:?}");
-    for (kind, answer, least) in [
+    for (kind, answer, min_count) in [
         ("harris-grekova", "well-posed", 6_000),
         ("harris-grekova", "order 2", 5_000),
         ("harris-grekova", "unbounded at finite k", 1_000),
@@ -164,13 +175,13 @@ fn both_routes_agree_on_random_states() {
         ("plastic-potential", "order 2", 22_000),
         ("free-rotating", "indeterminate", 24_999),
     ] {
-        assert!(counts[&(kind, answer)] > least, "{kind}, {answer}: {counts:?}");
+        assert!(counts[&(kind, answer)] > min_count, "{kind}, {answer}: {counts:?}");
     }
 }
 
 /// Distances from a boundary, rad, and whether closed forms exist: for no state close to the boundary, for some
 /// states far from it; `None`: not checked.
-const DISTANCES: [(f64, Option<bool>); 9] = [
+const BOUNDARY_DISTANCES: [(f64, Option<bool>); 9] = [
     (0.0, Some(false)),
     (1e-15, Some(false)),
     (1e-12, Some(false)),
@@ -182,24 +193,29 @@ const DISTANCES: [(f64, Option<bool>); 9] = [
     (2e-2, Some(true)),
 ];
 
-/// Verifies both routes for states on both sides of a boundary; `shifted` moves a random state to a signed distance
+/// Verifies both routes for states on both sides of a boundary; `shift_state` moves a random state to a signed distance
 /// (rad) from it.
-fn agree_beside(
+fn check_route_agreement_near_boundary(
     kind: FlowKind,
-    dilatant: bool,
-    gradients: bool,
-    shifted: impl Fn(&mut Parameters, &mut State, f64) + Sync,
+    is_dilatant: bool,
+    has_gradients: bool,
+    shift_state: impl Fn(&mut FlowParameters, &mut MaterialState, f64) + Sync,
 ) {
-    for (distance, answers) in DISTANCES {
+    for (distance, answers) in BOUNDARY_DISTANCES {
         let states = (0..600usize).into_par_iter().map(|index| {
-            let random = &mut seeded(0xb0 + index as u64);
-            let (mut parameters, mut state) =
-                states::random(random, kind, Range::Materials, dilatant, gradients);
-            let side = if index % 2 == 0 { distance } else { -distance };
-            shifted(&mut parameters, &mut state, side);
+            let random = &mut create_random_numbers(0xb0 + index as u64);
+            let (mut parameters, mut state) = states::generate_state(
+                random,
+                kind,
+                ParameterRange::GranularMaterials,
+                is_dilatant,
+                has_gradients,
+            );
+            let signed_distance = if index % 2 == 0 { distance } else { -distance };
+            shift_state(&mut parameters, &mut state, signed_distance);
             (kind, parameters, state)
         });
-        let counts = agree(states);
+        let counts = check_route_agreement(states);
         let declined = counts.get(&(kind.name(), "declined")).copied().unwrap_or(0);
         match answers {
             Some(true) => assert!(declined < 600, "{distance}: {counts:?}"),
@@ -211,46 +227,62 @@ fn agree_beside(
 
 /// Boundary |Δ| = 45° of Harris–Grekova with ν = 0, where cos 2Δ changes sign.
 #[test]
-fn both_routes_agree_beside_the_bound_on_noncoaxiality() {
-    for gradients in [false, true] {
+fn both_routes_agree_near_noncoaxiality_bound() {
+    for has_gradients in [false, true] {
         for bound in [-0.25 * PI, 0.25 * PI] {
-            agree_beside(registry::HARRIS_GREKOVA, false, gradients, |_, state, distance| {
-                state.noncoaxiality = Some(bound + distance);
-            });
+            check_route_agreement_near_boundary(
+                registry::HARRIS_GREKOVA,
+                false,
+                has_gradients,
+                |_, state, distance| {
+                    state.noncoaxiality = Some(bound + distance);
+                },
+            );
         }
     }
 }
 
 /// Bounds on |Δ| of dilatant Harris–Grekova in a uniform state, and 90° minus these bounds.
 #[test]
-fn both_routes_agree_beside_the_bounds_with_dilatancy() {
+fn both_routes_agree_near_noncoaxiality_bounds_with_dilatancy() {
     for (sign, complement) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
-        agree_beside(registry::HARRIS_GREKOVA, true, false, |parameters, state, distance| {
-            parameters.rotational_strength = Some(0.0);
-            let model = parameters.model(registry::HARRIS_GREKOVA).expect("within ranges");
-            let bound = model.noncoaxiality_bound().expect("the model has one");
-            let bound = if complement { 0.5 * PI - bound } else { bound };
-            state.noncoaxiality = Some(sign * bound + distance);
-        });
+        check_route_agreement_near_boundary(
+            registry::HARRIS_GREKOVA,
+            true,
+            false,
+            |parameters, state, distance| {
+                parameters.rotational_strength = Some(0.0);
+                let model =
+                    parameters.build_model(registry::HARRIS_GREKOVA).expect("within ranges");
+                let bound = model.noncoaxiality_bound().expect("the model has one");
+                let bound = if complement { 0.5 * PI - bound } else { bound };
+                state.noncoaxiality = Some(sign * bound + distance);
+            },
+        );
     }
 }
 
 /// Boundary |Δ| = 45° ± ν/2, where one of the two zeros of the leading coefficient coincides with 𝒜 = 0 and the root
 /// does not pass through infinity; the other zero remains.
 #[test]
-fn both_routes_agree_where_zeros_of_the_highest_coefficient_and_of_growth_coincide() {
+fn both_routes_agree_at_coincident_zeros_of_highest_coefficient_and_growth() {
     for distance in [0.0, 1e-12, -1e-9, 1e-9, -1e-6, 1e-3] {
         let states = (0..400usize).into_par_iter().map(|index| {
-            let random = &mut seeded(0xc0 + index as u64);
+            let random = &mut create_random_numbers(0xc0 + index as u64);
             let kind = registry::HARRIS_GREKOVA;
-            let (parameters, mut state) =
-                states::random(random, kind, Range::Materials, true, false);
+            let (parameters, mut state) = states::generate_state(
+                random,
+                kind,
+                ParameterRange::GranularMaterials,
+                true,
+                false,
+            );
             let half = 0.5 * parameters.dilatancy_angle;
             let size = 0.25 * PI + if index % 2 == 0 { half } else { -half } + distance;
             state.noncoaxiality = Some(if index % 4 < 2 { size } else { -size });
             (kind, parameters, state)
         });
-        let counts = agree(states);
+        let counts = check_route_agreement(states);
         let unbounded = counts.get(&("harris-grekova", "unbounded at finite k"));
         assert!(unbounded.is_some_and(|&count| count > 300), "{distance}: {counts:?}");
     }
@@ -258,26 +290,37 @@ fn both_routes_agree_where_zeros_of_the_highest_coefficient_and_of_growth_coinci
 
 /// Boundary ν = φ of the plastic potential: associated flow rule.
 #[test]
-fn both_routes_agree_beside_the_associated_flow_rule() {
-    for gradients in [false, true] {
-        agree_beside(registry::PLASTIC_POTENTIAL, true, gradients, |parameters, _, distance| {
-            parameters.dilatancy_angle = parameters.friction_angle + distance;
-        });
+fn both_routes_agree_near_associated_flow_rule() {
+    for has_gradients in [false, true] {
+        check_route_agreement_near_boundary(
+            registry::PLASTIC_POTENTIAL,
+            true,
+            has_gradients,
+            |parameters, _, distance| {
+                parameters.dilatancy_angle = parameters.friction_angle + distance;
+            },
+        );
     }
 }
 
 /// Limits of the angles: φ → 0 and 90°, ν → 0 and φ.
 #[test]
-fn both_routes_agree_beside_the_limits_of_the_parameters() {
+fn both_routes_agree_near_parameter_limits() {
     for (index, kind) in registry::STANDARD_FLOWS.into_iter().enumerate() {
         for limit in 0..4 {
             for distance in [1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2] {
                 let states = (0..64usize).into_par_iter().map(move |seed| {
-                    let random = &mut seeded((limit * 4 + index) as u64 * 1000 + seed as u64);
-                    let gradients = seed % 2 == 0;
-                    let (mut parameters, mut state) =
-                        states::random(random, kind, Range::Materials, seed % 4 < 2, gradients);
-                    let Parameters { friction_angle: phi, dilatancy_angle: nu, .. } =
+                    let random =
+                        &mut create_random_numbers((limit * 4 + index) as u64 * 1000 + seed as u64);
+                    let has_gradients = seed % 2 == 0;
+                    let (mut parameters, mut state) = states::generate_state(
+                        random,
+                        kind,
+                        ParameterRange::GranularMaterials,
+                        seed % 4 < 2,
+                        has_gradients,
+                    );
+                    let FlowParameters { friction_angle: phi, dilatancy_angle: nu, .. } =
                         &mut parameters;
                     match limit {
                         0 => {
@@ -293,7 +336,7 @@ fn both_routes_agree_beside_the_limits_of_the_parameters() {
                     }
                     (kind, parameters, state)
                 });
-                agree(states);
+                check_route_agreement(states);
             }
         }
     }
@@ -301,7 +344,7 @@ fn both_routes_agree_beside_the_limits_of_the_parameters() {
 
 /// Verifies that maps of a case with and without closed forms are equal at every point.
 #[test]
-fn maps_by_both_routes_are_the_same() {
+fn maps_by_both_routes_are_equal() {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/granular-flow");
     let folder = tempfile::tempdir().expect("a scratch folder");
     for (case, sets, by_formula) in [
@@ -309,18 +352,19 @@ fn maps_by_both_routes_are_the_same() {
         ("plastic-potential", ["map.x.points=61", "map.y.points=23"], 1000),
         ("dilatant-domain", ["map.x.points=61", "map.y.points=24"], 700),
     ] {
-        let run = |model_blind: bool, threads: usize| -> Vec<files::npz::Array> {
-            let out = folder.path().join(format!("{case}-{model_blind}-{threads}"));
+        let run = |is_model_blind: bool, threads: usize| -> Vec<files::npz::NpzArray> {
+            let out = folder.path().join(format!("{case}-{is_model_blind}-{threads}"));
             let options = Options {
-                case: cases.join(case).with_extension("toml"),
-                sets: sets.map(str::to_owned).to_vec(),
-                out: Some(out.clone()),
+                case_path: cases.join(case).with_extension("toml"),
+                settings: sets.map(str::to_owned).to_vec(),
+                output_folder: Some(out.clone()),
                 threads: Some(threads),
                 ..Options::default()
             };
-            let asked = MapOptions { model_blind, ..MapOptions::default() };
-            cli::map(&options, asked, &mut std::io::sink()).expect("a map");
-            files::npz::read(&fs::read(out.join("map.npz")).expect("an archive")).expect("arrays")
+            let map_options = MapOptions { is_model_blind, ..MapOptions::default() };
+            cli::run_map(&options, map_options, &mut std::io::sink()).expect("a map");
+            files::npz::read_arrays(&fs::read(out.join("map.npz")).expect("an archive"))
+                .expect("arrays")
         };
         let [mixed, blind] = [run(false, 1), run(true, 2)];
         run(false, 3);
@@ -328,22 +372,22 @@ fn maps_by_both_routes_are_the_same() {
             fs::read(folder.path().join(format!("{case}-false-{threads}/map.npz"))).expect("bytes")
         });
         assert!(one == three, "one thread and three");
-        let codes = |arrays: &[files::npz::Array], name: &str| match &arrays
+        let codes = |arrays: &[files::npz::NpzArray], name: &str| match &arrays
             .iter()
             .find(|a| a.name == name)
             .expect(name)
             .values
         {
-            files::npz::Values::I8(values) => values.clone(),
+            files::npz::ArrayValues::I8(values) => values.clone(),
             other => panic!("{name}: {other:?}"),
         };
-        let numbers = |arrays: &[files::npz::Array], name: &str| match &arrays
+        let numbers = |arrays: &[files::npz::NpzArray], name: &str| match &arrays
             .iter()
             .find(|a| a.name == name)
             .expect(name)
             .values
         {
-            files::npz::Values::F64(values) => values.clone(),
+            files::npz::ArrayValues::F64(values) => values.clone(),
             other => panic!("{name}: {other:?}"),
         };
         let count =
@@ -353,11 +397,11 @@ fn maps_by_both_routes_are_the_same() {
         assert_eq!(count(&mixed, 0), count(&blind, 0), "points without a verdict");
         assert_eq!(codes(&mixed, "verdict"), codes(&blind, "verdict"), "{case}");
         let is_close = |(a, b): (&f64, &f64)| {
-            (a.is_nan() && b.is_nan()) || (a - b).abs() <= COEFFICIENT * a.abs()
+            (a.is_nan() && b.is_nan()) || (a - b).abs() <= COEFFICIENT_TOLERANCE * a.abs()
         };
         for name in ["order", "coefficient"] {
-            let (own, other) = (numbers(&mixed, name), numbers(&blind, name));
-            assert!(own.iter().zip(&other).all(is_close), "{case}: {name}");
+            let (first, second) = (numbers(&mixed, name), numbers(&blind, name));
+            assert!(first.iter().zip(&second).all(is_close), "{case}: {name}");
         }
         let json = fs::read_to_string(folder.path().join(format!("{case}-false-1/map.json")));
         let json: serde_json::Value =
@@ -370,22 +414,26 @@ fn maps_by_both_routes_are_the_same() {
 /// Verifies that growth rates, which need the dispersion polynomial and exclude closed forms, are computed if
 /// requested or implied by a sweep of the wave vector.
 #[test]
-fn growth_rates_come_where_they_are_asked_for() {
+fn growth_rates_are_computed_only_on_request() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let case =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/granular-flow/noncoaxiality-bound.toml");
     let small = ["map.x.points=5", "map.y.points=3"].map(str::to_owned);
     let wave = ["map.x.parameter=wave.number", "map.x.from=1", "map.x.to=2"].map(str::to_owned);
-    for (name, sets, growth_rate, has_column) in [
+    for (name, sets, computes_growth_rate, has_column) in [
         ("plain", small.to_vec(), false, false),
         ("asked", small.to_vec(), true, true),
         ("swept", [small.to_vec(), wave.to_vec()].concat(), false, true),
     ] {
         let out = folder.path().join(name);
-        let options =
-            Options { case: case.clone(), sets, out: Some(out.clone()), ..Options::default() };
-        let asked = MapOptions { growth_rate, ..MapOptions::default() };
-        cli::map(&options, asked, &mut std::io::sink()).expect("a map");
+        let options = Options {
+            case_path: case.clone(),
+            settings: sets,
+            output_folder: Some(out.clone()),
+            ..Options::default()
+        };
+        let map_options = MapOptions { computes_growth_rate, ..MapOptions::default() };
+        cli::run_map(&options, map_options, &mut std::io::sink()).expect("a map");
         let table = fs::read_to_string(out.join("map.csv")).expect("a table");
         assert_eq!(table.lines().next().expect("a header").contains("growth_rate"), has_column);
         assert_eq!(table.contains("closed-form"), !has_column, "{name}");

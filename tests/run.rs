@@ -1,32 +1,21 @@
 //! Tests of time-domain runs of solids through the program: against exact waves, bit-identical results for any number
 //! of threads, equilibrium under balanced weight, and cases that cannot be run.
 
-use files::npz::{Values, read};
+mod support;
+
+use files::npz::{ArrayValues, read_arrays};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
-use wellposed::cli::{self, Control};
+use support::{
+    COSSERAT_MODEL, column_values, create_run_options, format_periodic_boundaries,
+    read_arrays_by_name, read_columns, run_case,
+};
 use wellposed::cli::{Error, Options};
 
-const CONTROL: Control = Control { checkpoint_every: 1e9 };
-
-const COSSERAT: &str = "
-[model]
-kind = 'cosserat'
-dimensions = 2
-lambda = 8.1e9
-mu = 8.1e9
-alpha = 1.005e9
-beta = 7.75e8
-gamma = 1.5e8
-eta = 3e8
-density = 2700
-inertia = 2700
-";
-
-const CLASSICAL: &str = "
+const CLASSICAL_MODEL: &str = "
 [model]
 kind = 'classical'
 lambda = 1.2e8
@@ -34,50 +23,25 @@ mu = 8e7
 density = 1900
 ";
 
-fn options(folder: &Path, case: &str) -> Options {
-    let file = folder.join("case.run.toml");
-    fs::write(&file, case).expect("a scratch file");
-    Options { case: file, out: Some(folder.join("out")), force: true, ..Options::default() }
+/// Runs a case and returns the printed text.
+fn run_in_folder(folder: &Path, case: &str) -> Result<String, Error> {
+    run_case(&create_run_options(folder, case))
 }
 
-fn carried_out(folder: &Path, case: &str) -> Result<String, Error> {
-    let mut stdout = Vec::new();
-    cli::run(&options(folder, case), CONTROL, &mut stdout)?;
-    Ok(String::from_utf8(stdout).expect("text"))
-}
-
-fn refused(case: &str) -> String {
+/// Message with which a case is refused, from the line number on.
+fn refusal_message(case: &str) -> String {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let error = carried_out(folder.path(), case).expect_err("a wrong case");
+    let error = run_in_folder(folder.path(), case).expect_err("a wrong case");
     assert_eq!(error.exit_code(), 2, "{error}");
     assert!(!folder.path().join("out").exists(), "nothing is written");
     // The message without the folder, which differs between tests.
     error.to_string().rsplit_once("case.run.toml").expect("the file").1.to_owned()
 }
 
-/// Columns of a CSV file by name.
-fn columns(path: &Path) -> Vec<(String, Vec<f64>)> {
-    let text = fs::read_to_string(path).expect("a table");
-    let mut lines = text.lines();
-    let header = lines.next().expect("a header").split(',');
-    let mut columns: Vec<(String, Vec<f64>)> =
-        header.map(|name| (name.to_owned(), Vec::new())).collect();
-    for line in lines {
-        for (column, cell) in columns.iter_mut().zip(line.split(',')) {
-            column.1.push(cell.parse().expect("a number"));
-        }
-    }
-    columns
-}
-
-fn column(columns: &[(String, Vec<f64>)], name: &str) -> Vec<f64> {
-    columns.iter().find(|column| column.0 == name).expect("a column").1.clone()
-}
-
 /// Verifies plane waves of all branches in the medium of a unit test of SPECFEM++: the receiver record has the
 /// frequency obtained here from the determinant of the equations of motion.
 #[test]
-fn plane_waves_have_their_frequencies() {
+fn plane_waves_have_frequencies_of_equations_of_motion() {
     let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });
     let rotation = Microrotation { alpha: 1.005e9, inertia: 2700.0, couple };
     let solid = Isotropic::new(8.1e9, 8.1e9, 2700.0, Some(rotation)).expect("sound moduli");
@@ -97,24 +61,13 @@ fn plane_waves_have_their_frequencies() {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let duration = 0.9 * 2.0 * PI / frequency;
         let case = format!(
-            "{COSSERAT}
+            "{COSSERAT_MODEL}
             [grid]
             cells = [{count}, 4]
             spacing = {}
             [time]
             duration = {duration}
-            [[side]]
-            side = 'x1-'
-            kind = 'periodic'
-            [[side]]
-            side = 'x1+'
-            kind = 'periodic'
-            [[side]]
-            side = 'x2-'
-            kind = 'periodic'
-            [[side]]
-            side = 'x2+'
-            kind = 'periodic'
+            {}
             [[initial]]
             kind = 'plane-wave'
             branch = {}
@@ -124,12 +77,13 @@ fn plane_waves_have_their_frequencies() {
             at = [7.1, 0.3]
             ",
             length / f64::from(count),
+            format_periodic_boundaries(&["x1-", "x1+", "x2-", "x2+"]),
             branch + 1,
         );
-        carried_out(folder.path(), &case).expect("a sound case");
-        let seen = columns(&folder.path().join("out/receivers.csv"));
-        let time = column(&seen, "time");
-        let [along, across] = ["r1.v1", "r1.v2"].map(|name| column(&seen, name));
+        run_in_folder(folder.path(), &case).expect("a sound case");
+        let records = read_columns(&folder.path().join("out/receivers.csv"));
+        let time = column_values(&records, "time");
+        let [along, across] = ["r1.v1", "r1.v2"].map(|name| column_values(&records, name));
         let is_pressure = along.iter().map(|v| v.abs()).sum::<f64>()
             > across.iter().map(|v| v.abs()).sum::<f64>();
         let velocity = if is_pressure { along } else { across };
@@ -137,17 +91,17 @@ fn plane_waves_have_their_frequencies() {
         let phase = k * 7.1;
         let error = time
             .iter()
-            .zip(&velocity)
+            .zip(velocity)
             .map(|(t, v)| (v - 1e-3 * Complex64::cis(phase - frequency * t).re).abs())
             .fold(0.0, f64::max);
         assert!(error < 1e-2 * 1e-3, "branch {branch}: {error:e}");
     }
 }
 
-/// Short case with many features.
-fn rich(extra: &str) -> String {
+/// Short case of two layers with gravity, yielding, fixed and non-reflecting boundaries, and additional sections.
+fn format_layered_case(extra: &str) -> String {
     format!(
-        "{CLASSICAL}
+        "{CLASSICAL_MODEL}
         [grid]
         cells = [30, 24]
         spacing = 0.5
@@ -181,7 +135,7 @@ fn rich(extra: &str) -> String {
     )
 }
 
-const STRUCK: &str = "
+const LOAD_AND_SOURCE: &str = "
 [[load]]
 side = 'x2+'
 field = 'sigma22'
@@ -200,12 +154,12 @@ time = { kind = 'ricker', frequency = 60 }
 /// Verifies that result files are bit-identical for 1, 2, 3 and 7 threads, and that the per-cell energy account
 /// closes.
 #[test]
-fn threads_change_no_bit() {
-    let mut all = Vec::new();
+fn results_are_bit_identical_for_any_number_of_threads() {
+    let mut results = Vec::new();
     for threads in [1, 2, 3, 7] {
         let folder = tempfile::tempdir().expect("a scratch folder");
-        let options = Options { threads: Some(threads), ..options(folder.path(), &rich(STRUCK)) };
-        cli::run(&options, CONTROL, &mut Vec::new()).expect("a sound case");
+        let case = create_run_options(folder.path(), &format_layered_case(LOAD_AND_SOURCE));
+        run_case(&Options { threads: Some(threads), ..case }).expect("a sound case");
         let out = folder.path().join("out");
         let mut names: Vec<_> =
             fs::read_dir(&out).expect("results").map(|e| e.expect("a file").file_name()).collect();
@@ -215,39 +169,35 @@ fn threads_change_no_bit() {
             .filter(|name| name != "log.txt")
             .map(|n| (n.clone(), fs::read(out.join(n)).expect("a file")))
             .collect();
-        let ledger = columns(&out.join("ledger.csv"));
+        let ledger = read_columns(&out.join("ledger.csv"));
         let residual =
-            column(&ledger, "residual").into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-        let [kinetic, stored] = ["kinetic", "stored"].map(|name| column(&ledger, name));
-        let greatest = kinetic.iter().zip(&stored).map(|(a, b)| a + b).fold(0.0, f64::max);
-        assert!(residual < 1e-12 * greatest, "{residual:e} of {greatest:e}");
-        let [plastic, released] = ["plastic", "initial_stress"].map(|name| column(&ledger, name));
-        assert!(*plastic.last().expect("lines") > 0.01 * greatest);
-        assert!(released.last().expect("lines").abs() > 1e-3 * greatest);
-        all.push(files);
+            column_values(&ledger, "residual").iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let [kinetic, stored] = ["kinetic", "stored"].map(|name| column_values(&ledger, name));
+        let largest = kinetic.iter().zip(stored).map(|(a, b)| a + b).fold(0.0, f64::max);
+        assert!(residual < 1e-12 * largest, "{residual:e} of {largest:e}");
+        let [plastic, initial_stress_work] =
+            ["plastic", "initial_stress"].map(|name| column_values(&ledger, name));
+        assert!(*plastic.last().expect("lines") > 0.01 * largest);
+        assert!(initial_stress_work.last().expect("lines").abs() > 1e-3 * largest);
+        results.push(files);
     }
-    for other in &all[1..] {
-        for (one, other) in all[0].iter().zip(other) {
-            assert!(one == other, "{:?}", one.0);
+    for other in &results[1..] {
+        for (first, other) in results[0].iter().zip(other) {
+            assert!(first == other, "{:?}", first.0);
         }
-        assert_eq!(all[0].len(), other.len());
+        assert_eq!(results[0].len(), other.len());
     }
 }
 
 /// Verifies that weight balanced by the initial stress causes no motion; the output stress is lithostatic.
 #[test]
-fn balanced_weight_is_at_rest() {
+fn balanced_weight_causes_no_motion() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    carried_out(folder.path(), &rich("")).expect("a sound case");
-    let bytes = fs::read(folder.path().join("out/fields.npz")).expect("fields");
-    let arrays = read(&bytes).expect("arrays");
-    let of = |name: &str| {
-        let array = arrays.iter().find(|array| array.name == name).expect("an array");
-        let Values::F64(values) = &array.values else { panic!("numbers") };
-        values.clone()
-    };
-    assert!(of("v1").iter().chain(&of("v2")).all(|v| *v == 0.0));
-    let [x2, vertical, lateral, across] = ["x2", "sigma22", "sigma11", "sigma33"].map(of);
+    run_in_folder(folder.path(), &format_layered_case("")).expect("a sound case");
+    let fields = read_arrays_by_name(&folder.path().join("out/fields.npz"));
+    assert!(fields["v1"].iter().chain(&fields["v2"]).all(|v| *v == 0.0));
+    let [x2, vertical, lateral, across] =
+        ["x2", "sigma22", "sigma11", "sigma33"].map(|name| &fields[name]);
     for (row, x2) in x2.iter().enumerate() {
         // Weight of half the cell and of all cells above.
         let expected = 1900.0 * 9.81 * x2;
@@ -263,20 +213,20 @@ fn balanced_weight_is_at_rest() {
 /// Verifies that a run with non-finite values stops, that the message states the position, and that the last finite
 /// results are saved.
 #[test]
-fn what_is_not_finite_stops_the_run() {
+fn run_stopped_by_overflow_saves_last_finite_results() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let case = rich(
+    let case = format_layered_case(
         "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1e300\ntime = { kind = 'sine', \
                      frequency = 20, start = 0.02 }",
     );
-    let error = carried_out(folder.path(), &case).expect_err("too much");
+    let error = run_in_folder(folder.path(), &case).expect_err("too much");
     assert_eq!(error.exit_code(), 3);
     let message = error.to_string();
     assert!(message.contains("not finite") && message.contains("is saved"), "{message}");
     let out = folder.path().join("out");
     let bytes = fs::read(out.join("fields.npz")).expect("fields");
-    for array in read(&bytes).expect("arrays") {
-        if let Values::F64(values) = array.values {
+    for array in read_arrays(&bytes).expect("arrays") {
+        if let ArrayValues::F64(values) = array.values {
             assert!(values.iter().all(|v| v.is_finite()), "{}", array.name);
         }
     }
@@ -284,112 +234,124 @@ fn what_is_not_finite_stops_the_run() {
         serde_json::from_slice(&fs::read(out.join("run.json")).expect("a report")).expect("JSON");
     assert!(report["stopped"].as_str().is_some_and(|text| text.contains("not finite")));
     assert_eq!(
-        columns(&out.join("receivers.csv"))[0].1.len() as u64,
+        read_columns(&out.join("receivers.csv"))[0].1.len() as u64,
         report["steps"].as_u64().unwrap() + 1
     );
 }
 
 /// Case of a classical solid with additional sections.
-fn plain(extra: &str) -> String {
-    format!("{CLASSICAL}[grid]\ncells = [8, 8]\nspacing = 1\n[time]\nduration = 0.01\n{extra}")
+fn format_classical_case(extra: &str) -> String {
+    format!(
+        "{CLASSICAL_MODEL}[grid]\ncells = [8, 8]\nspacing = 1\n[time]\nduration = 0.01\n{extra}"
+    )
 }
 
-const PULSE: &str = "time = { kind = 'pulse', duration = 0.01 }";
+const PULSE_TIME_FUNCTION: &str = "time = { kind = 'pulse', duration = 0.01 }";
 
+/// Checks that each case is refused with a message that contains the expected text.
 fn check_refusals<const N: usize>(cases: [(String, &str); N]) {
     for (case, expected) in cases {
-        let message = refused(&case);
+        let message = refusal_message(&case);
         assert!(message.contains(expected), "{expected}: {message}");
         println!("{message}");
     }
 }
 
 #[test]
-fn runs_that_cannot_be_are_refused() {
+fn invalid_runs_are_refused() {
     check_refusals([
         (
-            CLASSICAL.replace("lambda", "dimensions = 2\nlambda"),
+            CLASSICAL_MODEL.replace("lambda", "dimensions = 2\nlambda"),
             ": grid: missing; add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] with duration",
         ),
         // Reported before other missing sections.
-        (CLASSICAL.to_owned(), ": grid: missing; add a section [grid]"),
+        (CLASSICAL_MODEL.to_owned(), ": grid: missing; add a section [grid]"),
         (
-            wellposed::cli::new::text(wellposed::case::Kind::flows()[0]),
+            wellposed::cli::new::generate_state_template(
+                wellposed::case::ModelKind::flow_kinds()[0],
+            ),
             ": grid: missing; add a section [grid] with cells = [64, 64] and length = 0.1",
         ),
         (
-            plain(
+            format_classical_case(
                 "[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n[[region]]\nshape = 'layer'\naxis = 1\nfrom = 4\nto = 8\n",
             ),
             "give every cell to one region",
         ),
         (
-            plain("[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n"),
+            format_classical_case("[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n"),
             "add [[region]] with shape = \"rest\"",
         ),
         (
-            plain(
+            format_classical_case(
                 "[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 4\n[[region]]\nshape = 'rest'\nmodel = { kind = 'cosserat', lambda = 1e8, mu = 1e8, alpha = 1e8, beta = 1, gamma = 1, eta = 1, density = 1, inertia = 1 }\n",
             ),
             "all regions of a run need the same fields",
         ),
         (
-            plain("[[region]]\nshape = 'rest'\nmodel = { mu = -1 }\n"),
+            format_classical_case("[[region]]\nshape = 'rest'\nmodel = { mu = -1 }\n"),
             "positive definite only for μ > 0",
         ),
         (
-            plain(&format!(
-                "[[load]]\nside = 'x1-'\nfield = 'v1'\nfrom = 20\nto = 30\namplitude = 1\n{PULSE}\n"
+            format_classical_case(&format!(
+                "[[load]]\nside = 'x1-'\nfield = 'v1'\nfrom = 20\nto = 30\namplitude = 1\n{PULSE_TIME_FUNCTION}\n"
             )),
             "no face of the side has its middle in it",
         ),
         (
-            plain(&format!(
-                "[[source]]\nkind = 'moment'\namplitude = [[0, 1], [2, 0]]\nat = [4, 4]\n{PULSE}\n"
+            format_classical_case(&format!(
+                "[[source]]\nkind = 'moment'\namplitude = [[0, 1], [2, 0]]\nat = [4, 4]\n{PULSE_TIME_FUNCTION}\n"
             )),
             "not symmetric in a classical solid",
         ),
         (
-            plain("[[initial]]\nkind = 'plane-wave'\nbranch = 3\nwavelength = 2\namplitude = 1\n"),
+            format_classical_case(
+                "[[initial]]\nkind = 'plane-wave'\nbranch = 3\nwavelength = 2\namplitude = 1\n",
+            ),
             "branch",
         ),
         (
-            plain(
+            format_classical_case(
                 "[gravity]\nacceleration = [-9.81, 0]\n[[region]]\nshape = 'layer'\naxis = 2\nfrom = 0\nto = 5\n[[region]]\nshape = 'rest'\nmodel = { density = 1000 }\n",
             ),
             "densities 1900.0 and 1000.0 side by side",
         ),
         (
-            plain("[initial_stress]\nsigma12 = 1e9\n[yield]\nkind = 'von-mises'\nstrength = 1e6\n"),
+            format_classical_case(
+                "[initial_stress]\nsigma12 = 1e9\n[yield]\nkind = 'von-mises'\nstrength = 1e6\n",
+            ),
             "beyond yield",
         ),
         (
-            plain("[yield]\nkind = 'von-mises'\nstrength = 1e6\nhardening = 1e6\n"),
+            format_classical_case("[yield]\nkind = 'von-mises'\nstrength = 1e6\nhardening = 1e6\n"),
             "ideal plasticity",
         ),
-        (plain("").replace("duration = 0.01", "duration = 1e300"), "10¹² steps"),
+        (format_classical_case("").replace("duration = 0.01", "duration = 1e300"), "10¹² steps"),
     ]);
 }
 
 #[test]
-fn states_that_cannot_be_run_are_refused() {
+fn unsupported_states_are_refused() {
     check_refusals([
-        (plain("[output]\npicture = 'dissipation'\n"), "'dissipation' in elastic media"),
         (
-            plain(&format!(
-                "[[load]]\nside = 'x2+'\nfield = 'sigma22'\namplitude = 1\n{PULSE}\n[[load]]\nside = \
-                 'x2+'\nfield = 'v2'\namplitude = 1\n{PULSE}\n"
+            format_classical_case("[output]\npicture = 'dissipation'\n"),
+            "'dissipation' in elastic media",
+        ),
+        (
+            format_classical_case(&format!(
+                "[[load]]\nside = 'x2+'\nfield = 'sigma22'\namplitude = 1\n{PULSE_TIME_FUNCTION}\n[[load]]\nside = \
+                 'x2+'\nfield = 'v2'\namplitude = 1\n{PULSE_TIME_FUNCTION}\n"
             )),
             "load[1].field: v2 on faces with another load",
         ),
         (
-            plain(
+            format_classical_case(
                 "[yield]\nkind = 'drucker-prager'\nstrength = 1\nfriction = 0.5\ndilatancy = 0.1\n",
             ),
             "runs have associated flow: 0.5",
         ),
         (
-            plain(
+            format_classical_case(
                 "[yield]\nkind = 'von-mises'\nstrength = 1\n[[initial]]\nkind = 'uniform'\nshape = \
                  'everywhere'\nfield = 'sigma12'\namplitude = 2\n",
             ),
@@ -399,7 +361,7 @@ fn states_that_cannot_be_run_are_refused() {
             format!(
                 "{}[grid]\ncells = [8, 4, 4]\nspacing = 1\n[time]\nduration = 0.01\n[[initial]]\nkind = \
                  'plane-wave'\nbranch = 4\nwavelength = 8\namplitude = 1\n",
-                COSSERAT.replace("dimensions = 2", "dimensions = 3")
+                COSSERAT_MODEL.replace("dimensions = 2", "dimensions = 3")
             ),
             "a branch that moves nothing but spins",
         ),
@@ -408,12 +370,12 @@ fn states_that_cannot_be_run_are_refused() {
 
 /// Verifies that a case larger than the free memory is refused, on systems that report free memory.
 #[test]
-fn more_memory_than_there_is() {
+fn runs_larger_than_free_memory_are_refused() {
     if Path::new("/proc/meminfo").exists() {
         let case = format!(
-            "{CLASSICAL}[grid]\ncells = [60000, 60000]\nspacing = 1\n[time]\nduration = 1\n"
+            "{CLASSICAL_MODEL}[grid]\ncells = [60000, 60000]\nspacing = 1\n[time]\nduration = 1\n"
         );
-        let message = refused(&case);
+        let message = refusal_message(&case);
         assert!(message.contains("GiB that are free; ask for fewer cells"), "{message}");
     }
 }
@@ -421,30 +383,28 @@ fn more_memory_than_there_is() {
 /// Verifies that later boundary sections override earlier ones, and that a source at a periodic boundary acts on both
 /// sides of it.
 #[test]
-fn sides_that_come_round() {
-    let seen = |sides: &str, at: &str| {
+fn later_boundaries_override_and_periodic_ones_wrap() {
+    let run_with_source = |boundaries: &str, at: &str| {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let case = format!(
-            "{CLASSICAL}[grid]\ncells = [16, 16]\nspacing = 1\n[time]\nduration = 0.03\n{sides}
+            "{CLASSICAL_MODEL}[grid]\ncells = [16, 16]\nspacing = 1\n[time]\nduration = 0.03\n{boundaries}
             [[source]]\nkind = 'explosion'\namplitude = 1e6\nat = {at}\nradius = 4\n\
             time = {{ kind = 'pulse', duration = 0.02 }}\n"
         );
-        carried_out(folder.path(), &case).expect("a sound case");
-        let bytes = fs::read(folder.path().join("out/fields.npz")).expect("fields");
-        let arrays = read(&bytes).expect("arrays");
-        let array = arrays.into_iter().find(|array| array.name == "sigma11").expect("an array");
-        let Values::F64(values) = array.values else { panic!("numbers") };
-        values
+        run_in_folder(folder.path(), &case).expect("a sound case");
+        read_arrays_by_name(&folder.path().join("out/fields.npz"))
+            .remove("sigma11")
+            .expect("an array")
     };
-    let both = |kind: &str| {
+    let format_boundaries = |kind: &str| {
         format!(
             "[[side]]\nside = 'x1-'\nkind = '{kind}'\n[[side]]\nside = 'x1+'\nkind = '{kind}'\n"
         )
     };
-    let overridden = format!("{}{}", both("periodic"), both("free"));
-    assert_eq!(seen(&overridden, "[3, 8]"), seen(&both("free"), "[3, 8]"));
-    let periodic = both("periodic");
-    let (edge, middle) = (seen(&periodic, "[0, 8]"), seen(&periodic, "[8, 8]"));
+    let (periodic, free) = (format_boundaries("periodic"), format_boundaries("free"));
+    let overridden = format!("{periodic}{free}");
+    assert_eq!(run_with_source(&overridden, "[3, 8]"), run_with_source(&free, "[3, 8]"));
+    let [edge, middle] = ["[0, 8]", "[8, 8]"].map(|at| run_with_source(&periodic, at));
     for row in 0..16 {
         for column in 0..16 {
             let [a, b] = [edge[16 * row + column], middle[16 * row + (column + 8) % 16]];
@@ -455,48 +415,47 @@ fn sides_that_come_round() {
 
 /// Verifies that results in single and double precision agree to single precision.
 #[test]
-fn single_precision() {
-    let seen = ["f64", "f32"].map(|precision| {
+fn single_precision_agrees_with_double_precision() {
+    let records = ["f64", "f32"].map(|precision| {
         let folder = tempfile::tempdir().expect("a scratch folder");
-        let case =
-            rich(STRUCK).replace("[scheme]", &format!("[scheme]\nprecision = '{precision}'"));
-        carried_out(folder.path(), &case).expect("a sound case");
-        column(&columns(&folder.path().join("out/receivers.csv")), "edge.v2")
+        let case = format_layered_case(LOAD_AND_SOURCE)
+            .replace("[scheme]", &format!("[scheme]\nprecision = '{precision}'"));
+        run_in_folder(folder.path(), &case).expect("a sound case");
+        let records = read_columns(&folder.path().join("out/receivers.csv"));
+        column_values(&records, "edge.v2").to_vec()
     });
-    let greatest = seen[0].iter().fold(0.0f64, |a, b| a.max(b.abs()));
-    for (wide, narrow) in seen[0].iter().zip(&seen[1]) {
-        assert!((wide - narrow).abs() < 1e-3 * greatest, "{wide} {narrow}");
+    let largest = records[0].iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    for (double, single) in records[0].iter().zip(&records[1]) {
+        assert!((double - single).abs() < 1e-3 * largest, "{double} {single}");
     }
 }
 
 /// Verifies that receivers record the requested fields, including time integrals, and no others.
 #[test]
-fn receivers_record_what_they_are_asked_for() {
+fn receivers_record_only_requested_fields() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let case = rich(STRUCK).replace(
+    let case = format_layered_case(LOAD_AND_SOURCE).replace(
         "name = 'edge'",
         "at = [0, -1]\nfields = ['v1']\n[[receiver]]\nat = [0, -2]\nfields = ['u2', 'sigma22']\n\
          [[receiver]]\nname = 'edge'",
     ) + "[output]\nintegrals = ['u2']\n";
-    carried_out(folder.path(), &case).expect("a sound case");
-    let seen = columns(&folder.path().join("out/receivers.csv"));
-    let names: Vec<&str> = seen.iter().map(|column| column.0.as_str()).collect();
+    run_in_folder(folder.path(), &case).expect("a sound case");
+    let records = read_columns(&folder.path().join("out/receivers.csv"));
+    let names: Vec<&str> = records.iter().map(|column| column.0.as_str()).collect();
     assert_eq!(names[..4], ["time", "r1.v1", "r2.u2", "r2.sigma22"]);
     assert_eq!((names.len(), names[names.len() - 1]), (11, "edge.u2"));
     // The final time equals the duration of the case, to the last bit.
     let json = fs::read(folder.path().join("out/run.json")).expect("a report");
     let report: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
-    assert_eq!((report["time"].as_f64(), seen[0].1.last()), (Some(0.05), Some(&0.05)));
+    assert_eq!((report["time"].as_f64(), records[0].1.last()), (Some(0.05), Some(&0.05)));
 }
 
 /// Verifies that a dry run checks the complete case and writes nothing.
 #[test]
-fn dry_runs_write_nothing() {
+fn dry_run_writes_nothing() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let options = Options { dry_run: true, ..options(folder.path(), &rich(STRUCK)) };
-    let mut stdout = Vec::new();
-    cli::run(&options, CONTROL, &mut stdout).expect("a sound case");
-    let text = String::from_utf8(stdout).expect("text");
+    let case = create_run_options(folder.path(), &format_layered_case(LOAD_AND_SOURCE));
+    let text = run_case(&Options { is_dry_run: true, ..case }).expect("a sound case");
     assert!(text.contains("30 × 24 cells of 6 fields") && text.contains("run.png"), "{text}");
     assert!(!folder.path().join("out").exists());
 }

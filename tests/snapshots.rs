@@ -1,13 +1,15 @@
 //! Verifies that snapshots have the requested times and that other results do not depend on them.
 
-use files::npz::read;
-use files::vti::{plain_time, plain_values};
+mod support;
+
+use files::npz::read_arrays;
+use files::vti::{read_plain_time, read_plain_values};
 use std::fs;
 use std::path::Path;
+use support::{create_run_options, run_case};
 use wellposed::cli::Options;
-use wellposed::cli::{self, Control};
 
-const SOLID: &str = "
+const SOLID_CASE: &str = "
 [model]
 kind = 'classical'
 lambda = 1e8
@@ -34,7 +36,7 @@ at = [3, 8]
 integrals = ['u2']
 ";
 
-const FLOW: &str = "
+const FLOW_CASE: &str = "
 [model]
 kind = 'harris-grekova'
 friction_angle_deg = 30
@@ -64,43 +66,42 @@ at = [0.02, 0.03]
 [output]
 ";
 
-fn carried_out(folder: &Path, case: &str) {
-    let file = folder.join("case.run.toml");
-    fs::write(&file, case).expect("a scratch file");
-    let out = Some(folder.join("out"));
-    let options = Options { case: file, out, force: true, threads: Some(2), ..Options::default() };
-    cli::run(&options, Control { checkpoint_every: 1e9 }, &mut Vec::new()).expect("a sound case");
+/// Runs a case on two threads.
+fn run_on_two_threads(folder: &Path, case: &str) {
+    let options = Options { threads: Some(2), ..create_run_options(folder, case) };
+    run_case(&options).expect("a sound case");
 }
 
-fn folder() -> tempfile::TempDir {
+fn create_scratch_folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a scratch folder")
 }
 
-fn snapshot(folder: &Path, index: usize, extension: &str) -> Option<Vec<u8>> {
+/// Content of a snapshot; `None` if there is none of this index.
+fn read_snapshot(folder: &Path, index: usize, extension: &str) -> Option<Vec<u8>> {
     fs::read(folder.join(format!("out/snapshot-{index:08}.{extension}"))).ok()
 }
 
 /// Verifies that final fields and receiver records of solids and flows are bit-identical for all snapshot intervals.
 #[test]
-fn results_do_not_depend_on_the_output() {
+fn results_are_independent_of_snapshot_interval() {
     for (case, extension, intervals) in [
-        (SOLID, "vti", [0.0, 2.7e-3, 5e-4, 0.05, 1.0]),
-        (FLOW, "vts", [0.0, 1.3e-4, 1e-5, 1e-3, 1.0]),
+        (SOLID_CASE, "vti", [0.0, 2.7e-3, 5e-4, 0.05, 1.0]),
+        (FLOW_CASE, "vts", [0.0, 1.3e-4, 1e-5, 1e-3, 1.0]),
     ] {
         let mut first = None;
         for interval in intervals {
-            let here = folder();
+            let here = create_scratch_folder();
             let keys =
                 format!("snapshot_interval = {interval}\nledger_interval = {}\n", 0.7 * interval);
-            carried_out(here.path(), &format!("{case}{keys}"));
+            run_on_two_threads(here.path(), &format!("{case}{keys}"));
             let files = ["fields.npz", "receivers.npz"]
                 .map(|name| fs::read(here.path().join("out").join(name)).expect(name));
-            assert!(files.iter().all(|file| !read(file).expect("an archive").is_empty()));
+            assert!(files.iter().all(|file| !read_arrays(file).expect("an archive").is_empty()));
             assert!(first.get_or_insert_with(|| files.clone()) == &files, "{interval}");
             // Snapshots are numbered from 0 and have the requested times; the last one is at the end.
             let mut times = Vec::new();
-            while let Some(bytes) = snapshot(here.path(), times.len(), extension) {
-                times.push(plain_time(&bytes).expect("a time"));
+            while let Some(bytes) = read_snapshot(here.path(), times.len(), extension) {
+                times.push(read_plain_time(&bytes).expect("a time"));
             }
             let duration = intervals[3];
             let expected: Vec<f64> = match interval {
@@ -118,42 +119,44 @@ fn results_do_not_depend_on_the_output() {
 
 /// Verifies that a snapshot between two steps is the linear interpolation of both, and on a step the state itself.
 #[test]
-fn snapshots_between_steps() {
-    let here = folder();
-    carried_out(here.path(), SOLID);
+fn snapshots_between_steps_are_linear_interpolations() {
+    let here = create_scratch_folder();
+    run_on_two_threads(here.path(), SOLID_CASE);
     let json = fs::read(here.path().join("out/run.json")).expect("a report");
     let report: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
     let step = report["step"].as_f64().expect("a number");
     let arrays = |interval: f64, index: usize| {
-        let here = folder();
-        carried_out(here.path(), &format!("{SOLID}snapshot_interval = {interval:?}\n"));
-        let bytes = snapshot(here.path(), index, "vti").expect("a snapshot");
+        let here = create_scratch_folder();
+        run_on_two_threads(here.path(), &format!("{SOLID_CASE}snapshot_interval = {interval:?}\n"));
+        let bytes = read_snapshot(here.path(), index, "vti").expect("a snapshot");
         ["sigma22 [Pa]", "velocity [m/s]", "u2 [m]", "dissipation [J/m3]"]
-            .map(|name| plain_values(&bytes, name).expect(name))
+            .map(|name| read_plain_values(&bytes, name).expect(name))
     };
     let [before, after] = [arrays(step, 5), arrays(step, 6)];
     // 3 · 1.75 steps are 5.25 steps: snapshot 3 is a quarter of a step after step 5.
     let between = arrays(1.75 * step, 3);
-    let again = arrays(2.5 * step, 2);
-    for (((before, after), between), again) in before.iter().zip(&after).zip(&between).zip(&again) {
+    let on_step = arrays(2.5 * step, 2);
+    for (((before, after), between), on_step) in
+        before.iter().zip(&after).zip(&between).zip(&on_step)
+    {
         let largest = after.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         assert!(largest > 0.0 && before != after);
         for ((before, after), between) in before.iter().zip(after).zip(between) {
             let expected = 0.75 * before + 0.25 * after;
             assert!((between - expected).abs() < 1e-9 * largest, "{between} {expected}");
         }
-        assert!(before == again);
+        assert!(before == on_step);
     }
 }
 
 /// Verifies a flow's snapshot within a step against a run whose steps end at that time.
 #[test]
-fn flows_are_as_accurate_between_steps() {
+fn flow_snapshots_between_steps_are_second_order_accurate() {
     let values = |interval: f64, index: usize| {
-        let here = folder();
-        carried_out(here.path(), &format!("{FLOW}snapshot_interval = {interval:?}\n"));
-        let bytes = snapshot(here.path(), index, "vts").expect("a snapshot");
-        plain_values(&bytes, "velocity [m/s]").expect("velocities")
+        let here = create_scratch_folder();
+        run_on_two_threads(here.path(), &format!("{FLOW_CASE}snapshot_interval = {interval:?}\n"));
+        let bytes = read_snapshot(here.path(), index, "vts").expect("a snapshot");
+        read_plain_values(&bytes, "velocity [m/s]").expect("velocities")
     };
     // The steps end at multiples of 1/200 of the duration.
     let [before, after] = [values(5e-5, 10), values(5e-6, 101)];

@@ -3,10 +3,10 @@
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use wellposed::cli::{self, Format, Options};
+use wellposed::cli::{self, Options, OutputFormat};
 use wellposed::study::MapOptions;
 
-const CASE: &str = "
+const STATE_CASE: &str = "
 [model]
 kind = 'harris-grekova'
 friction_angle_deg = 30
@@ -30,31 +30,31 @@ x = { parameter = 'background.noncoaxiality_deg', from = -90, to = 90, points = 
 y = { parameter = 'model.dilatancy_angle_deg', from = 0, to = 40, points = 9 }
 ";
 
-fn options(folder: &Path, text: &str, sets: &[&str]) -> Options {
-    let case = folder.join("state.toml");
-    fs::write(&case, text).unwrap();
+fn create_options(folder: &Path, text: &str, sets: &[&str]) -> Options {
+    let case_path = folder.join("state.toml");
+    fs::write(&case_path, text).unwrap();
     Options {
-        case,
-        sets: sets.iter().map(|s| (*s).to_owned()).collect(),
-        format: Format::Json,
-        out: Some(folder.join("out")),
+        case_path,
+        settings: sets.iter().map(|s| (*s).to_owned()).collect(),
+        format: OutputFormat::Json,
+        output_folder: Some(folder.join("out")),
         force: true,
         ..Options::default()
     }
 }
 
-fn point_of(text: &str, sets: &[&str]) -> Value {
+fn run_point(text: &str, sets: &[&str]) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let mut printed = Vec::new();
-    cli::point(&options(folder.path(), text, sets), &mut printed).unwrap();
+    cli::run_point(&create_options(folder.path(), text, sets), &mut printed).unwrap();
     let written = fs::read(folder.path().join("out/point.json")).unwrap();
     assert_eq!(printed, written, "what is printed is what is written");
     serde_json::from_slice(&printed).unwrap()
 }
 
 #[test]
-fn a_point_inside_the_bound_is_well_posed_with_everything_said() {
-    let found = point_of(CASE, &[]);
+fn point_inside_noncoaxiality_bound_is_well_posed() {
+    let found = run_point(STATE_CASE, &[]);
     assert_eq!(found["model"], "harris-grekova");
     assert_eq!(found["verdict"], "well-posed");
     for key in ["order", "coefficient", "direction_deg"] {
@@ -93,8 +93,8 @@ fn a_point_inside_the_bound_is_well_posed_with_everything_said() {
 }
 
 #[test]
-fn a_point_outside_the_bound_grows_as_the_closed_form_says() {
-    let found = point_of(CASE, &["background.noncoaxiality_deg=60"]);
+fn growth_outside_noncoaxiality_bound_agrees_with_closed_form() {
+    let found = run_point(STATE_CASE, &["background.noncoaxiality_deg=60"]);
     assert_eq!(found["verdict"], "ill-posed");
     assert_eq!(found["order"], 2.0);
     // Least stable direction β = π: Q (1 + sin φ)² / [2 ρ Q_D |cos 2Δ| (1 + sin φ)].
@@ -106,26 +106,26 @@ fn a_point_outside_the_bound_grows_as_the_closed_form_says() {
 }
 
 #[test]
-fn at_the_bound_no_sign_is_asserted_and_next_to_it_one_is() {
+fn verdict_is_marginal_only_at_noncoaxiality_bound() {
     for (delta, verdict) in [
         ("45", "marginal"),
         ("45.000000001", "ill-posed"),
         ("44.999999999", "well-posed"),
         ("-45", "marginal"),
     ] {
-        let found = point_of(CASE, &[&format!("background.noncoaxiality_deg={delta}")]);
+        let found = run_point(STATE_CASE, &[&format!("background.noncoaxiality_deg={delta}")]);
         assert_eq!(found["verdict"], verdict, "Δ = {delta}°");
     }
 }
 
 #[test]
-fn outside_the_fully_deforming_region_nothing_is_analysed() {
+fn states_outside_fully_deforming_region_are_not_analysed() {
     for (set, region) in [
         ("background.deviatoric_stress=499", "rigid-or-indeterminate"),
         ("background.deviatoric_stress=501", "outside-yield"),
         ("background.rotational_stress=1", "outside-yield"),
     ] {
-        let found = point_of(CASE, &[set]);
+        let found = run_point(STATE_CASE, &[set]);
         assert_eq!(found["region"], region, "{set}");
         for key in ["verdict", "order", "bound", "power", "roots", "characteristics"] {
             assert!(found[key].is_null(), "{set}: {key}");
@@ -134,19 +134,19 @@ fn outside_the_fully_deforming_region_nothing_is_analysed() {
 }
 
 #[test]
-fn spin_may_stand_for_the_noncoaxiality() {
+fn spin_determines_noncoaxiality() {
     // sin 2Δ = −(Ω − s₂₁) sin φ / Q_D with sin φ = ½, Q_D = 2: Ω = −2 sin 2Δ/sin φ.
-    let text = CASE.replace("noncoaxiality_deg = 20", "half_vorticity = 0.3");
+    let text = STATE_CASE.replace("noncoaxiality_deg = 20", "half_vorticity = 0.3");
     let spin = 0.3 - 4.0 * 40f64.to_radians().sin();
-    let found = point_of(&text, &[&format!("background.spin={spin}")]);
+    let found = run_point(&text, &[&format!("background.spin={spin}")]);
     let delta = found["background"]["noncoaxiality_deg"].as_f64().unwrap();
     assert!((delta - 20.0).abs() < 1e-12);
 }
 
 #[test]
-fn compared_models_stand_side_by_side() {
-    let text = format!("{CASE}\n[compare]\nkinds = ['harris-grekova', 'double-shearing']\n");
-    let found = point_of(&text, &[]);
+fn compared_models_have_separate_verdicts() {
+    let text = format!("{STATE_CASE}\n[compare]\nkinds = ['harris-grekova', 'double-shearing']\n");
+    let found = run_point(&text, &[]);
     let verdicts: Vec<_> =
         found["compare"].as_array().unwrap().iter().map(|c| &c["verdict"]).collect();
     assert_eq!(verdicts, ["well-posed", "ill-posed"]);
@@ -154,26 +154,26 @@ fn compared_models_stand_side_by_side() {
 }
 
 #[test]
-fn free_rotating_is_indeterminate() {
-    let text = CASE
+fn free_rotating_model_is_indeterminate() {
+    let text = STATE_CASE
         .replace("harris-grekova", "free-rotating")
         .replace("moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
-    let found = point_of(&text, &[]);
+    let found = run_point(&text, &[]);
     assert_eq!(found["verdict"], "indeterminate");
     assert!(found["roots"].is_null() && found["characteristics"].is_null());
 }
 
 #[test]
-fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
+fn map_is_independent_of_threads_and_agrees_with_points() {
     let folder = tempfile::tempdir().unwrap();
     let mut results = Vec::new();
     for threads in [1, 2, 5] {
-        let mut options = options(folder.path(), CASE, &[]);
-        options.out = Some(folder.path().join(format!("{threads}")));
+        let mut options = create_options(folder.path(), STATE_CASE, &[]);
+        options.output_folder = Some(folder.path().join(format!("{threads}")));
         options.threads = Some(threads);
-        cli::map(
+        cli::run_map(
             &options,
-            MapOptions { bound: true, ..MapOptions::default() },
+            MapOptions { computes_bound: true, ..MapOptions::default() },
             &mut std::io::sink(),
         )
         .unwrap();
@@ -190,12 +190,12 @@ fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
 
     // Named arrays of the map against the verdicts of single points.
     let arrays = results[0].iter().find(|(name, _)| name == "map.npz").unwrap();
-    let arrays = files::npz::read(&arrays.1).unwrap();
+    let arrays = files::npz::read_arrays(&arrays.1).unwrap();
     let numbers = |name: &str| {
         let array = arrays.iter().find(|a| a.name == name).unwrap_or_else(|| panic!("{name}"));
         match &array.values {
-            files::npz::Values::F64(values) => values.clone(),
-            files::npz::Values::I8(values) => values.iter().map(|&v| f64::from(v)).collect(),
+            files::npz::ArrayValues::F64(values) => values.clone(),
+            files::npz::ArrayValues::I8(values) => values.iter().map(|&v| f64::from(v)).collect(),
             other => panic!("{name}: {other:?}"),
         }
     };
@@ -213,7 +213,7 @@ fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
             assert_eq!(code, 5.0, "ν ≥ φ is outside the model");
             continue;
         }
-        let found = point_of(CASE, &[&sets[0], &sets[1]]);
+        let found = run_point(STATE_CASE, &[&sets[0], &sets[1]]);
         let wanted = if found["verdict"] == "well-posed" { 0.0 } else { 1.0 };
         assert_eq!(code, wanted, "{sets:?}");
         let order = order[iy * 25 + ix];
@@ -222,11 +222,11 @@ fn a_map_is_the_same_for_any_number_of_threads_and_agrees_with_its_points() {
 }
 
 #[test]
-fn a_map_outside_the_model_is_refused_with_line_and_key() {
+fn map_outside_model_is_refused_with_line_and_key() {
     let folder = tempfile::tempdir().unwrap();
-    let text = CASE.replace("density = 1600", "density = -1600");
-    let options = options(folder.path(), &text, &[]);
-    let error = cli::map(&options, MapOptions::default(), &mut std::io::sink()).unwrap_err();
+    let text = STATE_CASE.replace("density = 1600", "density = -1600");
+    let options = create_options(folder.path(), &text, &[]);
+    let error = cli::run_map(&options, MapOptions::default(), &mut std::io::sink()).unwrap_err();
     let message = error.to_string();
     assert_eq!(error.exit_code(), 2);
     assert!(
@@ -237,11 +237,11 @@ fn a_map_outside_the_model_is_refused_with_line_and_key() {
 }
 
 #[test]
-fn compared_models_stand_in_the_same_state_when_the_spin_is_given() {
-    let text = CASE.replace("noncoaxiality_deg = 20", "spin = -1.5")
+fn compared_models_have_equal_state_for_given_spin() {
+    let text = STATE_CASE.replace("noncoaxiality_deg = 20", "spin = -1.5")
         + "\n[compare]\nkinds = ['harris-grekova', 'double-shearing', 'plastic-potential']\n";
-    let found = point_of(&text, &[]);
-    let delta = |of: &Value| of["background"]["noncoaxiality_deg"].as_f64().unwrap();
+    let found = run_point(&text, &[]);
+    let delta = |report: &Value| report["background"]["noncoaxiality_deg"].as_f64().unwrap();
     // sin 2Δ = 1.5 sin φ / Q_D
     let wanted = 0.5 * (1.5f64 * 0.5 / 2.0).asin().to_degrees();
     assert!((delta(&found) - wanted).abs() < 1e-12);
@@ -251,25 +251,25 @@ fn compared_models_stand_in_the_same_state_when_the_spin_is_given() {
 }
 
 #[test]
-fn waves_out_of_reach_are_refused() {
+fn waves_beyond_floating_point_range_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for set in ["wave.number=1e100", "wave.number=1e-100", "background.velocity=[1e308, 0]"] {
-        let options = options(folder.path(), CASE, &[set]);
-        let error = cli::point(&options, &mut std::io::sink()).unwrap_err();
+        let options = create_options(folder.path(), STATE_CASE, &[set]);
+        let error = cli::run_point(&options, &mut std::io::sink()).unwrap_err();
         assert_eq!(error.exit_code(), 2, "{set}");
         assert!(error.to_string().contains("range of doubles"), "{set}: {error}");
     }
 }
 
 #[test]
-fn the_curves_of_a_point_reach_the_peaks_of_its_layers() {
-    let text = CASE
+fn growth_curve_by_direction_reaches_predicted_peak() {
+    let text = STATE_CASE
         .replace("rotational_strength = 0", "rotational_strength = 5\ndilatancy_angle_deg = 10")
         .replace("number = 500", "number = 1e7");
     let folder = tempfile::tempdir().unwrap();
-    cli::point(&options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
+    cli::run_point(&create_options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
     let curve = fs::read_to_string(folder.path().join("out/growth_by_direction.csv")).unwrap();
-    let greatest = curve
+    let max_growth_rate = curve
         .lines()
         .skip(1)
         .filter_map(|line| line.rsplit(',').next()?.parse::<f64>().ok())
@@ -278,30 +278,30 @@ fn the_curves_of_a_point_reach_the_peaks_of_its_layers() {
         serde_json::from_slice(&fs::read(folder.path().join("out/point.json")).unwrap()).unwrap();
     assert_eq!(found["order"], 0.4);
     let predicted = found["coefficient"].as_f64().unwrap() * 1e7f64.powf(0.4);
-    assert!((greatest / predicted - 1.0).abs() < 0.05, "{greatest} for {predicted}");
+    assert!((max_growth_rate / predicted - 1.0).abs() < 0.05, "{max_growth_rate} for {predicted}");
 }
 
 #[test]
-fn fitted_orders_agree_with_exact_ones() {
-    let layer = CASE
+fn fitted_growth_orders_agree_with_exact_orders() {
+    let layer = STATE_CASE
         .replace("rotational_strength = 0", "rotational_strength = 5\ndilatancy_angle_deg = 10");
-    let coaxial = CASE
+    let coaxial = STATE_CASE
         .replace("harris-grekova", "plastic-potential")
         .replace(
             "moment_of_inertia = 1.25e-7\nrotational_strength = 0\n",
             "dilatancy_angle_deg = 29\n",
         )
         .replace("noncoaxiality_deg = 20\n", "");
-    let shearing = CASE
+    let shearing = STATE_CASE
         .replace("harris-grekova", "double-shearing")
         .replace("moment_of_inertia = 1.25e-7\nrotational_strength = 0\n", "");
     for (text, set, order) in [
-        (CASE, "background.noncoaxiality_deg=60", 2.0),
+        (STATE_CASE, "background.noncoaxiality_deg=60", 2.0),
         (&layer, "background.noncoaxiality_deg=5", 0.4),
         (&coaxial, "wave.number=100", 2.0),
         (&shearing, "wave.direction_deg=90", 1.0),
     ] {
-        let found = point_of(text, &[set]);
+        let found = run_point(text, &[set]);
         assert_eq!(found["order"], order, "{set}");
         let fitted = found["fitted_order"].as_f64().unwrap();
         assert!((fitted - order).abs() < 0.02, "{fitted} for {order}");
@@ -309,24 +309,24 @@ fn fitted_orders_agree_with_exact_ones() {
         let ratio = numbers[1].as_f64().unwrap() / numbers[0].as_f64().unwrap();
         assert!((ratio - 100.0).abs() < 1e-6);
     }
-    let bounded = point_of(CASE, &[]);
+    let bounded = run_point(STATE_CASE, &[]);
     assert!(bounded["fitted_order"].as_f64().is_none_or(|order| order < 1e-3));
     for set in [
         "background.deviatoric_stress=499",
         // Unbounded growth at a finite wave number.
         "model.dilatancy_angle_deg=20",
     ] {
-        let found = point_of(CASE, &[set, "background.noncoaxiality_deg=44.9"]);
+        let found = run_point(STATE_CASE, &[set, "background.noncoaxiality_deg=44.9"]);
         assert!(found["order"].is_null() && found["fitted_order"].is_null(), "{set}");
     }
 }
 
 #[test]
-fn the_greatest_growth_is_above_that_in_any_one_direction_and_on_its_asymptote() {
-    let text = CASE
+fn max_growth_rate_bounds_directional_rate_and_follows_asymptote() {
+    let text = STATE_CASE
         .replace("rotational_strength = 0", "rotational_strength = 5\ndilatancy_angle_deg = 10");
     let folder = tempfile::tempdir().unwrap();
-    cli::point(&options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
+    cli::run_point(&create_options(folder.path(), &text, &[]), &mut std::io::sink()).unwrap();
     let read = |name: &str| fs::read_to_string(folder.path().join("out").join(name)).unwrap();
     let found: Value = serde_json::from_str(&read("point.json")).unwrap();
     let (order, coefficient) =

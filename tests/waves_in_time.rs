@@ -1,81 +1,71 @@
 //! Verifies the bundled time-domain wave cases, and shorter variants, against dispersion relations and an exact
 //! response that are independent of the solver.
 
-use files::npz::{Values, read};
+mod support;
+
 use num_complex::Complex64;
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use wellposed::cli::{self, Control};
-use wellposed::cli::{Format, Options};
-
-const CONTROL: Control = Control { checkpoint_every: 1e9 };
+use support::{
+    COSSERAT_MODEL, Columns, bundled_case, column_values, format_periodic_boundaries,
+    read_arrays_by_name, read_columns, run_case,
+};
+use wellposed::cli::{self, Options, OutputFormat};
 
 /// Results of a run, with their temporary folder.
-struct Results {
+struct WaveRun {
     folder: tempfile::TempDir,
-    columns: Vec<(String, Vec<f64>)>,
+    /// Receiver table.
+    columns: Columns,
 }
 
-impl Results {
+impl WaveRun {
     fn column(&self, name: &str) -> &[f64] {
-        &self.columns.iter().find(|column| column.0 == name).expect("a column").1
+        column_values(&self.columns, name)
     }
 
     /// Final values of a field.
-    fn field(&self, name: &str) -> Vec<f64> {
-        let bytes = fs::read(self.folder.path().join("out/fields.npz")).expect("fields");
-        let arrays = read(&bytes).expect("arrays");
-        let array = arrays.into_iter().find(|array| array.name == name).expect("an array");
-        let Values::F64(values) = array.values else { panic!("numbers") };
-        values
+    fn final_field(&self, name: &str) -> Vec<f64> {
+        read_arrays_by_name(&self.folder.path().join("out/fields.npz"))
+            .remove(name)
+            .expect("a field")
     }
 
-    fn report(&self) -> Value {
+    fn read_report(&self) -> Value {
         let text = fs::read(self.folder.path().join("out/run.json")).expect("a report");
         serde_json::from_slice(&text).expect("JSON")
     }
 }
 
-fn options(file: PathBuf, folder: &Path, sets: &[String]) -> Options {
+fn create_options(file: PathBuf, folder: &Path, sets: &[String]) -> Options {
     Options {
-        case: file,
-        sets: sets.to_vec(),
-        out: Some(folder.join("out")),
+        case_path: file,
+        settings: sets.to_vec(),
+        output_folder: Some(folder.join("out")),
         force: true,
         ..Options::default()
     }
 }
 
-fn bundled(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/dynamics").join(name)
-}
-
-fn carried_out(file: PathBuf, sets: &[String]) -> Results {
+/// Runs a case with settings.
+fn run_case_file(file: PathBuf, sets: &[String]) -> WaveRun {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    cli::run(&options(file, folder.path(), sets), CONTROL, &mut Vec::new()).expect("a sound case");
-    let text = fs::read_to_string(folder.path().join("out/receivers.csv")).expect("a table");
-    let mut lines = text.lines();
-    let header = lines.next().expect("a header").split(',');
-    let mut columns: Vec<(String, Vec<f64>)> =
-        header.map(|name| (name.to_owned(), Vec::new())).collect();
-    for line in lines {
-        for (column, cell) in columns.iter_mut().zip(line.split(',')) {
-            column.1.push(cell.parse().expect("a number"));
-        }
-    }
-    Results { folder, columns }
+    run_case(&create_options(file, folder.path(), sets)).expect("a sound case");
+    let columns = read_columns(&folder.path().join("out/receivers.csv"));
+    WaveRun { folder, columns }
 }
 
 /// Polarisation and frequency (rad/s) of all branches at the wave vector of a case, by descending frequency, from
 /// `wellposed dispersion`.
-fn branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
+fn compute_branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    let options = Options { format: Format::Json, ..options(file, folder.path(), sets) };
+    let options =
+        Options { format: OutputFormat::Json, ..create_options(file, folder.path(), sets) };
     let mut stdout = Vec::new();
-    cli::dispersion(&options, &mut stdout).expect("a sound case");
+    cli::run_dispersion(&options, &mut stdout).expect("a sound case");
     let report: Value = serde_json::from_slice(&stdout).expect("JSON");
     let mut branches = Vec::new();
     for family in report["families"].as_array().expect("families") {
@@ -92,13 +82,13 @@ fn branches(file: PathBuf, sets: &[String]) -> Vec<(String, f64)> {
 }
 
 /// Weight of a sample as a function of its relative position in the interval, in (0, 1).
-type Window = fn(f64) -> f64;
-const FLAT: Window = |_| 1.0;
+type WindowFunction = fn(f64) -> f64;
+const UNIFORM_WINDOW: WindowFunction = |_| 1.0;
 /// Hann window.
-const ROUND: Window = |part| (PI * part).sin().powi(2);
+const HANN_WINDOW: WindowFunction = |position| (PI * position).sin().powi(2);
 
 /// Complex amplitude A of Re A exp(−iωt), ω = `frequency`, by weighted least squares.
-fn harmonic(time: &[f64], values: &[f64], frequency: f64, window: Window) -> Complex64 {
+fn fit_harmonic(time: &[f64], values: &[f64], frequency: f64, window: WindowFunction) -> Complex64 {
     let count = time.len() as f64;
     let (mut cc, mut cs, mut ss, mut c, mut s) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for (index, (t, value)) in time.iter().zip(values).enumerate() {
@@ -115,12 +105,12 @@ fn harmonic(time: &[f64], values: &[f64], frequency: f64, window: Window) -> Com
 }
 
 /// Indices of the samples in a time interval.
-fn span(time: &[f64], from: f64, to: f64) -> Range<usize> {
+fn sample_range(time: &[f64], from: f64, to: f64) -> Range<usize> {
     time.partition_point(|t| *t < from)..time.partition_point(|t| *t < to)
 }
 
 /// Slope and intercept of the least-squares line.
-fn line(x: &[f64], y: &[f64]) -> [f64; 2] {
+fn fit_line(x: &[f64], y: &[f64]) -> [f64; 2] {
     let count = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);
     let pairs = || x.iter().zip(y).map(|(x, y)| (x - mx, y - my));
@@ -130,63 +120,54 @@ fn line(x: &[f64], y: &[f64]) -> [f64; 2] {
 
 /// Verifies the bundled wave after one period (the duration): velocities and spin against the equations of motion.
 #[test]
-fn an_oblique_wave_comes_back() {
+fn oblique_wave_returns_after_one_period() {
     let (mu, alpha, density): (f64, f64, f64) = (8.1e9, 1.005e9, 2700.0);
-    let file = bundled("plane-waves.toml");
-    let frequency = branches(file.clone(), &[])
+    let file = bundled_case("dynamics/plane-waves.toml");
+    let frequency = compute_branches(file.clone(), &[])
         .into_iter()
         .rfind(|branch| branch.0 == "transverse")
         .expect("shear waves")
         .1;
-    let results = carried_out(file, &[]);
-    let duration = results.report()["time"].as_f64().expect("a number");
+    let results = run_case_file(file, &[]);
+    let duration = results.read_report()["time"].as_f64().expect("a number");
     assert!((duration * frequency / (2.0 * PI) - 1.0).abs() < 1e-12, "{}", 2.0 * PI / frequency);
     // Exact v = A(4, −3)/5 cos(k·x) and ω₃ = A((μ + α)k² − ρω²)/(2αk) sin(k·x).
     let k = 2.0 * PI / 12.0;
     let spin = ((mu + alpha) * k * k - density * frequency * frequency) / (2.0 * alpha * k);
-    let [x1, x2] = ["x1", "x2"].map(|name| results.field(name));
+    let [x1, x2] = ["x1", "x2"].map(|name| results.final_field(name));
     for (name, factor, delay) in [("v1", 0.8, 0.0), ("v2", -0.6, 0.0), ("w3", spin, 0.5 * PI)] {
-        let values = results.field(name);
-        let mut greatest = 0.0f64;
+        let values = results.final_field(name);
+        let mut max_difference = 0.0f64;
         let places = x2.iter().flat_map(|x2| x1.iter().map(move |x1| (x1, x2)));
         for ((x1, x2), value) in places.zip(&values) {
             let expected = 1e-3 * factor * (k * (0.6 * x1 + 0.8 * x2) - delay).cos();
-            greatest = greatest.max((value - expected).abs());
+            max_difference = max_difference.max((value - expected).abs());
         }
-        let error = greatest / (1e-3 * factor.abs());
+        let error = max_difference / (1e-3 * factor.abs());
         println!("{name}: {error:.2e}");
         assert!(error < 3e-3, "{name}: {error:e}");
     }
 }
 
 /// Amplitude of an oscillating vector, and the sum of squares of the residuals.
-fn fitted(time: &[f64], signals: &[&[f64]], frequency: f64) -> (f64, f64) {
-    let (mut power, mut left) = (0.0, 0.0);
+fn fit_oscillation(time: &[f64], signals: &[&[f64]], frequency: f64) -> (f64, f64) {
+    let (mut power, mut squared_residual) = (0.0, 0.0);
     for signal in signals {
-        let amplitude = harmonic(time, signal, frequency, FLAT);
+        let amplitude = fit_harmonic(time, signal, frequency, UNIFORM_WINDOW);
         power += amplitude.norm_sqr();
-        let rest = |(t, v): (&f64, &f64)| v - (amplitude * Complex64::cis(-frequency * t)).re;
-        left += time.iter().zip(*signal).map(|pair| rest(pair).powi(2)).sum::<f64>();
+        let residual = |(t, v): (&f64, &f64)| v - (amplitude * Complex64::cis(-frequency * t)).re;
+        squared_residual +=
+            time.iter().zip(*signal).map(|pair| residual(pair).powi(2)).sum::<f64>();
     }
-    (power.sqrt(), left)
+    (power.sqrt(), squared_residual)
 }
 
 /// Verifies all waves along (1, 2, 2)/3 in three dimensions, except torsion, which has no velocity: the receiver
 /// record of one and a half periods has the predicted frequency and the initial amplitude.
 #[test]
-fn oblique_waves_in_space_have_their_frequencies() {
-    let case = "
-        [model]
-        kind = 'cosserat'
-        dimensions = 3
-        lambda = 8.1e9
-        mu = 8.1e9
-        alpha = 1.005e9
-        beta = 7.75e8
-        gamma = 1.5e8
-        eta = 3e8
-        density = 2700
-        inertia = 2700
+fn oblique_waves_have_predicted_frequencies() {
+    let model = COSSERAT_MODEL.replace("dimensions = 2", "dimensions = 3");
+    let sections = "
         [wave]
         number = 0.5235987755982988
         direction_deg = 63.43494882292201
@@ -207,12 +188,11 @@ fn oblique_waves_in_space_have_their_frequencies() {
         at = [10.25, 7.75, 3.25]
         fields = ['v1', 'v2', 'v3']
         ";
-    let sides = ["x1-", "x1+", "x2-", "x2+", "x3-", "x3+"]
-        .map(|side| format!("[[side]]\nside = '{side}'\nkind = 'periodic'\n"));
+    let boundaries = format_periodic_boundaries(&["x1-", "x1+", "x2-", "x2+", "x3-", "x3+"]);
     let folder = tempfile::tempdir().expect("a scratch folder");
     let file = folder.path().join("case.toml");
-    fs::write(&file, format!("{case}{}", sides.concat())).expect("a scratch file");
-    let branches = branches(file.clone(), &[]);
+    fs::write(&file, format!("{model}{sections}{boundaries}")).expect("a scratch file");
+    let branches = compute_branches(file.clone(), &[]);
     assert_eq!(branches.len(), 6);
     for (index, (polarisation, frequency)) in branches.iter().enumerate() {
         if polarisation == "torsion" {
@@ -222,19 +202,19 @@ fn oblique_waves_in_space_have_their_frequencies() {
             format!("initial[0].branch={}", index + 1),
             format!("time.duration={:?}", 3.0 * PI / frequency),
         ];
-        let results = carried_out(file.clone(), &sets);
+        let results = run_case_file(file.clone(), &sets);
         let time = results.column("time");
         let signals = ["r1.v1", "r1.v2", "r1.v3"].map(|name| results.column(name));
         // Golden-section search for the frequency with the smallest residual.
-        let left = |ratio: f64| fitted(time, &signals, ratio * frequency).1;
+        let squared_residual = |ratio: f64| fit_oscillation(time, &signals, ratio * frequency).1;
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         let (mut a, mut b) = (0.9, 1.1);
         while b - a > 1e-6 {
             let (c, d) = (b - golden * (b - a), a + golden * (b - a));
-            if left(c) < left(d) { b = d } else { a = c }
+            if squared_residual(c) < squared_residual(d) { b = d } else { a = c }
         }
         let ratio = 0.5 * (a + b);
-        let amplitude = fitted(time, &signals, ratio * frequency).0;
+        let amplitude = fit_oscillation(time, &signals, ratio * frequency).0;
         println!("{polarisation} {frequency:.1}: {:.2e} {amplitude:e}", ratio - 1.0);
         assert!((ratio - 1.0).abs() < 2e-3, "{polarisation}: {ratio}");
         assert!((amplitude / 1e-3 - 1.0).abs() < 3e-2, "{polarisation}: {amplitude:e}");
@@ -250,10 +230,14 @@ fn squared_wave_number(frequency: f64) -> f64 {
 }
 
 /// Depths (m) and complex amplitudes of v₁ at these depths under a harmonic load (rad/s), from a time interval (s).
-fn amplitudes(results: &Results, frequency: f64, [from, to]: [f64; 2]) -> Vec<(f64, Complex64)> {
+fn fit_amplitudes(
+    results: &WaveRun,
+    frequency: f64,
+    [from, to]: [f64; 2],
+) -> Vec<(f64, Complex64)> {
     let time = results.column("time");
-    let span = span(time, from, to);
-    let report = results.report();
+    let span = sample_range(time, from, to);
+    let report = results.read_report();
     let receivers = report["receivers"].as_array().expect("receivers");
     receivers
         .iter()
@@ -261,7 +245,7 @@ fn amplitudes(results: &Results, frequency: f64, [from, to]: [f64; 2]) -> Vec<(f
             let name = receiver["name"].as_str().expect("a name");
             let depth = -receiver["cell"][1].as_f64().expect("a number");
             let values = &results.column(&format!("{name}.v1"))[span.clone()];
-            (depth, harmonic(&time[span.clone()], values, frequency, ROUND))
+            (depth, fit_harmonic(&time[span.clone()], values, frequency, HANN_WINDOW))
         })
         .collect()
 }
@@ -269,18 +253,18 @@ fn amplitudes(results: &Results, frequency: f64, [from, to]: [f64; 2]) -> Vec<(f
 /// Verifies evanescent motion exp(−κd) in the bundled column against κ and the amplitude from the equations of
 /// motion.
 #[test]
-fn motion_in_the_forbidden_band_stays_at_the_surface() {
-    let results = carried_out(bundled("driven-column.toml"), &[]);
+fn motion_in_forbidden_band_decays_with_depth() {
+    let results = run_case_file(bundled_case("dynamics/driven-column.toml"), &[]);
     let frequency = 2.0 * PI * 188.5;
     let number = (-squared_wave_number(frequency)).sqrt();
     // Waves at the band edges beat with the load at a period of 0.18 s; the window separates them.
-    let seen = amplitudes(&results, frequency, [0.1, 0.7]);
-    let depths: Vec<f64> = seen.iter().map(|own| own.0).collect();
-    let logarithms: Vec<f64> = seen.iter().map(|own| own.1.norm().ln()).collect();
-    for (depth, amplitude) in &seen {
+    let amplitudes = fit_amplitudes(&results, frequency, [0.1, 0.7]);
+    let depths: Vec<f64> = amplitudes.iter().map(|entry| entry.0).collect();
+    let logarithms: Vec<f64> = amplitudes.iter().map(|entry| entry.1.norm().ln()).collect();
+    for (depth, amplitude) in &amplitudes {
         println!("{depth:.3} m: {:.4e} at {:.4}", amplitude.norm(), amplitude.arg());
     }
-    let [slope, start] = line(&depths, &logarithms);
+    let [slope, start] = fit_line(&depths, &logarithms);
     let expected = number * 1e5 / (2700.0 * frequency);
     println!(
         "decay {} for {}, amplitude {:e} for {expected:e}",
@@ -291,13 +275,14 @@ fn motion_in_the_forbidden_band_stays_at_the_surface() {
     assert!((-slope / number - 1.0).abs() < 0.01, "{} for {number}", -slope);
     assert!((start.exp() / expected - 1.0).abs() < 0.02, "{:e} for {expected:e}", start.exp());
     // Equal phases: no energy is transported downwards.
-    let phases: Vec<f64> = seen.iter().map(|own| (own.1 / seen[0].1).arg().abs()).collect();
+    let phases: Vec<f64> =
+        amplitudes.iter().map(|entry| (entry.1 / amplitudes[0].1).arg().abs()).collect();
     assert!(phases.iter().all(|phase| *phase < 0.05), "{phases:?}");
 }
 
 /// Verifies that below and above the band the same load generates waves with phase speed ω/k that do not decay.
 #[test]
-fn beside_the_forbidden_band_waves_travel() {
+fn waves_outside_forbidden_band_propagate_without_decay() {
     for load in [160.0, 223.0] {
         // Before reflections from the bottom arrive: (2·290 − 5) m/(1836 m/s) = 0.31 s.
         let sets = [
@@ -307,14 +292,14 @@ fn beside_the_forbidden_band_waves_travel() {
             "grid.cells=[1, 1450]".into(),
             "grid.origin=[0, -290]".into(),
         ];
-        let results = carried_out(bundled("driven-column.toml"), &sets);
+        let results = run_case_file(bundled_case("dynamics/driven-column.toml"), &sets);
         let frequency = 2.0 * PI * load;
         let number = squared_wave_number(frequency).sqrt();
-        let seen = amplitudes(&results, frequency, [0.1, 0.3]);
+        let amplitudes = fit_amplitudes(&results, frequency, [0.1, 0.3]);
         let expected = number * 1e5 / (2700.0 * frequency);
-        let (mut phase, mut last) = (0.0, seen[0].1);
+        let (mut phase, mut last) = (0.0, amplitudes[0].1);
         let (mut depths, mut phases) = (Vec::new(), Vec::new());
-        for (depth, amplitude) in &seen {
+        for (depth, amplitude) in &amplitudes {
             phase += (amplitude / last).arg();
             last = *amplitude;
             depths.push(*depth);
@@ -324,9 +309,9 @@ fn beside_the_forbidden_band_waves_travel() {
                 amplitude.norm() / expected
             );
             assert!((amplitude.norm() / expected - 1.0).abs() < 0.02, "{depth}: {amplitude}");
-            assert!((amplitude.norm() / seen[0].1.norm() - 1.0).abs() < 0.1);
+            assert!((amplitude.norm() / amplitudes[0].1.norm() - 1.0).abs() < 0.1);
         }
-        let [slope, _] = line(&depths, &phases);
+        let [slope, _] = fit_line(&depths, &phases);
         println!("phase speed {} for {}", frequency / slope, frequency / number);
         assert!((slope / number - 1.0).abs() < 0.02, "{slope} for {number}");
     }
@@ -334,15 +319,15 @@ fn beside_the_forbidden_band_waves_travel() {
 
 /// Boundary condition at the surface of a half-space, in addition to the couple.
 #[derive(Clone, Copy)]
-enum Surface {
+enum SurfaceCondition {
     /// v₁ = 0.
-    Held,
+    FixedDisplacement,
     /// σ₁₂ = 0.
-    Free,
+    ShearFree,
 }
 
 /// Constants of the bundled half-space in SI units: ρ, j, μ, α, γ + η.
-const HALF_SPACE: [f64; 5] = [2000.0, 8.0, 2e8, 1e8, 7.2e5];
+const HALF_SPACE_CONSTANTS: [f64; 5] = [2000.0, 8.0, 2e8, 1e8, 7.2e5];
 
 /// Laplace transform of the spin at a depth (m) due to a unit couple on the surface, for the variable s.
 ///
@@ -351,14 +336,14 @@ const HALF_SPACE: [f64; 5] = [2000.0, 8.0, 2e8, 1e8, 7.2e5];
 /// ```text
 /// (ρs² − (μ + α)q²) U − 2αq P = 0,    (js² + 4α − (γ + η)q²) P + 2αq U = 0.
 /// ```
-fn spin(s: Complex64, depth: f64, surface: Surface) -> Complex64 {
-    let [density, inertia, mu, alpha, couple] = HALF_SPACE;
+fn spin_laplace_transform(s: Complex64, depth: f64, surface: SurfaceCondition) -> Complex64 {
+    let [density, inertia, mu, alpha, couple] = HALF_SPACE_CONSTANTS;
     let (sum, square) = (mu + alpha, s * s);
     // Quadratic equation A q⁴ + B q² + C = 0 for q².
-    let own = inertia * square + 4.0 * alpha;
+    let stiffness = inertia * square + 4.0 * alpha;
     let a = sum * couple;
-    let b = 4.0 * alpha * alpha - sum * own - density * couple * square;
-    let c = density * square * own;
+    let b = 4.0 * alpha * alpha - sum * stiffness - density * couple * square;
+    let c = density * square * stiffness;
     let root = (b * b - 4.0 * a * c).sqrt();
     let sum_of = if (root - b).norm() > (root + b).norm() { root - b } else { -root - b };
     let first = sum_of / (2.0 * a);
@@ -366,8 +351,8 @@ fn spin(s: Complex64, depth: f64, surface: Surface) -> Complex64 {
         let q = square_q.sqrt();
         let displacement = 2.0 * alpha * q / (density * square - sum * square_q);
         let held = match surface {
-            Surface::Held => displacement,
-            Surface::Free => sum * q * displacement + 2.0 * alpha,
+            SurfaceCondition::FixedDisplacement => displacement,
+            SurfaceCondition::ShearFree => sum * q * displacement + 2.0 * alpha,
         };
         (q, held)
     });
@@ -380,15 +365,16 @@ fn spin(s: Complex64, depth: f64, surface: Surface) -> Complex64 {
 
 /// Spin due to a couple sin(ωt) that starts at t = 0, by numerical inversion of the Laplace transform with a Fourier
 /// series (Dubner & Abate 1968); error 10⁻⁶ of the maximum.
-fn exact(times: &[f64], frequency: f64, depth: f64, surface: Surface) -> Vec<f64> {
-    const TERMS: usize = 20_000;
+fn exact_spin(times: &[f64], frequency: f64, depth: f64, surface: SurfaceCondition) -> Vec<f64> {
+    const TERM_COUNT: usize = 20_000;
     let half = 2.0 * times.iter().copied().fold(0.0, f64::max);
     let shift = 7.0 / half;
-    let terms: Vec<Complex64> = (0..=TERMS)
+    let terms: Vec<Complex64> = (0..=TERM_COUNT)
         .map(|index| {
             let s = Complex64::new(shift, PI * index as f64 / half);
             let weight = if index == 0 { 0.5 } else { 1.0 };
-            weight * frequency / (s * s + frequency * frequency) * spin(s, depth, surface)
+            weight * frequency / (s * s + frequency * frequency)
+                * spin_laplace_transform(s, depth, surface)
         })
         .collect();
     let at = |t: &f64| {
@@ -403,20 +389,20 @@ fn exact(times: &[f64], frequency: f64, depth: f64, surface: Surface) -> Vec<f64
 /// Verifies the bundled half-space driven at its natural frequency, at 1.5 times this frequency, and with a
 /// shear-free surface.
 #[test]
-fn the_natural_rotation_resonates() {
-    let own = (4.0 * HALF_SPACE[3] / HALF_SPACE[1]).sqrt();
-    let period = 2.0 * PI / own;
-    let seen = |ratio: f64, surface: Surface| {
+fn half_space_resonates_at_natural_rotation_frequency() {
+    let natural_frequency = (4.0 * HALF_SPACE_CONSTANTS[3] / HALF_SPACE_CONSTANTS[1]).sqrt();
+    let period = 2.0 * PI / natural_frequency;
+    let run_and_fit = |ratio: f64, surface: SurfaceCondition| {
         // Cells twice as large as in the case: computing time is a quarter.
         let mut sets = vec![
             "grid.cells=[1, 1750]".to_owned(),
             "grid.spacing=[0.8, 0.004]".to_owned(),
             format!("load[0].time.frequency={:?}", ratio / period),
         ];
-        if let Surface::Free = surface {
+        if let SurfaceCondition::ShearFree = surface {
             sets.push("side[2].held=[\"v2\"]".into());
         }
-        let results = carried_out(bundled("resonance.toml"), &sets);
+        let results = run_case_file(bundled_case("dynamics/resonance.toml"), &sets);
         let time = results.column("time");
         assert!((time[time.len() - 1] / (40.0 * period) - 1.0).abs() < 1e-5);
         let values = results.column("surface.w3");
@@ -425,22 +411,29 @@ fn the_natural_rotation_resonates() {
         let mut rows = Vec::new();
         for pair in 1..20 {
             let [from, to] = [2 * pair, 2 * pair + 2].map(|count| f64::from(count) * period);
-            let span = span(time, from, to - 1e-9 * period);
-            let exact = exact(&time[span.clone()], ratio * own, 0.002, surface);
-            let of =
-                |values: &[f64]| harmonic(&time[span.clone()], values, ratio * own, FLAT).norm();
-            rows.push([0.5 * (from + to), of(&values[span.clone()]), of(&exact)]);
+            let span = sample_range(time, from, to - 1e-9 * period);
+            let exact = exact_spin(&time[span.clone()], ratio * natural_frequency, 0.002, surface);
+            let amplitude = |values: &[f64]| {
+                fit_harmonic(&time[span.clone()], values, ratio * natural_frequency, UNIFORM_WINDOW)
+                    .norm()
+            };
+            rows.push([0.5 * (from + to), amplitude(&values[span.clone()]), amplitude(&exact)]);
         }
         rows
     };
     let exponent = |rows: &[[f64; 3]], column: usize| {
-        let of = |column: usize| rows.iter().map(|row| row[column].ln()).collect::<Vec<_>>();
-        line(&of(0), &of(column))[0]
+        let logarithms =
+            |column: usize| rows.iter().map(|row| row[column].ln()).collect::<Vec<_>>();
+        fit_line(&logarithms(0), &logarithms(column))[0]
     };
     let last = |rows: &[[f64; 3]]| rows[rows.len() - 1];
 
-    let [slow, fast, free] = [(1.0, Surface::Held), (1.5, Surface::Held), (1.0, Surface::Free)]
-        .map(|(ratio, surface)| seen(ratio, surface));
+    let [slow, fast, free] = [
+        (1.0, SurfaceCondition::FixedDisplacement),
+        (1.5, SurfaceCondition::FixedDisplacement),
+        (1.0, SurfaceCondition::ShearFree),
+    ]
+    .map(|(ratio, surface)| run_and_fit(ratio, surface));
     for (name, rows) in [("own", &slow), ("1.5", &fast), ("free", &free)] {
         for [time, found, expected] in rows {
             println!(

@@ -6,16 +6,16 @@ mod mean_flow;
 mod refinement;
 mod waves;
 
-pub use refinement::{FastestMode, Perturbation, Refinement, fastest_mode};
-pub use waves::wave_results;
+pub use refinement::{FastestMode, GridRefinement, Perturbation, compare_fastest_mode};
+pub use waves::compare_waves;
 
 use crate::fit::Rate;
-use crate::{AgreementError, NotMeasurable, PlaneWave};
-use dynamics::flow::Problem;
+use crate::{AgreementError, MeasurementError, PlaneWave};
+use dynamics::flow::FlowProblem;
 use linearised::LinearisedFlow;
 use models::common::elementary::Elementary;
 use models::flow::Model;
-use models::flow::state::{Flow, State};
+use models::flow::state::{DeformingFlow, MaterialState};
 use num_complex::Complex64;
 
 /// A uniform flow v = Γx for analysis and solver.
@@ -24,11 +24,11 @@ pub struct UniformFlow {
     /// Model of the linearised equations.
     pub model: Model,
     /// Initial state, as given.
-    pub state: State,
+    pub state: MaterialState,
     /// Initial state completed by the model ([`background`](Model::background)).
-    pub flow: Flow,
+    pub flow: DeformingFlow,
     /// Solver problem of the flow; each measurement replaces box, points and tolerances.
-    pub solver: Problem,
+    pub solver_problem: FlowProblem,
 }
 
 impl UniformFlow {
@@ -37,7 +37,8 @@ impl UniformFlow {
     /// # Errors
     /// The equations do not determine the evolution.
     pub fn initial_rates(&self, wave: &PlaneWave<2>) -> Result<Vec<Complex64>, AgreementError> {
-        let modes = LinearisedFlow::new(self).moving(wave.vector())?.modes();
+        let modes =
+            LinearisedFlow::new(self).linearise_moving_evolution(wave.to_wave_vector())?.modes();
         Ok(modes.into_iter().map(|(rate, _)| rate).collect())
     }
 }
@@ -46,24 +47,24 @@ impl UniformFlow {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModeResult {
     /// Index of the wave in the list of waves.
-    pub wave: usize,
+    pub wave_index: usize,
     /// Number of the mode by descending initial growth, starting at 1.
-    pub mode: usize,
+    pub mode_number: usize,
     /// Duration of the measurement, s.
     pub duration: f64,
     /// Rate predicted by the linearised equations along k(t).
-    pub predicted: Rate,
+    pub predicted_rate: Rate,
     /// Rate predicted by the pencil of the frozen wave vector.
-    pub frozen: Rate,
+    pub frozen_rate: Rate,
     /// Rate measured in the solver, or the reason why it is missing.
-    pub measured: Result<StepSequences, NotMeasurable>,
+    pub measurement: Result<TimeStepRefinement, MeasurementError>,
 }
 
 /// Rates measured in the solver for a sequence of decreasing time steps.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StepSequences {
+pub struct TimeStepRefinement {
     /// Number of steps, ascending, and the rate measured with it (1/s).
-    pub sequences: Vec<(usize, Rate)>,
+    pub rates_by_steps: Vec<(usize, Rate)>,
     /// Rate extrapolated to zero time step, 1/s.
     pub limit: Rate,
     /// Bound on the error of the limit by extrapolation and rounding, 1/s.
@@ -73,26 +74,26 @@ pub struct StepSequences {
 impl ModeResult {
     /// Scale of relative differences, 1/s: the larger of the norm of the predicted rate and the shear rate Q_D of the
     /// mean flow.
-    pub fn scale(&self, shear_rate: f64) -> f64 {
-        self.predicted.max_norm().max(shear_rate)
+    pub fn rate_scale(&self, shear_rate: f64) -> f64 {
+        self.predicted_rate.max_norm().max(shear_rate)
     }
 
     /// Measured minus predicted rate; `None` without measurement.
-    pub fn difference(&self) -> Option<Rate> {
-        self.measured.as_ref().ok().map(|own| own.limit - self.predicted)
+    pub fn rate_difference(&self) -> Option<Rate> {
+        self.measurement.as_ref().ok().map(|own| own.limit - self.predicted_rate)
     }
 
     /// Whether measured and predicted rate agree within the tolerance; `None` without measurement.
-    pub fn agrees(&self) -> Option<bool> {
-        let own = self.measured.as_ref().ok()?;
-        Some((own.limit - self.predicted).max_norm() <= own.tolerance)
+    pub fn is_within_tolerance(&self) -> Option<bool> {
+        let own = self.measurement.as_ref().ok()?;
+        Some((own.limit - self.predicted_rate).max_norm() <= own.tolerance)
     }
 
     /// Order of convergence in the time step; `None` if the error is at the level of rounding.
-    pub fn order(&self) -> Option<f64> {
-        let own = self.measured.as_ref().ok()?;
-        let [(few, coarse), .., (many, fine)] = own.sequences.as_slice() else { return None };
-        let [first, last] = [coarse, fine].map(|own| (*own - self.predicted).max_norm());
+    pub fn convergence_order(&self) -> Option<f64> {
+        let own = self.measurement.as_ref().ok()?;
+        let [(few, coarse), .., (many, fine)] = own.rates_by_steps.as_slice() else { return None };
+        let [first, last] = [coarse, fine].map(|own| (*own - self.predicted_rate).max_norm());
         (last > own.tolerance)
             .then(|| (first / last).cr_ln() / (*many as f64 / *few as f64).cr_ln())
     }

@@ -12,7 +12,8 @@
 //! rates may differ by rounding errors, and on curved yield surfaces by the rotation of the normal in the wave,
 //! amplified by fit and extrapolation; the zero-step limit of a flow may differ by the extrapolation error and
 //! rounding errors. Only grid refinement, whose perturbation consists of many waves, has fixed bounds
-//! ([`RATE_TOLERANCE`](flows::Refinement::RATE_TOLERANCE), [`ORDER_TOLERANCE`](flows::Refinement::ORDER_TOLERANCE)).
+//! ([`RATE_TOLERANCE`](flows::GridRefinement::RATE_TOLERANCE),
+//! [`ORDER_TOLERANCE`](flows::GridRefinement::ORDER_TOLERANCE)).
 //!
 //! ```
 //! use dynamics::medium::Medium;
@@ -22,22 +23,22 @@
 //! use models::solid::ElasticLaw;
 //! use std::ops::ControlFlow;
 //! use wellposed_agreement::PlaneWave;
-//! use wellposed_agreement::solids::{SolverSettings, branch_results};
+//! use wellposed_agreement::solids::{SolverSettings, compare_branches};
 //!
 //! let law = ElasticLaw::from(Isotropic::new(8.1e9, 8.1e9, 2700.0, None)?);
-//! let waves = [PlaneWave { number: 2.0, normal: [0.6, 0.8, 0.0] }];
+//! let waves = [PlaneWave { wave_number: 2.0, normal: [0.6, 0.8, 0.0] }];
 //! let settings = SolverSettings {
-//!     cells: vec![12, 16],
-//!     courant: 0.9,
-//!     rotation: 0.5,
+//!     cells_per_wavelength: vec![12, 16],
+//!     courant_number: 0.9,
+//!     max_rotation: 0.5,
 //!     plastic_step: PlasticStep::ReturnMapping,
 //!     splitting: Splitting::Alternating,
 //! };
 //! let (solid, medium) = (Solid::new(law.clone(), 2, None), Medium::new(law, 2));
 //! let results =
-//!     branch_results(&solid, &medium, &waves, &settings, &|_, _| ControlFlow::Continue(()))?;
+//!     compare_branches(&solid, &medium, &waves, &settings, &|_, _| ControlFlow::Continue(()))?;
 //! assert_eq!(results.len(), 2);
-//! assert!(results.iter().all(|branch| branch.agrees() == Some(true)));
+//! assert!(results.iter().all(|branch| branch.is_within_tolerance() == Some(true)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -60,7 +61,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneWave<const D: usize> {
     /// Wave number, 1/m; positive.
-    pub number: f64,
+    pub wave_number: f64,
     /// Unit vector.
     pub normal: [f64; D],
 }
@@ -70,19 +71,19 @@ pub struct PlaneWave<const D: usize> {
 pub enum AgreementError {
     /// The energy of the solid is not positive definite.
     #[error("a solid without positive energy, or dependent active conditions")]
-    Energy,
+    IndefiniteEnergy,
     /// The background stress does not satisfy the active yield conditions with equality.
     #[error("active conditions that no stress meets alone")]
-    ActiveConditions,
+    UnattainableConditions,
     /// Flow satisfying the active conditions has a plastic multiplier that is not positive.
     #[error("active conditions of which flow leaves one")]
-    PlasticFlow,
+    NonPositiveMultiplier,
     /// The rate response of the yielding solid is not defined.
     #[error(transparent)]
     NoResponse(#[from] NoResponse),
     /// Solid and solver medium have different dimensions.
     #[error("a medium in {medium} dimensions for a solid in {solid}")]
-    Dimensions {
+    DimensionMismatch {
         /// Dimensions of the solid.
         solid: usize,
         /// Dimensions of the medium.
@@ -92,27 +93,27 @@ pub enum AgreementError {
     #[error("no grids to measure on")]
     NoGrids,
     /// A simulation exceeds the allowed number of cell updates.
-    #[error("a wave of {updates:.1e} cell-updates at {number} 1/m")]
-    TooLong {
+    #[error("a wave of {updates:.1e} cell-updates at {wave_number} 1/m")]
+    TooManyCellUpdates {
         /// Cell updates: cells times steps.
         updates: f64,
         /// The wave number, 1/m.
-        number: f64,
+        wave_number: f64,
         /// Allowed number of cell updates.
-        most: f64,
+        max_updates: f64,
     },
     /// The constraint or the matrix pencil of a flow is singular.
     #[error("a state in which the equations do not determine how waves evolve")]
-    Undetermined,
+    SingularEquations,
     /// The solver rejects the flow.
     #[error(transparent)]
     Flow(#[from] dynamics::flow::FlowError),
     /// The solver stops before the end time of a perturbation.
     #[error(transparent)]
-    Left(#[from] dynamics::flow::Left),
+    SolverStopped(#[from] dynamics::flow::LeftDomain),
     /// A field of the perturbation does not have one value per point.
     #[error("{found:?} values of velocities and internal variable for {points:?} points")]
-    Points {
+    PointCount {
         /// Numbers of values.
         found: [usize; 3],
         /// Points along each axis.
@@ -120,7 +121,7 @@ pub enum AgreementError {
     },
     /// No Fourier mode of the perturbation has a non-zero velocity.
     #[error("a perturbation that moves nothing on these grids")]
-    NothingMoves,
+    NoVelocity,
     /// Cancelled by the progress callback.
     #[error("cancelled")]
     Cancelled,
@@ -128,57 +129,58 @@ pub enum AgreementError {
 
 /// Reason why a wave has no measurement.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotMeasurable {
+pub enum MeasurementError {
     /// The equations in energy coordinates have fewer propagating waves than the analysis predicts.
     #[error("the equations in units of energy have no such wave")]
-    NoSuchWave,
+    MissingWave,
     /// An amplitude small enough to activate no further yield condition is below the rounding of the background.
     #[error("the background's stress, rounded, hides any wave that meets no other yield condition")]
-    Hidden,
+    BelowRounding,
     /// The solver rejects the solid on this grid.
     #[error(transparent)]
     Domain(#[from] dynamics::problem::DomainError),
     /// Amplitudes of a wave in a solid vanish or overflow.
     #[error("amplitudes that vanish or are not finite")]
-    Vanishing,
+    VanishingAmplitude,
     /// The solver rejects the flow in the box of the wave.
     #[error("the solver does not take it: {0}")]
     Flow(#[from] dynamics::flow::FlowError),
     /// The solver rejects the wave as initial state.
     #[error("the solver does not begin: {0}")]
-    Initial(dynamics::flow::Left),
+    InitialState(dynamics::flow::LeftDomain),
     /// The solver stops before the end of the measurement.
     #[error("the solver stops at {:.3e} s: {}", .0.time, .0)]
-    Stopped(dynamics::flow::Left),
+    SolverStopped(dynamics::flow::LeftDomain),
     /// Amplitudes of a wave in a flow overflow.
     #[error("amplitudes that are not finite")]
-    NotFinite,
+    NonFiniteAmplitude,
 }
 
 /// Progress callback, called with (tasks done, total tasks) at the beginning and after each task, from any thread;
 /// [`Break`](ControlFlow::Break) ends the work with [`AgreementError::Cancelled`].
-pub type OnProgress<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
+pub type ProgressCallback<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
 
 /// Counter of finished tasks.
-struct Progress<'a> {
-    on_progress: OnProgress<'a>,
-    done: AtomicUsize,
-    total: usize,
+struct TaskProgress<'a> {
+    on_progress: ProgressCallback<'a>,
+    finished_tasks: AtomicUsize,
+    total_tasks: usize,
 }
 
-impl<'a> Progress<'a> {
-    fn begin(on_progress: OnProgress<'a>, total: usize) -> Result<Self, AgreementError> {
-        let progress = Self { on_progress, done: AtomicUsize::new(0), total };
+impl<'a> TaskProgress<'a> {
+    fn new(on_progress: ProgressCallback<'a>, total: usize) -> Result<Self, AgreementError> {
+        let progress =
+            Self { on_progress, finished_tasks: AtomicUsize::new(0), total_tasks: total };
         progress.report(0)?;
         Ok(progress)
     }
 
     fn advance(&self) -> Result<(), AgreementError> {
-        self.report(self.done.fetch_add(1, Ordering::Relaxed) + 1)
+        self.report(self.finished_tasks.fetch_add(1, Ordering::Relaxed) + 1)
     }
 
     fn report(&self, done: usize) -> Result<(), AgreementError> {
-        match (self.on_progress)(done, self.total) {
+        match (self.on_progress)(done, self.total_tasks) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(AgreementError::Cancelled),
         }

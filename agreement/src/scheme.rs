@@ -31,7 +31,7 @@ use models::common::rates::SymmetricForm;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use num_complex::Complex64;
 
-type Matrix = DMatrix<Complex64>;
+type ComplexMatrix = DMatrix<Complex64>;
 
 /// Cell size and time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,18 +39,18 @@ pub struct Discretisation<const D: usize> {
     /// Edges of a cell, m.
     pub spacing: [f64; D],
     /// Time step Δt, s.
-    pub step: f64,
+    pub time_step: f64,
 }
 
 /// Amplification matrices of a plane wave, in energy coordinates.
 #[derive(Clone, Debug)]
 pub struct Propagator {
     /// Amplification matrix of the first step.
-    first: Matrix,
+    first_step: ComplexMatrix,
     /// Amplification matrix of each subsequent step.
-    step: Matrix,
+    later_step: ComplexMatrix,
     /// Matrix from the state after a step to the output state.
-    output: Matrix,
+    output_matrix: ComplexMatrix,
 }
 
 impl Propagator {
@@ -62,14 +62,14 @@ impl Propagator {
         every: usize,
         count: usize,
     ) -> Vec<Complex64> {
-        let mut state = &self.first * wave;
+        let mut state = &self.first_step * wave;
         let mut amplitudes = vec![wave.dotc(wave)];
         for index in 1..=every * count {
             if index > 1 {
-                state = &self.step * state;
+                state = &self.later_step * state;
             }
             if index % every == 0 {
-                amplitudes.push(wave.dotc(&(&self.output * &state)));
+                amplitudes.push(wave.dotc(&(&self.output_matrix * &state)));
             }
         }
         amplitudes
@@ -78,22 +78,22 @@ impl Propagator {
 
 /// Linearised equations in energy coordinates, with a fixed set of active yield conditions.
 #[derive(Clone, Debug)]
-pub struct Equations<const D: usize> {
+pub struct EnergyForm<const D: usize> {
     /// Transformation Lᵀ from unknowns to energy coordinates.
-    pub into_energy: DMatrix<f64>,
+    pub energy_transform: DMatrix<f64>,
     /// Transformation L⁻ᵀ from energy coordinates to unknowns.
-    pub from_energy: DMatrix<f64>,
+    pub inverse_transform: DMatrix<f64>,
     /// Eigenvectors V and eigenvalues c of B̂ⁱ, for each axis i.
-    along: [SymmetricEigen<f64, nalgebra::Dyn>; D],
+    axis_eigenpairs: [SymmetricEigen<f64, nalgebra::Dyn>; D],
     b: [DMatrix<f64>; D],
     q: DMatrix<f64>,
     /// Projection Π onto the tangent space of the yield surface.
-    tangent: DMatrix<f64>,
+    tangent_projection: DMatrix<f64>,
     /// Unit normals L⁻¹n/|L⁻¹n| in energy coordinates, one for each active condition.
     normals: Vec<DVector<f64>>,
 }
 
-impl<const D: usize> Equations<D> {
+impl<const D: usize> EnergyForm<D> {
     /// Creates the equations from the symmetric form and the yield normals with respect to all unknowns; `None` if the
     /// energy is not positive definite or the normals are linearly dependent.
     pub fn new(form: &SymmetricForm<D>, normals: &[DVector<f64>]) -> Option<Self> {
@@ -113,19 +113,19 @@ impl<const D: usize> Equations<D> {
         }
         let b = form.b.each_ref().map(scaled);
         Some(Self {
-            along: b.each_ref().map(|b| ((b + b.transpose()) * 0.5).symmetric_eigen()),
+            axis_eigenpairs: b.each_ref().map(|b| ((b + b.transpose()) * 0.5).symmetric_eigen()),
             q: scaled(&form.q),
             b,
-            into_energy: lower.transpose(),
-            from_energy: inverse.transpose(),
-            tangent,
+            energy_transform: lower.transpose(),
+            inverse_transform: inverse.transpose(),
+            tangent_projection: tangent,
             normals,
         })
     }
 
     /// Symbol i Σ κᵢB̂ⁱ + Q̂ of the equations without the projection Π.
-    fn symbol(&self, wave: [f64; D]) -> Matrix {
-        let mut symbol = complex(&self.q);
+    fn symbol(&self, wave: [f64; D]) -> ComplexMatrix {
+        let mut symbol = to_complex(&self.q);
         for (b, k) in self.b.iter().zip(wave) {
             symbol += b.map(|x| Complex64::new(0.0, k * x));
         }
@@ -134,22 +134,23 @@ impl<const D: usize> Equations<D> {
 
     /// Plane waves y = Re ŷ exp(i(κ·x − ωt)) of the wave vector κ (1/m): frequencies ω (rad/s, positive, descending)
     /// and unit amplitudes ŷ in energy coordinates.
-    pub fn waves(&self, wave: [f64; D]) -> Vec<(f64, DVector<Complex64>)> {
+    pub fn compute_waves(&self, wave: [f64; D]) -> Vec<(f64, DVector<Complex64>)> {
         /// Frequencies below this fraction of the largest are treated as zero.
-        const NEGLIGIBLE: f64 = 1e-9;
-        let tangent = complex(&self.tangent);
+        const MIN_RELATIVE_FREQUENCY: f64 = 1e-9;
+        let tangent = to_complex(&self.tangent_projection);
         let symbol = &tangent * self.symbol(wave) * &tangent * Complex64::i();
         let eigen = ((&symbol + symbol.adjoint()) * Complex64::from(0.5)).symmetric_eigen();
         let greatest = eigen.eigenvalues.amax();
         let mut waves: Vec<(f64, DVector<Complex64>)> = (0..eigen.eigenvalues.len())
-            .filter(|&i| eigen.eigenvalues[i] > NEGLIGIBLE * greatest)
+            .filter(|&i| eigen.eigenvalues[i] > MIN_RELATIVE_FREQUENCY * greatest)
             .map(|i| (eigen.eigenvalues[i], eigen.eigenvectors.column(i).into_owned()))
             .collect();
         waves.sort_by(|a, b| b.0.total_cmp(&a.0));
         // The polarisations of a multiple frequency are not unique, and the scheme is anisotropic: choose a basis.
         let mut first = 0;
         while first < waves.len() {
-            let is_other = |own: &(f64, _)| waves[first].0 - own.0 > NEGLIGIBLE * greatest;
+            let is_other =
+                |own: &(f64, _)| waves[first].0 - own.0 > MIN_RELATIVE_FREQUENCY * greatest;
             let end = waves.iter().position(is_other).unwrap_or(waves.len());
             if end > first + 1 {
                 let vectors: Vec<_> = waves[first..end].iter().map(|own| own.1.clone()).collect();
@@ -180,7 +181,7 @@ impl<const D: usize> Equations<D> {
         let share = (all.transpose() * &all).try_inverse()?
             * DVector::from_element(self.normals.len(), 1.0);
         // Plastic multipliers; all are positive if all conditions remain active.
-        share.iter().all(|own| *own > 0.0).then(|| &self.from_energy * all * share)
+        share.iter().all(|own| *own > 0.0).then(|| &self.inverse_transform * all * share)
     }
 
     /// Amplification matrices of the wave vector κ (1/m). The midpoint reflection requires two-cyclic sweeps.
@@ -192,42 +193,53 @@ impl<const D: usize> Equations<D> {
         splitting: Splitting,
     ) -> Propagator {
         let size = self.q.nrows();
-        let half = self.rotation(0.5 * grid.step);
-        let tangent = complex(&self.tangent);
-        let sweeps: Vec<Matrix> =
-            (0..D).map(|axis| self.sweep(axis, wave[axis], grid, 0.5)).collect();
+        let half = self.rotation_matrix(0.5 * grid.time_step);
+        let tangent = to_complex(&self.tangent_projection);
+        let sweeps: Vec<ComplexMatrix> =
+            (0..D).map(|axis| self.sweep_matrix(axis, wave[axis], grid, 0.5)).collect();
         // The sweep along the last axis is the innermost one.
-        let around = |sweeps: &[Matrix], inner: Matrix| {
+        let around = |sweeps: &[ComplexMatrix], inner: ComplexMatrix| {
             sweeps.iter().rev().fold(inner, |inner, sweep| sweep * inner * sweep)
         };
-        let two_cyclic = |step: Matrix| Propagator {
-            first: step.clone(),
-            step,
-            output: Matrix::identity(size, size),
+        let two_cyclic = |step: ComplexMatrix| Propagator {
+            first_step: step.clone(),
+            later_step: step,
+            output_matrix: ComplexMatrix::identity(size, size),
         };
         match (plastic_step, splitting) {
             (PlasticStep::MidpointReflection, _) => {
-                let mirror = complex(&(&self.tangent * 2.0 - DMatrix::identity(size, size)));
+                let mirror =
+                    to_complex(&(&self.tangent_projection * 2.0 - DMatrix::identity(size, size)));
                 two_cyclic(around(&sweeps, &half * mirror * &half))
             }
             (PlasticStep::ReturnMapping, Splitting::TwoCyclic) => {
                 two_cyclic(tangent * around(&sweeps, &half * &half))
             }
             (PlasticStep::ReturnMapping, Splitting::Alternating) => {
-                let quarter = self.sweep(0, wave[0], grid, 0.25);
+                let quarter = self.sweep_matrix(0, wave[0], grid, 0.25);
                 let rest = tangent * around(&sweeps[1..], &half * &sweeps[0] * &half);
-                Propagator { first: &rest * &quarter, step: rest * &sweeps[0], output: quarter }
+                Propagator {
+                    first_step: &rest * &quarter,
+                    later_step: rest * &sweeps[0],
+                    output_matrix: quarter,
+                }
             }
         }
     }
 
     /// Amplification matrix of a sweep along `axis`, with component `k` (1/m) of the wave vector, over a fraction of
     /// the step.
-    fn sweep(&self, axis: usize, k: f64, grid: &Discretisation<D>, fraction: f64) -> Matrix {
+    fn sweep_matrix(
+        &self,
+        axis: usize,
+        k: f64,
+        grid: &Discretisation<D>,
+        fraction: f64,
+    ) -> ComplexMatrix {
         let h = grid.spacing[axis];
         let (sin, cos) = (k * h).cr_sin_cos();
         let factor = |speed: f64| {
-            let courant = fraction * speed.abs() * grid.step / h;
+            let courant = fraction * speed.abs() * grid.time_step / h;
             let (rest, both) = (1.0 - courant, 1.0 - courant * courant);
             let weights = [
                 both * (2.0 + courant) / 24.0,
@@ -241,25 +253,25 @@ impl<const D: usize> Equations<D> {
             // Solutions of ẇ = c∂w propagate to the left for c > 0.
             if speed > 0.0 { to_right.conj() } else { to_right }
         };
-        let eigen = &self.along[axis];
-        let vectors = complex(&eigen.eigenvectors);
-        &vectors * Matrix::from_diagonal(&eigen.eigenvalues.map(factor)) * vectors.adjoint()
+        let eigen = &self.axis_eigenpairs[axis];
+        let vectors = to_complex(&eigen.eigenvectors);
+        &vectors * ComplexMatrix::from_diagonal(&eigen.eigenvalues.map(factor)) * vectors.adjoint()
     }
 
     /// Rotation exp(Q̂t) over a time t (s).
-    fn rotation(&self, time: f64) -> Matrix {
+    fn rotation_matrix(&self, time: f64) -> ComplexMatrix {
         let symbol = self.q.map(|x| Complex64::new(0.0, x));
         let eigen = ((&symbol + symbol.adjoint()) * Complex64::from(0.5)).symmetric_eigen();
         let turn = eigen.eigenvalues.map(|frequency| cr_cis(-frequency * time));
-        &eigen.eigenvectors * Matrix::from_diagonal(&turn) * eigen.eigenvectors.adjoint()
+        &eigen.eigenvectors * ComplexMatrix::from_diagonal(&turn) * eigen.eigenvectors.adjoint()
     }
 }
 
 /// Canonical orthonormal basis of the span of orthonormal columns, a function of the span only: projections of the
 /// coordinate axes, orthogonalised by Gram–Schmidt.
-fn canonical_basis(columns: &Matrix) -> Vec<DVector<Complex64>> {
+fn canonical_basis(columns: &ComplexMatrix) -> Vec<DVector<Complex64>> {
     /// Threshold of accepted projections: with at most 24 axes the longest one has at least length 1/√24 > 0.1.
-    const LEAST: f64 = 0.1;
+    const MIN_PROJECTION_LENGTH: f64 = 0.1;
     let (size, count) = columns.shape();
     let mut chosen: Vec<DVector<Complex64>> = Vec::new();
     for axis in 0..size {
@@ -272,13 +284,13 @@ fn canonical_basis(columns: &Matrix) -> Vec<DVector<Complex64>> {
             }
         }
         let norm = vector.norm();
-        if norm > LEAST && chosen.len() < count {
+        if norm > MIN_PROJECTION_LENGTH && chosen.len() < count {
             chosen.push(vector.unscale(norm));
         }
     }
     chosen
 }
 
-fn complex(matrix: &DMatrix<f64>) -> Matrix {
+fn to_complex(matrix: &DMatrix<f64>) -> ComplexMatrix {
     matrix.map(Complex64::from)
 }

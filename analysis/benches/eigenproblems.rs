@@ -20,24 +20,25 @@ use num_complex::Complex64;
 use std::hint::black_box;
 use std::io::{BufRead, Write};
 use std::time::Instant;
-use support::states::{VARIANTS, seeded, wild};
+use support::states::{sample_wide_range, seeded_generator};
+use testkit::flows::SQUARE_MODEL_CASES;
 use wellposed_analysis::pencil::Pencil;
 use wellposed_analysis::qz::Qz;
 
-const PROBLEMS: usize = 256;
-const SECONDS: f64 = 0.5;
+const PROBLEMS_PER_SET: usize = 256;
+const MIN_SECONDS: f64 = 0.5;
 
 /// Eigenproblem in the form in which this crate receives it.
-enum Problem {
-    Model { pencil: Box<Pencil>, k: f64, direction: f64 },
-    Matrices { size: usize, left: Vec<Complex64>, right: Vec<Complex64> },
+enum Eigenproblem {
+    ModelPencil { pencil: Box<Pencil>, k: f64, direction: f64 },
+    DenseMatrices { size: usize, left: Vec<Complex64>, right: Vec<Complex64> },
 }
 
-impl Problem {
+impl Eigenproblem {
     fn equilibrate(&self, qz: &mut Qz) {
         match self {
-            Self::Model { pencil, k, direction } => pencil.equilibrate(qz, *k, *direction),
-            Self::Matrices { size, left, right } => {
+            Self::ModelPencil { pencil, k, direction } => pencil.equilibrate(qz, *k, *direction),
+            Self::DenseMatrices { size, left, right } => {
                 qz.equilibrate(*size, |i, j| left[i + size * j], |i, j| right[i + size * j]);
             }
         }
@@ -45,10 +46,10 @@ impl Problem {
 
     fn solve(&self, qz: &mut Qz) -> usize {
         match self {
-            Self::Model { pencil, k, direction } => {
-                pencil.generalised_eigenvalues_in(qz, *k, *direction).len()
+            Self::ModelPencil { pencil, k, direction } => {
+                pencil.compute_generalised_eigenvalues(qz, *k, *direction).len()
             }
-            Self::Matrices { .. } => {
+            Self::DenseMatrices { .. } => {
                 self.equilibrate(qz);
                 qz.solve().map_or(0, |values| values.len())
             }
@@ -57,54 +58,55 @@ impl Problem {
 
     fn size(&self) -> usize {
         match self {
-            Self::Model { pencil, .. } => pencil.scaled.system.equations.len(),
-            Self::Matrices { size, .. } => *size,
+            Self::ModelPencil { pencil, .. } => pencil.scaled.system.equations.len(),
+            Self::DenseMatrices { size, .. } => *size,
         }
     }
 }
 
 /// Pencils of the models with `size` equations at random states, wave numbers and directions.
-fn models(size: usize) -> Vec<Problem> {
+fn model_pencils(size: usize) -> Vec<Eigenproblem> {
     let mut problems = Vec::new();
-    let random = &mut seeded(size as u64);
-    while problems.len() < PROBLEMS {
-        let (kind, dilatancy) = VARIANTS[(random.unit() * VARIANTS.len() as f64) as usize];
-        let sample = wild(random, kind, dilatancy);
+    let random = &mut seeded_generator(size as u64);
+    while problems.len() < PROBLEMS_PER_SET {
+        let (kind, dilatancy) =
+            SQUARE_MODEL_CASES[(random.unit_interval() * SQUARE_MODEL_CASES.len() as f64) as usize];
+        let sample = sample_wide_range(random, kind, dilatancy);
         if sample.system.equations.len() == size {
             let mut pencil = Box::<Pencil>::default();
             pencil.update(&sample.system).expect("finite coefficients");
             let (k, direction) =
-                (random.decades(1e-2, 1e8), random.within(0.0, std::f64::consts::TAU));
-            problems.push(Problem::Model { pencil, k, direction });
+                (random.log_uniform(1e-2, 1e8), random.uniform(0.0, std::f64::consts::TAU));
+            problems.push(Eigenproblem::ModelPencil { pencil, k, direction });
         }
     }
     problems
 }
 
 /// Dense pencils of random entries, complex L and real R, with `rank` rows of R that are not zero.
-fn dense(size: usize, rank: usize) -> Vec<Problem> {
-    let random = &mut seeded((100 * size + rank) as u64);
+fn dense_pencils(size: usize, rank: usize) -> Vec<Eigenproblem> {
+    let random = &mut seeded_generator((100 * size + rank) as u64);
     let problem = |_| {
-        let mut part = || random.within(-1.0, 1.0);
+        let mut part = || random.uniform(-1.0, 1.0);
         let left = (0..size * size).map(|_| Complex64::new(part(), part())).collect();
         let right = (0..size * size)
             .map(|at| if at % size < rank { part().into() } else { Complex64::ZERO })
             .collect();
-        Problem::Matrices { size, left, right }
+        Eigenproblem::DenseMatrices { size, left, right }
     };
-    (0..PROBLEMS).map(problem).collect()
+    (0..PROBLEMS_PER_SET).map(problem).collect()
 }
 
 /// Workspace of faer with reused buffers.
-struct Faer {
+struct FaerWorkspace {
     left: Mat<Complex64>,
     right: Mat<Complex64>,
     alpha: Diag<Complex64>,
     beta: Diag<Complex64>,
-    memory: MemBuffer,
+    buffer: MemBuffer,
 }
 
-impl Faer {
+impl FaerWorkspace {
     fn new(n: usize) -> Self {
         let scratch = gevd_scratch::<Complex64>(n, No, No, Par::Seq, Default::default());
         Self {
@@ -112,7 +114,7 @@ impl Faer {
             right: Mat::zeros(n, n),
             alpha: Diag::zeros(n),
             beta: Diag::zeros(n),
-            memory: MemBuffer::new(scratch),
+            buffer: MemBuffer::new(scratch),
         }
     }
 
@@ -127,7 +129,7 @@ impl Faer {
             None,
             None,
             Par::Seq,
-            MemStack::new(&mut self.memory),
+            MemStack::new(&mut self.buffer),
             Default::default(),
         )
         .expect("faer converges");
@@ -136,14 +138,14 @@ impl Faer {
 }
 
 /// Problems per second of `all`, which solves every problem of a set once.
-fn rate(mut all: impl FnMut()) -> f64 {
+fn measure_rate(mut all: impl FnMut()) -> f64 {
     let (start, mut passes) = (Instant::now(), 0);
     loop {
         all();
         passes += 1;
         let elapsed = start.elapsed().as_secs_f64();
-        if elapsed > SECONDS {
-            return (passes * PROBLEMS) as f64 / elapsed;
+        if elapsed > MIN_SECONDS {
+            return (passes * PROBLEMS_PER_SET) as f64 / elapsed;
         }
     }
 }
@@ -154,7 +156,13 @@ fn main() -> std::io::Result<()> {
         eprintln!("usage: eigenproblems FILE");
         return Ok(());
     };
-    let sets = [models(4), models(5), models(6), dense(9, 6), dense(10, 10)];
+    let sets = [
+        model_pencils(4),
+        model_pencils(5),
+        model_pencils(6),
+        dense_pencils(9, 6),
+        dense_pencils(10, 10),
+    ];
     let qz = &mut Qz::default();
     let mut bytes = Vec::from((sets.len() as u64).to_le_bytes());
     let mut matrices: Vec<Vec<[Mat<Complex64>; 2]>> = Vec::new();
@@ -164,7 +172,8 @@ fn main() -> std::io::Result<()> {
         let mut own = Vec::new();
         for problem in problems {
             problem.equilibrate(qz);
-            let pair = [0, 1].map(|which| Mat::from_fn(n, n, |i, j| qz.entry(i, j)[which]));
+            let pair =
+                [0, 1].map(|which| Mat::from_fn(n, n, |i, j| qz.equilibrated_entries(i, j)[which]));
             for matrix in &pair {
                 for j in 0..n {
                     for i in 0..n {
@@ -184,13 +193,13 @@ fn main() -> std::io::Result<()> {
     for line in std::io::stdin().lock().lines() {
         let Ok(set) = line?.trim().parse::<usize>() else { break };
         let (problems, matrices) = (&sets[set], &matrices[set]);
-        let own = rate(|| {
+        let own = measure_rate(|| {
             for problem in problems {
                 black_box(problem.solve(qz));
             }
         });
-        let mut workspace = Faer::new(problems[0].size());
-        let faer = rate(|| {
+        let mut workspace = FaerWorkspace::new(problems[0].size());
+        let faer = measure_rate(|| {
             for pair in matrices {
                 black_box(workspace.solve(pair));
             }

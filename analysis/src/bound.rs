@@ -12,18 +12,18 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supremum {
     /// Supremum S of Re ς, 1/s.
-    pub rate: f64,
+    pub growth_rate: f64,
     /// Wave number at which it is attained or approached.
-    pub place: Place,
+    pub wave_number: SupremumWaveNumber,
     /// Direction of the wave vector there, rad, in [0, π).
     pub direction: f64,
 }
 
 /// Wave number at which a supremum is attained or approached.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum SupremumWaveNumber {
     /// Attained at this wave number, 1/m.
-    At(f64),
+    Attained(f64),
     /// Approached by the longest waves of the range.
     LongWaves,
     /// Approached as k → ∞.
@@ -31,7 +31,7 @@ pub enum Place {
 }
 
 /// Relative tolerance to which the supremum is located.
-pub const TOLERANCE: f64 = 1e-5;
+pub const SUPREMUM_TOLERANCE: f64 = 1e-5;
 
 /// Upper end of the searched wave numbers, in the scaled unit of the system. Beyond it the rounding of the
 /// coefficients, times k², would appear as growth.
@@ -39,18 +39,23 @@ const MAX_WAVE_NUMBER: f64 = 1e5;
 /// Lower end of the searched wave numbers, in the scaled unit, for a uniform background.
 const MIN_WAVE_NUMBER: f64 = 1e-16;
 /// Number of steps of the grid in log k.
-const STEPS: usize = 96;
+const WAVE_NUMBER_STEPS: usize = 96;
 /// Number of directions of the grid.
 const DIRECTIONS: usize = 48;
 
-/// Locates the supremum of Re ς over all directions and k ≥ `least` (1/m; 0 for a uniform background) of a well-posed
-/// system.
-pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<Supremum> {
+/// Locates the supremum of Re ς over all directions and k ≥ `min_wave_number` (1/m; 0 for a uniform background) of a
+/// well-posed system.
+pub fn locate_supremum(
+    pencil: &Pencil,
+    assessment: &Assessment,
+    min_wave_number: f64,
+) -> Option<Supremum> {
     if assessment.verdict != Verdict::WellPosed {
         return None;
     }
-    let unit = pencil.polynomial.wave_number;
-    let (low, high) = ((least / unit).max(MIN_WAVE_NUMBER).cr_ln(), MAX_WAVE_NUMBER.cr_ln());
+    let unit = pencil.polynomial.wave_number_unit;
+    let (low, high) =
+        ((min_wave_number / unit).max(MIN_WAVE_NUMBER).cr_ln(), MAX_WAVE_NUMBER.cr_ln());
     if low >= high {
         return None;
     }
@@ -65,7 +70,7 @@ pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<
     // Search coordinates (log k, position): the position is the direction θ, or asinh(k(θ − θ_c)) around a degenerate
     // direction θ_c.
     let mut centres = vec![None];
-    centres.extend(assessment.degenerate.iter().map(|d| Some(d.angle)));
+    centres.extend(assessment.degenerate_directions.iter().map(|d| Some(d.angle)));
     let mut best: Option<(f64, f64, f64)> = None;
     for centre in centres {
         let angle = |log_k: f64, position: f64| match centre {
@@ -81,8 +86,8 @@ pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<
             Some(_) => (-12..=12).map(f64::from).collect(),
         };
         let mut start = (f64::NEG_INFINITY, [low, 0.0]);
-        for step in 0..=STEPS {
-            let log_k = low + (high - low) * step as f64 / STEPS as f64;
+        for step in 0..=WAVE_NUMBER_STEPS {
+            let log_k = low + (high - low) * step as f64 / WAVE_NUMBER_STEPS as f64;
             for &position in &positions {
                 let found = value([log_k, position]);
                 if found > start.0 {
@@ -90,27 +95,31 @@ pub fn supremum(pencil: &Pencil, assessment: &Assessment, least: f64) -> Option<
                 }
             }
         }
-        let (found, [log_k, position]) = simplex(value, start.1, [0.2, 0.05]);
+        let (found, [log_k, position]) = maximise_by_simplex(value, start.1, [0.2, 0.05]);
         let log_k = log_k.clamp(low, high);
         if best.is_none_or(|b| found > b.0) {
             best = Some((found, log_k, angle(log_k, position)));
         }
     }
     best.map(|(rate, log_k, direction)| Supremum {
-        rate,
-        place: if log_k <= low + 0.1 {
-            Place::LongWaves
+        growth_rate: rate,
+        wave_number: if log_k <= low + 0.1 {
+            SupremumWaveNumber::LongWaves
         } else if log_k >= high - 0.7 {
-            Place::ShortWaves
+            SupremumWaveNumber::ShortWaves
         } else {
-            Place::At(unit * log_k.cr_exp())
+            SupremumWaveNumber::Attained(unit * log_k.cr_exp())
         },
         direction: direction.rem_euclid(PI),
     })
 }
 
 /// Local maximum near `start` by the simplex method (Nelder & Mead 1965): value and position.
-fn simplex(f: impl Fn([f64; 2]) -> f64, start: [f64; 2], step: [f64; 2]) -> (f64, [f64; 2]) {
+fn maximise_by_simplex(
+    f: impl Fn([f64; 2]) -> f64,
+    start: [f64; 2],
+    step: [f64; 2],
+) -> (f64, [f64; 2]) {
     let vertex = |x: [f64; 2]| (f(x), x);
     let mut s = [
         vertex(start),
@@ -150,9 +159,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_simplex_climbs_a_ridge() {
+    fn simplex_search_converges_along_a_curved_ridge() {
         let f = |[x, y]: [f64; 2]| 3.0 - (x - 1.0).powi(2) - 40.0 * (y - x * x).powi(2);
-        let (value, at) = simplex(f, [-0.5, 0.4], [0.2, 0.2]);
+        let (value, at) = maximise_by_simplex(f, [-0.5, 0.4], [0.2, 0.2]);
         assert!((value - 3.0).abs() < 1e-10 && (at[0] - 1.0).abs() < 1e-4, "{value} at {at:?}");
     }
 }

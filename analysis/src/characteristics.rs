@@ -5,7 +5,7 @@
 //! entries. Each block groups the unknowns of one family of characteristics; roots shared by two families are simple
 //! roots of each factor, hence well-conditioned.
 
-use crate::form::Form;
+use crate::form::BinaryForm;
 use crate::{polynomial, roots};
 use models::common::elementary::Elementary;
 use models::{LinearisedSystem, Rounded};
@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A real characteristic direction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Characteristic {
+pub struct RealCharacteristic {
     /// Angle of the characteristic curve from x₁, rad, in [0, π); perpendicular to the wave vector (ξ₁, ξ₂) at which
     /// the determinant vanishes.
     pub angle: f64,
@@ -28,7 +28,7 @@ pub struct Characteristic {
 
 /// Type of the steady equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Type {
+pub enum EquationType {
     /// Hyperbolic: all roots are real.
     Hyperbolic,
     /// Mixed: some roots are real.
@@ -41,19 +41,19 @@ pub enum Type {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Characteristics {
     /// Real characteristics by ascending angle.
-    pub real: Vec<Characteristic>,
+    pub real: Vec<RealCharacteristic>,
     /// Complex characteristics: tangent of the complex angle, with the family.
     pub complex: Vec<(Complex64, String)>,
     /// Families whose factor of the determinant vanishes identically, so that every direction is
     /// characteristic for them: convected fields in a material at rest.
-    pub arbitrary: Vec<String>,
+    pub arbitrary_families: Vec<String>,
     /// Type of the steady equations; `None` if the determinant has no roots.
-    pub kind: Option<Type>,
+    pub equation_type: Option<EquationType>,
 }
 
 /// Error: characteristics are not defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NoCharacteristics {
+pub enum CharacteristicsError {
     /// Fewer equations than unknowns, or a pattern with a vanishing determinant.
     #[error("the steady equations do not determine their unknowns")]
     Indeterminate,
@@ -63,32 +63,34 @@ pub enum NoCharacteristics {
 ///
 /// # Errors
 /// The nonzero pattern of the matrix is structurally singular (has no transversal).
-pub fn characteristics(system: &LinearisedSystem<2>) -> Result<Characteristics, NoCharacteristics> {
+pub fn characteristics(
+    system: &LinearisedSystem<2>,
+) -> Result<Characteristics, CharacteristicsError> {
     if system.equations.len() != system.unknowns.len() {
-        return Err(NoCharacteristics::Indeterminate);
+        return Err(CharacteristicsError::Indeterminate);
     }
-    let steady = steady(system);
-    let blocks = irreducible_blocks(&steady).ok_or(NoCharacteristics::Indeterminate)?;
+    let steady = steady_matrices(system);
+    let blocks = irreducible_blocks(&steady).ok_or(CharacteristicsError::Indeterminate)?;
     let mut found = Characteristics {
         real: Vec::new(),
         complex: Vec::new(),
-        arbitrary: Vec::new(),
-        kind: None,
+        arbitrary_families: Vec::new(),
+        equation_type: None,
     };
     for (rows, columns) in blocks {
-        let family = family(system, &columns);
+        let family = family_name(system, &columns);
         let form = determinant(&steady, &rows, &columns);
-        let Some(form) = form.filter(Form::is_certain) else {
-            found.arbitrary.push(family);
+        let Some(form) = form.filter(BinaryForm::is_nonzero) else {
+            found.arbitrary_families.push(family);
             continue;
         };
         let zeros = form.zeros();
         for zero in &zeros {
             let angle = (zero.angle + FRAC_PI_2).rem_euclid(PI);
-            let multiplicity = if zero.crosses { 1 } else { 2 };
-            merge(&mut found.real, angle, zero.bound, multiplicity, &family);
+            let multiplicity = if zero.has_sign_change { 1 } else { 2 };
+            merge_characteristic(&mut found.real, angle, zero.bound, multiplicity, &family);
         }
-        let real: usize = zeros.iter().map(|z| if z.crosses { 1 } else { 2 }).sum();
+        let real: usize = zeros.iter().map(|z| if z.has_sign_change { 1 } else { 2 }).sum();
         found.complex.extend(
             complex_roots(&form, form.degree() - real.min(form.degree()))
                 .into_iter()
@@ -97,18 +99,19 @@ pub fn characteristics(system: &LinearisedSystem<2>) -> Result<Characteristics, 
     }
     name_streamlines(system, &mut found.real);
     found.real.sort_by(|a, b| a.angle.total_cmp(&b.angle));
-    found.kind = match (found.real.is_empty(), found.complex.is_empty()) {
+    found.equation_type = match (found.real.is_empty(), found.complex.is_empty()) {
         (true, true) => None,
-        (true, false) => Some(Type::Elliptic),
-        (false, true) => Some(Type::Hyperbolic),
-        (false, false) => Some(Type::Mixed),
+        (true, false) => Some(EquationType::Elliptic),
+        (false, true) => Some(EquationType::Hyperbolic),
+        (false, false) => Some(EquationType::Mixed),
     };
     Ok(found)
 }
 
 /// The matrices Bⁱ + Vᵢ A of the steady equations; entry (row, column) holds both.
-fn steady(system: &LinearisedSystem<2>) -> Vec<Vec<[Rounded; 2]>> {
-    let v = system.velocity.map(|v| if v == 0.0 { Rounded::ZERO } else { Rounded::given(v) });
+fn steady_matrices(system: &LinearisedSystem<2>) -> Vec<Vec<[Rounded; 2]>> {
+    let v =
+        system.velocity.map(|v| if v == 0.0 { Rounded::ZERO } else { Rounded::from_rounded(v) });
     (0..system.equations.len())
         .map(|i| {
             (0..system.unknowns.len())
@@ -127,7 +130,7 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
     // that the other families are still found.
     let mut row_of = vec![usize::MAX; n];
     /// Augmenting path from `row` in the bipartite graph of rows and columns (Kuhn's algorithm).
-    fn augment(
+    fn augment_matching(
         row: usize,
         n: usize,
         present: &dyn Fn(usize, usize) -> bool,
@@ -137,7 +140,8 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
         for column in 0..n {
             if present(row, column) && !seen[column] {
                 seen[column] = true;
-                if row_of[column] == usize::MAX || augment(row_of[column], n, present, row_of, seen)
+                if row_of[column] == usize::MAX
+                    || augment_matching(row_of[column], n, present, row_of, seen)
                 {
                     row_of[column] = row;
                     return true;
@@ -148,7 +152,7 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
     }
     let mut unmatched = Vec::new();
     for row in 0..n {
-        if !augment(row, n, &present, &mut row_of, &mut vec![false; n]) {
+        if !augment_matching(row, n, &present, &mut row_of, &mut vec![false; n]) {
             unmatched.push(row);
         }
     }
@@ -190,7 +194,11 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
 }
 
 /// Determinant of a block as a binary form in (ξ₁, ξ₂), up to a positive factor; `None` if a coefficient is not finite.
-fn determinant(matrix: &[Vec<[Rounded; 2]>], rows: &[usize], columns: &[usize]) -> Option<Form> {
+fn determinant(
+    matrix: &[Vec<[Rounded; 2]>],
+    rows: &[usize],
+    columns: &[usize],
+) -> Option<BinaryForm> {
     let entry = |i: usize, j: usize| {
         let [first, second] = matrix[rows[i]][columns[j]];
         [Rounded::ZERO, first, second, Rounded::ZERO]
@@ -199,7 +207,7 @@ fn determinant(matrix: &[Vec<[Rounded; 2]>], rows: &[usize], columns: &[usize]) 
 }
 
 /// Name of the family of fields in `columns`.
-fn family(system: &LinearisedSystem<2>, columns: &[usize]) -> String {
+fn family_name(system: &LinearisedSystem<2>, columns: &[usize]) -> String {
     let mut names: Vec<&str> = columns.iter().map(|&c| system.unknowns[c].family).collect();
     names.sort_unstable();
     names.dedup();
@@ -207,14 +215,14 @@ fn family(system: &LinearisedSystem<2>, columns: &[usize]) -> String {
 }
 
 /// Adds a characteristic to `list`, or its multiplicity and family to a known one at the same angle within the bounds.
-fn merge(
-    list: &mut Vec<Characteristic>,
+fn merge_characteristic(
+    list: &mut Vec<RealCharacteristic>,
     angle: f64,
     bound: f64,
     multiplicity: usize,
     family: &str,
 ) {
-    let near = |c: &&mut Characteristic| {
+    let near = |c: &&mut RealCharacteristic| {
         let gap = (c.angle - angle).abs();
         gap.min(PI - gap) <= 4.0 * (c.bound + bound)
     };
@@ -228,12 +236,12 @@ fn merge(
                 same.family = names.join(" and ");
             }
         }
-        None => list.push(Characteristic { angle, bound, multiplicity, family: family.into() }),
+        None => list.push(RealCharacteristic { angle, bound, multiplicity, family: family.into() }),
     }
 }
 
 /// Renames characteristics along the velocity to "streamline".
-fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [Characteristic]) {
+fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [RealCharacteristic]) {
     let [v1, v2] = system.velocity;
     if v1 == 0.0 && v2 == 0.0 {
         return;
@@ -254,7 +262,7 @@ fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [Characteristic]) {
 }
 
 /// The `count` roots farthest from the real axis, as tangents of the complex characteristic angle.
-fn complex_roots(form: &Form, count: usize) -> Vec<Complex64> {
+fn complex_roots(form: &BinaryForm, count: usize) -> Vec<Complex64> {
     if count == 0 {
         return Vec::new();
     }

@@ -27,7 +27,7 @@ mod tests {
 
     /// Verifies that an overflowing norm returns `None` at once; the QR iteration on NaN would run to its step limit.
     #[test]
-    fn a_norm_that_overflows_has_no_eigenvalues() {
+    fn eigenvalues_are_none_if_the_norm_overflows() {
         let matrix = |entry: f64| DMatrix::from_element(15, 15, Complex64::from(entry));
         assert_eq!(eigenvalues(matrix(1e308)), None);
         assert!(eigenvalues(matrix(1e100)).is_some());

@@ -9,7 +9,7 @@ use models::LinearisedSystem;
 use models::common::elementary::Elementary;
 use models::common::product::{product, triple_product};
 use models::common::rates::RateEquations;
-use models::common::system::Matrix;
+use models::common::system::RoundedMatrix;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -20,37 +20,37 @@ const DECADES: i32 = 2;
 
 /// Defects of energy conservation, each relative to the largest of the compared numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Energy {
+pub struct EnergyConservation {
     /// Smallest eigenvalue of the symmetriser of the elastic equations after scaling to unit diagonal: positive if the
     /// energy is positive definite.
     pub definiteness: f64,
     /// Asymmetry: maximum of ‖A − Aᵀ‖ of the symmetriser A and ‖B − Bᵀ‖ of the symmetrised equations.
     pub asymmetry: f64,
     /// Deviation ‖Q + Qᵀ‖ of the symmetrised source matrix from antisymmetry.
-    pub antisymmetry: f64,
+    pub antisymmetry_defect: f64,
     /// Largest |Re ς|/|ς| of elastic waves over the sampled wave vectors.
     pub elastic_growth: f64,
     /// Largest |Re ς|/|ς| of waves while yielding over the sampled wave vectors.
-    pub growth: f64,
+    pub yielding_growth: f64,
     /// Number of unknowns of the rate equations.
-    pub unknowns: usize,
+    pub unknown_count: usize,
     /// Number of roots that are zero at every wave number.
-    pub zeros: usize,
+    pub zero_root_count: usize,
 }
 
 /// Measures energy conservation of the elastic equations from the linearised system, and growth over 40 directions and
-/// four decades of wave numbers around `number` (1/m).
-pub fn energy<const D: usize>(
+/// four decades of wave numbers around `wave_number` (1/m).
+pub fn measure_energy_conservation<const D: usize>(
     elastic: &RateEquations<D>,
     rates: &RateEquations<D>,
-    number: f64,
-) -> Energy {
+    wave_number: f64,
+) -> EnergyConservation {
     let mut system = LinearisedSystem::default();
     elastic.linearise(&mut system);
-    let (nv, ns) = (elastic.velocities(), elastic.stresses());
+    let (nv, ns) = (elastic.velocity_count(), elastic.stress_count());
     let compliance = elastic.stiffness_values().try_inverse();
     let compliance = compliance.unwrap_or_else(|| DMatrix::from_element(ns, ns, f64::NAN));
-    let symmetrised = |matrix: &Matrix| {
+    let symmetrised = |matrix: &RoundedMatrix| {
         let mut values = matrix.map(|entry| entry.value);
         let laws = product(&compliance, &values.rows(nv, ns));
         values.rows_mut(nv, ns).copy_from(&laws);
@@ -74,32 +74,32 @@ pub fn energy<const D: usize>(
     // are accurate to rounding.
     let factor = symmetriser.clone().cholesky().map(|found| found.l().transpose());
     let growth = |rates: &RateEquations<D>| match &factor {
-        Some(factor) => greatest_growth(rates, factor, number),
+        Some(factor) => max_growth(rates, factor, wave_number),
         None => f64::NAN,
     };
-    Energy {
+    EnergyConservation {
         definiteness: scaled.symmetric_eigenvalues().min(),
         asymmetry: (0..D)
             .map(asymmetry)
             .fold(relative(&symmetriser - symmetriser.transpose(), &symmetriser), f64::max),
-        antisymmetry: relative(&q + q.transpose(), &q),
+        antisymmetry_defect: relative(&q + q.transpose(), &q),
         elastic_growth: growth(elastic),
-        growth: growth(rates),
-        unknowns: nv + ns,
-        zeros: ns - nv,
+        yielding_growth: growth(rates),
+        unknown_count: nv + ns,
+        zero_root_count: ns - nv,
     }
 }
 
 /// Largest |Re ς|/|ς| over the sampled waves, in energy coordinates given by the Cholesky factor `factor`.
-fn greatest_growth<const D: usize>(
+fn max_growth<const D: usize>(
     rates: &RateEquations<D>,
     factor: &DMatrix<f64>,
-    number: f64,
+    wave_number: f64,
 ) -> f64 {
     let mut system = LinearisedSystem::default();
     rates.linearise(&mut system);
     let Some(inverse) = factor.clone().try_inverse() else { return f64::NAN };
-    let in_units = |matrix: &Matrix| {
+    let in_units = |matrix: &RoundedMatrix| {
         // A is diagonal.
         let rows = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
             -matrix[(i, j)].value / system.a[(i, i)].value
@@ -109,10 +109,10 @@ fn greatest_growth<const D: usize>(
     let (gradient, local) = (system.b.each_ref().map(in_units), in_units(&system.c));
     let mut worst = 0.0f64;
     for index in 0..DIRECTIONS {
-        let normal = spread::<D>(index);
+        let normal = sample_direction::<D>(index);
         let along: DMatrix<f64> = gradient.iter().zip(normal).map(|(b, n)| b * n).sum();
         for decade in -DECADES..=DECADES {
-            let k = number * 10f64.powi(decade);
+            let k = wave_number * 10f64.powi(decade);
             let symbol = local.zip_map(&along, |c, b| Complex64::new(c, k * b));
             let Some(roots) = eigenvalues(symbol) else { return f64::NAN };
             let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
@@ -124,7 +124,7 @@ fn greatest_growth<const D: usize>(
 }
 
 /// Unit vector number `index` of `DIRECTIONS` spread evenly over half the circle or half the sphere.
-fn spread<const D: usize>(index: usize) -> [f64; D] {
+fn sample_direction<const D: usize>(index: usize) -> [f64; D] {
     let share = (index as f64 + 0.5) / DIRECTIONS as f64;
     let mut normal = [0.0; D];
     if D == 2 {

@@ -3,23 +3,25 @@
 //!
 //! With P = Σ ςⁱ F_ij(κ₁, κ₂) the roots at wave number k → ∞ in a fixed direction are
 //! ς ≈ c k^m, where m runs through the slopes of the Newton polygon of the points (i, j) with
-//! F_ij ≠ 0 and c through the roots of the edge polynomials ([`newton`](crate::newton)). Signs of
+//! F_ij ≠ 0 and c through the roots of the edge polynomials ([`newton_polygon`](crate::newton_polygon)). Signs of
 //! the F_ij at the corners of the polygon change only at their zeros, which are found exactly
-//! ([`Form::zeros`]); between them the worst direction is searched. In a layer around each zero ("degenerate
+//! ([`BinaryForm::zeros`]); between them the worst direction is searched. In a layer around each zero ("degenerate
 //! direction") other terms dominate (module `layers`).
 
-use crate::face::FacePolynomial;
-use crate::form::{self, Form, Zero};
-use crate::layers::{Collision, along, collisions_at, search_collision, search_layer};
-use crate::leading;
-use crate::list::{List, list};
-use crate::newton::{Order, corners_of, is_on};
+use crate::corner_factors;
+use crate::face_polynomial::FacePolynomial;
+use crate::finite_wave_number::{angular_distance, find_unbounded_direction};
+use crate::form::{self, BinaryForm, FormZero};
+use crate::growth_accumulator::GrowthAccumulator;
+use crate::layers::{search_collision, search_layer};
+use crate::line_search::argmax_unimodal;
+use crate::list::{StackList, list};
+use crate::newton_polygon::{GrowthOrder, is_on_edge, newton_polygon_corners};
 use crate::pencil::Pencil;
-use crate::polynomial::Term;
+use crate::polynomial::DispersionTerm;
 use crate::puiseux::{self, Monomial};
-use crate::search::argmax_unimodal;
-use crate::value::{Value, imaginary_power};
-use crate::worst::Worst;
+use crate::root_collisions::{RootCollision, find_collisions};
+use crate::rounded_complex::{RoundedComplex, imaginary_power};
 use models::Rounded;
 use models::common::elementary::{Elementary, cr_arg};
 use std::cell::OnceCell;
@@ -29,7 +31,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
     /// Order in k.
-    pub order: Order,
+    pub order: GrowthOrder,
     /// Limit of Re ς / k^order, in m^order/s.
     pub coefficient: f64,
 }
@@ -92,48 +94,52 @@ pub struct Assessment {
     pub verdict: Verdict,
     /// The Newton polygon in a general direction: (order, number of roots) of the growing or decaying roots, largest
     /// order first; orders ≤ 0, which are bounded, are omitted.
-    pub orders: List<(Order, usize)>,
+    pub orders: StackList<(GrowthOrder, usize)>,
     /// Degenerate directions, ascending.
-    pub degenerate: List<DegenerateDirection>,
+    pub degenerate_directions: StackList<DegenerateDirection>,
 }
 
 /// An edge of the Newton polygon in a general direction.
-struct Edge<'a> {
-    order: Order,
+struct PolygonEdge<'a> {
+    order: GrowthOrder,
     /// Terms on the edge, by descending power of ς.
-    terms: List<&'a Term>,
-    face: OnceCell<FacePolynomial>,
+    terms: StackList<&'a DispersionTerm>,
+    face_polynomial: OnceCell<FacePolynomial>,
 }
 
 /// Assesses the linearised system in `pencil`.
 pub fn assess(pencil: &Pencil) -> Assessment {
-    let mut assessment =
-        Assessment { verdict: Verdict::WellPosed, orders: List::new(), degenerate: List::new() };
+    let mut assessment = Assessment {
+        verdict: Verdict::WellPosed,
+        orders: StackList::new(),
+        degenerate_directions: StackList::new(),
+    };
     if pencil.is_singular() {
         let unknowns = pencil.scaled.system.unknowns.len();
         assessment.verdict = Verdict::Indeterminate { rank: pencil.generic_rank(), unknowns };
         return assessment;
     }
     let terms = pencil.polynomial.forms();
-    let (mut certain, doubtful): (List<Term, 24>, List<Term, 24>) =
-        terms.into_iter().partition(|term| term.form.is_certain());
-    let corners = corners_of(certain.iter().map(powers));
+    let (mut certain, doubtful): (StackList<DispersionTerm, 24>, StackList<DispersionTerm, 24>) =
+        terms.into_iter().partition(|term| term.form.is_nonzero());
+    let corners = newton_polygon_corners(certain.iter().map(exponents));
     let mut zeros = zeros_of_corners(pencil, &mut certain, &corners);
-    let edges = edges(&certain, &corners);
+    let edges = growing_edges(&certain, &corners);
     assessment.orders = edges
         .iter()
-        .map(|e| (e.order, e.terms[0].time - e.terms[e.terms.len() - 1].time))
+        .map(|e| (e.order, e.terms[0].time_power - e.terms[e.terms.len() - 1].time_power))
         .collect();
 
     // A form that is zero within rounding but would lie above the polygon makes the verdict marginal.
-    if let Some(term) = doubtful.iter().find(|term| lies_above_polygon(term, &corners)) {
-        let worst =
-            |f: &Form| f.coefficients.iter().copied().max_by(|a, b| a.bound.total_cmp(&b.bound));
-        let at = worst(&term.form).unwrap_or_default();
+    if let Some(term) = doubtful.iter().find(|term| is_above_polygon(term, &corners)) {
+        let least_certain = |f: &BinaryForm| {
+            f.coefficients.iter().copied().max_by(|a, b| a.bound.total_cmp(&b.bound))
+        };
+        let at = least_certain(&term.form).unwrap_or_default();
         assessment.verdict = Verdict::Marginal {
             quantity: format!(
                 "coefficient of ς^{} k^{} in the dispersion polynomial",
-                term.time,
+                term.time_power,
                 term.form.degree()
             ),
             value: at.value,
@@ -143,17 +149,17 @@ pub fn assess(pencil: &Pencil) -> Assessment {
     }
 
     // Zeros of different corners in one direction are one degenerate direction.
-    form::merge(&mut zeros);
-    assessment.degenerate =
+    form::merge_zeros(&mut zeros);
+    assessment.degenerate_directions =
         zeros.iter().map(|z| DegenerateDirection { angle: z.angle, bound: z.bound }).collect();
 
-    let mut worst = Worst::default();
-    if let Some((direction, is_certain)) = unbounded_at_finite_k(&certain, &doubtful) {
+    let mut accumulator = GrowthAccumulator::default();
+    if let Some((direction, is_certain)) = find_unbounded_direction(&certain, &doubtful) {
         if is_certain {
             assessment.verdict = Verdict::IllPosed { growth: None, direction };
             return assessment;
         }
-        worst.doubts(
+        accumulator.record_undecided(
             format!(
                 "coefficient of the highest power of ς for wave vectors at {:.6}°",
                 direction.to_degrees()
@@ -163,52 +169,56 @@ pub fn assess(pencil: &Pencil) -> Assessment {
         );
     }
     for edge in &edges {
-        search_directions(edge, &zeros, &mut worst);
+        search_directions(edge, &zeros, &mut accumulator);
     }
-    if edges.iter().any(|edge| edge.may_be_neutral() && worst.may_improve_below(edge.order)) {
-        follow_neutral_roots(&certain, &zeros, &mut worst);
+    if edges.iter().any(|edge| edge.can_be_neutral() && accumulator.can_improve_below(edge.order)) {
+        continue_neutral_roots(&certain, &zeros, &mut accumulator);
     }
     for zero in &zeros {
-        search_layer(&certain, zero, &mut worst);
+        search_layer(&certain, zero, &mut accumulator);
     }
     for edge in edges.iter().filter(|edge| edge.terms.len() > 2) {
-        if worst.may_improve_below(edge.order) {
-            search_collisions(&certain, edge, &zeros, &mut worst);
+        if accumulator.can_improve_below(edge.order) {
+            search_collisions(&certain, edge, &zeros, &mut accumulator);
         }
     }
-    assessment.verdict = verdict(worst, pencil);
+    assessment.verdict = verdict(accumulator, pencil);
     assessment
 }
 
 /// Power of ς and degree of the form of a term.
-fn powers(term: &Term) -> (i64, i64) {
-    (term.time as i64, term.form.degree() as i64)
+fn exponents(term: &DispersionTerm) -> (i64, i64) {
+    (term.time_power as i64, term.form.degree() as i64)
 }
 
 /// Distance (rad) below which zeros are computed factor by factor.
-const CLOSE: f64 = 1e-2;
+const CLOSE_ZERO_DISTANCE: f64 = 1e-2;
 
 /// Zeros of all corner coefficients of the Newton polygon, including corners off the growing edges: at their zeros
 /// other edges may grow. Coefficients with close zeros are split into factors, whose zeros are well-conditioned.
-fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)]) -> List<Zero> {
+fn zeros_of_corners(
+    pencil: &Pencil,
+    terms: &mut [DispersionTerm],
+    corners: &[(i64, i64)],
+) -> StackList<FormZero> {
     let slope = |a: (i64, i64), b: (i64, i64)| [b.1 - a.1, a.0 - b.0];
-    let mut all = List::new();
+    let mut all = StackList::new();
     for (index, &corner) in corners.iter().enumerate() {
-        let Some(term) = terms.iter_mut().find(|t| powers(t) == corner) else { continue };
+        let Some(term) = terms.iter_mut().find(|t| exponents(t) == corner) else { continue };
         let zeros = term.form.zeros();
         let steeper = (index > 0).then(|| slope(corners[index - 1], corner));
         let flatter = corners.get(index + 1).map(|&next| slope(corner, next));
         let is_growing = |s: &Option<[i64; 2]>| s.is_some_and(|s| s[0] > 0);
-        let is_close = zeros.iter().any(|z| !z.crosses)
-            || sectors(&zeros).iter().any(|(left, right)| right - left < CLOSE);
+        let is_close = zeros.iter().any(|z| !z.has_sign_change)
+            || sectors(&zeros).iter().any(|(left, right)| right - left < CLOSE_ZERO_DISTANCE);
         if is_close && (is_growing(&steeper) || is_growing(&flatter)) {
             // A slope m strictly between the slopes of the two edges, at which the corner alone is of leading order.
             let low = flatter.unwrap_or([0, 1]);
             let high = steeper.unwrap_or([low[0] + low[1], low[1]]);
             let between = [6 * low[0] * high[1] + 5 * high[0] * low[1], 11 * low[1] * high[1]];
-            let factors = leading::factors(&pencil.scaled, between);
+            let factors = corner_factors::factor_corner_coefficient(&pencil.scaled, between);
             if !factors.is_empty() {
-                term.form.factorise(&factors);
+                term.form.set_factors(&factors);
                 all.extend(term.form.zeros());
                 continue;
             }
@@ -219,24 +229,27 @@ fn zeros_of_corners(pencil: &Pencil, terms: &mut [Term], corners: &[(i64, i64)])
 }
 
 /// Edges of positive slope, steepest first.
-fn edges<'a>(terms: &'a [Term], corners: &[(i64, i64)]) -> List<Edge<'a>> {
+fn growing_edges<'a>(
+    terms: &'a [DispersionTerm],
+    corners: &[(i64, i64)],
+) -> StackList<PolygonEdge<'a>> {
     corners
         .windows(2)
         .filter(|pair| pair[1].1 > pair[0].1)
         .map(|pair| {
             let (a, b) = (pair[0], pair[1]);
-            let mut terms: List<&Term> =
-                terms.iter().filter(|t| is_on(powers(t), (a, b))).collect();
-            terms.sort_by_key(|t| std::cmp::Reverse(t.time));
-            let order = Order::new(b.1 - a.1, a.0 - b.0);
-            Edge { order, terms, face: OnceCell::new() }
+            let mut terms: StackList<&DispersionTerm> =
+                terms.iter().filter(|t| is_on_edge(exponents(t), (a, b))).collect();
+            terms.sort_by_key(|t| std::cmp::Reverse(t.time_power));
+            let order = GrowthOrder::new(b.1 - a.1, a.0 - b.0);
+            PolygonEdge { order, terms, face_polynomial: OnceCell::new() }
         })
         .collect()
 }
 
 /// Whether a term, if nonzero, would lie above the part of the polygon with positive orders.
-fn lies_above_polygon(term: &Term, corners: &[(i64, i64)]) -> bool {
-    let (i, j) = (term.time as i64, term.form.degree() as i64);
+fn is_above_polygon(term: &DispersionTerm, corners: &[(i64, i64)]) -> bool {
+    let (i, j) = (term.time_power as i64, term.form.degree() as i64);
     let Some(&(first, top)) = corners.first() else { return false };
     if i > first {
         // A new highest power of ς: harmless only if the roots that it adds stay bounded.
@@ -248,115 +261,26 @@ fn lies_above_polygon(term: &Term, corners: &[(i64, i64)]) -> bool {
     })
 }
 
-/// A generic large wave number, in scaled units.
-const GENERAL: f64 = 1.37e3;
-
-/// Finds a direction in which the coefficient of the highest power of ς vanishes at a finite wave number while a root
-/// with positive real part passes through infinity; returns the direction and whether this is certain.
-fn unbounded_at_finite_k(certain: &[Term], doubtful: &[Term]) -> Option<(f64, bool)> {
-    let highest = certain.iter().map(|t| t.time).max()?;
-    if doubtful.iter().any(|t| t.time == highest) {
-        return None;
-    }
-    let tops: List<&Term> = certain.iter().filter(|t| t.time == highest).collect();
-    let zeros = match tops[..] {
-        [only] => only.form.zeros(),
-        _ => {
-            // Real and imaginary part of the coefficient at the wave number GENERAL, each as a form of a single degree.
-            let part = |parity: usize| {
-                let own = || tops.iter().filter(move |t| t.form.degree() % 2 == parity);
-                let degree = own().map(|t| t.form.degree()).max()?;
-                let mut sum = Form::zero(degree);
-                for term in own() {
-                    let j = term.form.degree();
-                    let sign = if (j / 2).is_multiple_of(2) { 1.0 } else { -1.0 };
-                    sum.add(&term.form, Rounded::exact(sign * GENERAL.powi(j as i32)));
-                }
-                Some(sum)
-            };
-            match (part(0), part(1)) {
-                (Some(one), None) | (None, Some(one)) => one.zeros(),
-                (Some(even), Some(odd)) => {
-                    let others = odd.zeros();
-                    let shared = |z: &Zero| {
-                        others.iter().any(|o| apart(o.angle, z.angle) <= 2.0 * (o.bound + z.bound))
-                    };
-                    even.zeros().into_iter().filter(shared).collect()
-                }
-                (None, None) => List::new(),
-            }
-        }
-    };
-    let mut doubt = None;
-    for zero in zeros {
-        if !leads_to_infinity(certain, highest, &zero) {
-            continue;
-        }
-        // Limit of the direction as k → ∞.
-        let direction = tops
-            .iter()
-            .max_by_key(|t| t.form.degree())
-            .into_iter()
-            .flat_map(|t| t.form.zeros())
-            .map(|z| z.angle)
-            .min_by(|a, b| apart(*a, zero.angle).total_cmp(&apart(*b, zero.angle)))
-            .unwrap_or(zero.angle);
-        let exact = tops.iter().all(|t| t.form.vanishes_on_axis(zero.angle));
-        if zero.crosses || exact {
-            return Some((direction, true));
-        }
-        doubt = Some((direction, false));
-    }
-    doubt
-}
-
-/// Whether, at a generic wave number, roots ς with positive real part tend to infinity as the wave vector approaches
-/// the direction `zero`.
-fn leads_to_infinity(certain: &[Term], highest: usize, zero: &Zero) -> bool {
-    [1.0, -1.0].into_iter().any(|side: f64| {
-        let mut terms = List::new();
-        for term in certain {
-            let degree = term.form.degree();
-            for (l, f) in along(&term.form, zero).into_iter().enumerate() {
-                if l == 0 && term.time == highest {
-                    continue;
-                }
-                let size = GENERAL.powi((degree - l) as i32) * side.powi(l as i32);
-                let value = Value::times_imaginary_power(f * Rounded::exact(size), degree as i64);
-                terms.push(Monomial { x: term.time, power: -(l as i64), value });
-            }
-        }
-        puiseux::collect(&mut terms);
-        puiseux::growth(&terms, 1, None).growth.is_some()
-    })
-}
-
-/// Angle between two directions modulo π, rad.
-fn apart(a: f64, b: f64) -> f64 {
-    let gap = (a - b).rem_euclid(PI);
-    gap.min(PI - gap)
-}
-
-impl Edge<'_> {
+impl PolygonEdge<'_> {
     /// Whether roots of this edge may be neutral in a whole sector to leading order, but grow at a lower order.
-    fn may_be_neutral(&self) -> bool {
+    fn can_be_neutral(&self) -> bool {
         if self.terms.len() > 2 {
             return true;
         }
         // A simple neutral root of order 1 continues with a term of order 0, which is bounded.
-        let both = [1.0, -1.0].map(|sign| self.greatest_cosine(sign));
-        self.order.value() > 1.0 && both.contains(&0.0)
+        let both = [1.0, -1.0].map(|sign| self.max_cosine(sign));
+        self.order.to_f64() > 1.0 && both.contains(&0.0)
     }
 
     /// Powers of ς and κ of the first and of the last term.
-    fn ends(&self) -> [(usize, usize); 2] {
-        let end = |t: &Term| (t.time, t.form.degree());
+    fn end_exponents(&self) -> [(usize, usize); 2] {
+        let end = |t: &DispersionTerm| (t.time_power, t.form.degree());
         [end(self.terms[0]), end(self.terms[self.terms.len() - 1])]
     }
 
     /// For an edge of two terms, c^r = w: largest Re c/|c| over the roots, for F₀/F₁ of sign `sign`.
-    fn greatest_cosine(&self, sign: f64) -> f64 {
-        let [(i1, j1), (i0, j0)] = self.ends();
+    fn max_cosine(&self, sign: f64) -> f64 {
+        let [(i1, j1), (i0, j0)] = self.end_exponents();
         let r = i1 - i0;
         let turn = cr_arg(-imaginary_power(j0 as i64 - j1 as i64) * sign) / r as f64;
         (0..r)
@@ -369,13 +293,14 @@ impl Edge<'_> {
     }
 
     /// Face polynomial of the edge, computed at the first use.
-    fn face(&self) -> &FacePolynomial {
-        self.face.get_or_init(|| {
-            let [(highest, _), (lowest, _)] = self.ends();
-            let mut coefficients = list![List::new(); highest - lowest + 1];
+    fn face_polynomial(&self) -> &FacePolynomial {
+        self.face_polynomial.get_or_init(|| {
+            let [(highest, _), (lowest, _)] = self.end_exponents();
+            let mut coefficients = list![StackList::new(); highest - lowest + 1];
             for t in &self.terms {
-                let turned = |&f: &Rounded| Value::times_imaginary_power(f, t.form.degree() as i64);
-                coefficients[t.time - lowest] = t.form.coefficients.iter().map(turned).collect();
+                let turned = |&f: &Rounded| RoundedComplex::from_i_power(f, t.form.degree() as i64);
+                coefficients[t.time_power - lowest] =
+                    t.form.coefficients.iter().map(turned).collect();
             }
             FacePolynomial::new(coefficients)
         })
@@ -383,7 +308,7 @@ impl Edge<'_> {
 }
 
 /// Sectors between degenerate directions: (left, right), rad.
-fn sectors(zeros: &[Zero]) -> List<(f64, f64)> {
+fn sectors(zeros: &[FormZero]) -> StackList<(f64, f64)> {
     // Without zeros: one sector of length π whose ends are at no special angle, so that no extremum lies there.
     let Some(first) = zeros.first() else { return list![(-0.123_4, PI - 0.123_4)] };
     zeros
@@ -394,21 +319,21 @@ fn sectors(zeros: &[Zero]) -> List<(f64, f64)> {
 }
 
 /// Searches the direction of largest growth of an edge.
-fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
-    if !worst.may_improve(edge.order) {
+fn search_directions(edge: &PolygonEdge, zeros: &[FormZero], accumulator: &mut GrowthAccumulator) {
+    if !accumulator.can_improve(edge.order) {
         return;
     }
     let (&[first, last], angles) = (&edge.terms[..], zeros) else {
-        let face = edge.face();
-        let avoided: List<f64> = zeros.iter().map(|z| z.angle).collect();
+        let face = edge.face_polynomial();
+        let avoided: StackList<f64> = zeros.iter().map(|z| z.angle).collect();
         match face.supremum(&avoided) {
-            Some((rate, direction)) => worst.grows(edge.order, rate, direction),
+            Some((rate, direction)) => accumulator.record_growth(edge.order, rate, direction),
             None => {
-                let beside = zeros
-                    .iter()
-                    .any(|z| [1e-3, -1e-3].iter().any(|offset| face.rate(z.angle + offset) > 0.0));
+                let beside = zeros.iter().any(|z| {
+                    [1e-3, -1e-3].iter().any(|offset| face.max_growth(z.angle + offset) > 0.0)
+                });
                 if beside {
-                    worst.expects(edge.order);
+                    accumulator.expect_growth_above(edge.order);
                 }
             }
         }
@@ -416,20 +341,20 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
     };
     // c^r = −F₀/F₁ up to a power of i: |c| is extremal where |F₀/F₁| is.
     let mut extrema = None;
-    let power = 1.0 / (first.time - last.time) as f64;
+    let power = 1.0 / (first.time_power - last.time_power) as f64;
     for (left, right) in sectors(angles) {
         let ratio = |angle: f64| {
-            let [upper, lower] = [&last.form, &first.form].map(|f| f.at_angle(angle));
+            let [upper, lower] = [&last.form, &first.form].map(|f| f.evaluate_at_angle(angle));
             // At a common zero the ratio is lost to rounding.
             let edge = (angle - left).min(right - angle) < 1e-9f64.min(1e-3 * (right - left));
             let lost = edge || lower.bound > 1e-2 * lower.value.abs();
             if lost { 0.0 } else { (upper.value / lower.value).abs().cr_powf(power) }
         };
         let middle = 0.5 * (left + right);
-        let signs = [&last.form, &first.form].map(|f| f.at_angle(middle));
+        let signs = [&last.form, &first.form].map(|f| f.evaluate_at_angle(middle));
         let [Some(a), Some(b)] = signs.map(Rounded::sign) else {
             let lost = if signs[0].sign().is_none() { signs[0] } else { signs[1] };
-            worst.doubts(
+            accumulator.record_undecided(
                 format!(
                     "leading coefficient near the wave vector's direction {:.6}°",
                     middle.rem_euclid(PI).to_degrees()
@@ -439,14 +364,13 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
             );
             continue;
         };
-        let cosine = edge.greatest_cosine(f64::from(a * b));
+        let cosine = edge.max_cosine(f64::from(a * b));
         if cosine <= 0.0 {
             continue;
         }
         let mut best = (ratio(middle), middle);
         let mut is_thin = true;
-        let extrema =
-            extrema.get_or_insert_with(|| form::extrema_of_ratio(&last.form, &first.form));
+        let extrema = extrema.get_or_insert_with(|| form::ratio_extrema(&last.form, &first.form));
         for angle in extrema.iter().flat_map(|e| [*e, e + PI]) {
             if left < angle && angle < right {
                 is_thin = false;
@@ -458,60 +382,64 @@ fn search_directions(edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
         }
         if is_thin {
             // The sector is too thin to be resolved by the roots of the polynomial.
-            let angle = form::maximum_of_ratio(&last.form, &first.form, left, right);
+            let angle = form::locate_ratio_maximum(&last.form, &first.form, left, right);
             if ratio(angle) > best.0 {
                 best = (ratio(angle), angle);
             }
         }
-        worst.grows(edge.order, cosine * best.0, best.1);
+        accumulator.record_growth(edge.order, cosine * best.0, best.1);
     }
 }
 
 /// Number of sample directions in each sector between degenerate directions for roots that are neutral to leading
 /// order.
-const SAMPLES: usize = 12;
+const SECTOR_SAMPLES: usize = 12;
 
 /// Minimum width (rad) of a sector of growth; in narrower ones growth may be an effect of branches that nearly touch.
-const WIDTH: f64 = 0.1;
+const MIN_SECTOR_WIDTH: f64 = 0.1;
 
 /// Searches lower-order growth of roots that are neutral to leading order in whole sectors, by Puiseux series.
-fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
+fn continue_neutral_roots(
+    terms: &[DispersionTerm],
+    zeros: &[FormZero],
+    accumulator: &mut GrowthAccumulator,
+) {
     let at = |angle: f64| {
-        let mut list: List<Monomial, 32> = terms
+        let mut list: StackList<Monomial, 32> = terms
             .iter()
             .map(|t| {
                 let degree = t.form.degree() as i64;
-                let value = Value::times_imaginary_power(t.form.at_angle(angle), degree);
-                Monomial { x: t.time, power: degree, value }
+                let value = RoundedComplex::from_i_power(t.form.evaluate_at_angle(angle), degree);
+                Monomial { x_power: t.time_power, k_power: degree, value }
             })
             .collect();
-        puiseux::collect(&mut list);
-        puiseux::growth(&list, 1, None)
+        puiseux::combine_like_terms(&mut list);
+        puiseux::asymptotic_growth(&list, 1, None)
     };
     for (left, right) in sectors(zeros) {
-        let step = (right - left) / SAMPLES as f64;
-        let mut best: Option<(Order, f64, f64)> = None;
-        for sample in 0..SAMPLES {
+        let step = (right - left) / SECTOR_SAMPLES as f64;
+        let mut best: Option<(GrowthOrder, f64, f64)> = None;
+        for sample in 0..SECTOR_SAMPLES {
             let angle = left + (sample as f64 + 0.5) * step;
             let found = at(angle);
             let Some((order, c)) = found.growth else {
-                worst.takes(found, angle);
+                accumulator.record_root_growth(found, angle);
                 continue;
             };
             // Next to a collision distinct roots may appear multiple; growth of a whole sector also appears at
             // neighbouring angles.
             let goes_on = [0.4, -0.4].into_iter().any(|offset| {
-                let beside = at(angle + offset * step.max(WIDTH));
+                let beside = at(angle + offset * step.max(MIN_SECTOR_WIDTH));
                 beside.growth.is_some_and(|(beside, _)| beside == order)
             });
             if !goes_on {
-                worst.doubts_contact(order, angle);
+                accumulator.record_undecided_contact(order, angle);
             } else if best.is_none_or(|(o, b, _)| (order, c) > (o, b)) {
                 best = Some((order, c, angle));
             }
         }
         let Some((order, mut value, mut place)) = best else { continue };
-        let known = worst.growth.is_some_and(|(o, _, _)| o >= order);
+        let known = accumulator.growth.is_some_and(|(o, _, _)| o >= order);
         if known {
             continue;
         }
@@ -524,42 +452,51 @@ fn follow_neutral_roots(terms: &[Term], zeros: &[Zero], worst: &mut Worst) {
         if rate(refined) > value {
             (value, place) = (rate(refined), refined);
         }
-        worst.grows(order, value, place);
+        accumulator.record_growth(order, value, place);
     }
 }
 
 /// Searches growth around the directions in which neutral roots of an edge collide.
-fn search_collisions(terms: &[Term], edge: &Edge, zeros: &[Zero], worst: &mut Worst) {
-    let face = edge.face();
-    for &angle in face.collisions() {
-        for Collision { angle, root, is_sharp } in collisions_at(face, angle) {
+fn search_collisions(
+    terms: &[DispersionTerm],
+    edge: &PolygonEdge,
+    zeros: &[FormZero],
+    accumulator: &mut GrowthAccumulator,
+) {
+    let face = edge.face_polynomial();
+    for &angle in face.collision_angles() {
+        for RootCollision { angle, root, is_accurate } in find_collisions(face, angle) {
             // Degenerate directions are searched by `search_layer`.
-            if !root.is_neutral() || zeros.iter().any(|z| apart(z.angle, angle) < 1e-9) {
+            if !root.is_neutral() || zeros.iter().any(|z| angular_distance(z.angle, angle) < 1e-9) {
                 continue;
             }
-            if !is_sharp {
-                worst.doubts_contact(edge.order, angle);
+            if !is_accurate {
+                accumulator.record_undecided_contact(edge.order, angle);
                 continue;
             }
             // The angle is not reduced to [0, π): the roots c at α + π differ from those at α.
-            let zero = Zero { angle, bound: 4e-15, crosses: true };
-            search_collision(terms, &zero, edge.order, &root, worst);
+            let zero = FormZero { angle, bound: 4e-15, has_sign_change: true };
+            search_collision(terms, &zero, edge.order, &root, accumulator);
         }
     }
 }
 
 /// Verdict from the accumulated worst growth and doubts.
-fn verdict(mut worst: Worst, pencil: &Pencil) -> Verdict {
-    if let Some(order) = worst.missing() {
-        worst.growth = None;
-        worst.doubts(format!("growth of an order above {}", order.value()), 0.0, f64::EPSILON);
+fn verdict(mut accumulator: GrowthAccumulator, pencil: &Pencil) -> Verdict {
+    if let Some(order) = accumulator.missing_order() {
+        accumulator.growth = None;
+        accumulator.record_undecided(
+            format!("growth of an order above {}", order.to_f64()),
+            0.0,
+            f64::EPSILON,
+        );
     }
-    let (rate, wave_number) = (pencil.polynomial.rate, pencil.polynomial.wave_number);
-    match (worst.growth, worst.doubt) {
+    let (rate, wave_number) = (pencil.polynomial.rate_unit, pencil.polynomial.wave_number_unit);
+    match (accumulator.growth, accumulator.undecided_quantity) {
         (Some((order, scaled, direction)), _) => Verdict::IllPosed {
             growth: Some(Growth {
                 order,
-                coefficient: scaled * rate / wave_number.cr_powf(order.value()),
+                coefficient: scaled * rate / wave_number.cr_powf(order.to_f64()),
             }),
             direction: direction.rem_euclid(PI),
         },

@@ -14,13 +14,13 @@ use num_complex::Complex64;
 
 /// Evolution ż = Gz of a Kelvin wave in the unknowns that have time derivatives.
 #[derive(Clone, Debug)]
-pub struct Evolution {
+pub struct KelvinEvolution {
     /// Columns of the evolving unknowns in the system.
-    pub evolving: Vec<usize>,
+    pub evolving_columns: Vec<usize>,
     /// Rate matrix G, 1/s.
-    pub rates: DMatrix<Complex64>,
+    pub rate_matrix: DMatrix<Complex64>,
     /// Orthonormal basis of the subspace admitted by the constraints.
-    admissible: DMatrix<Complex64>,
+    admissible_basis: DMatrix<Complex64>,
 }
 
 /// Wave vector exp(−Γᵀt) k, 1/m, of a wave in v = Γx after the time t (s).
@@ -34,17 +34,18 @@ pub fn wave_vector_rate(gradient: [[f64; 2]; 2], wave: [f64; 2]) -> [f64; 2] {
     std::array::from_fn(|i| -(0..2).map(|j| gradient[j][i] * wave[j]).sum::<f64>())
 }
 
-impl Evolution {
+impl KelvinEvolution {
     /// Evolution of a wave with wave vector k (1/m) that changes at the `rate` k̇ (1/(m·s)). With k̇ = 0 the
-    /// eigenvalues of [`reduced`](Self::reduced) are the finite roots of the frozen pencil without −ik·V.
+    /// eigenvalues of [`reduced_rate_matrix`](Self::reduced_rate_matrix) are the finite roots of the frozen pencil
+    /// without −ik·V.
     ///
     /// `None` if the equations do not determine the evolution.
     pub fn new(system: &LinearisedSystem<2>, wave: [f64; 2], rate: [f64; 2]) -> Option<Self> {
         let columns = system.unknowns.len();
         let is_zero = |entry: &Rounded| entry.value == 0.0;
-        let (evolving, others): (Vec<usize>, Vec<usize>) =
+        let (evolving_columns, others): (Vec<usize>, Vec<usize>) =
             (0..columns).partition(|&column| !system.a.column(column).iter().all(is_zero));
-        let size = evolving.len() + others.len();
+        let size = evolving_columns.len() + others.len();
         if system.equations.len() != size {
             return None;
         }
@@ -59,12 +60,12 @@ impl Evolution {
         };
         // Solve left (ż, w) = right z for the rates of the evolving unknowns z and the other unknowns w.
         let mut left = DMatrix::from_element(size, size, Complex64::ZERO);
-        let mut right = DMatrix::from_element(size, evolving.len(), Complex64::ZERO);
+        let mut right = DMatrix::from_element(size, evolving_columns.len(), Complex64::ZERO);
         let mut constraints = Vec::new();
         for row in 0..size {
             let is_constraint = system.a.row(row).iter().all(is_zero)
                 && others.iter().all(|&column| symbol(row, column) == Complex64::ZERO);
-            for (place, &column) in evolving.iter().enumerate() {
+            for (place, &column) in evolving_columns.iter().enumerate() {
                 if is_constraint {
                     left[(row, place)] = symbol(row, column);
                     right[(row, place)] = -moving(row, column);
@@ -74,7 +75,7 @@ impl Evolution {
                 }
             }
             for (place, &column) in others.iter().enumerate() {
-                left[(row, evolving.len() + place)] = symbol(row, column);
+                left[(row, evolving_columns.len() + place)] = symbol(row, column);
             }
             if is_constraint {
                 constraints.push(row);
@@ -90,22 +91,28 @@ impl Evolution {
             scale(&mut right, row, 1.0 / greatest);
         }
         let solution = left.clone().lu().solve(&right)?;
-        let rates = solution.rows(0, evolving.len()).into_owned();
-        let own = |row: usize| left.row(row).columns(0, evolving.len()).into_owned();
-        let admissible =
-            complement(&constraints.into_iter().map(own).collect::<Vec<_>>(), evolving.len())?;
-        rates.iter().all(|entry| entry.is_finite()).then_some(Self { evolving, rates, admissible })
+        let rate_matrix = solution.rows(0, evolving_columns.len()).into_owned();
+        let own = |row: usize| left.row(row).columns(0, evolving_columns.len()).into_owned();
+        let admissible_basis = orthogonal_complement(
+            &constraints.into_iter().map(own).collect::<Vec<_>>(),
+            evolving_columns.len(),
+        )?;
+        rate_matrix.iter().all(|entry| entry.is_finite()).then_some(Self {
+            evolving_columns,
+            rate_matrix,
+            admissible_basis,
+        })
     }
 
     /// Rate matrix on the admissible subspace, in an orthonormal basis.
-    pub fn reduced(&self) -> DMatrix<Complex64> {
-        self.admissible.adjoint() * &self.rates * &self.admissible
+    pub fn reduced_rate_matrix(&self) -> DMatrix<Complex64> {
+        self.admissible_basis.adjoint() * &self.rate_matrix * &self.admissible_basis
     }
 
-    /// Eigenvalues (1/s) and unit eigenvectors of [`reduced`](Self::reduced), by descending growth rate. Empty if the
-    /// iteration does not converge.
+    /// Eigenvalues (1/s) and unit eigenvectors of [`reduced_rate_matrix`](Self::reduced_rate_matrix), by descending
+    /// growth rate. Empty if the iteration does not converge.
     pub fn modes(&self) -> Vec<(Complex64, Vec<Complex64>)> {
-        let (reduced, scales, unit) = balanced(self.reduced());
+        let (reduced, scales, unit) = balance_matrix(self.reduced_rate_matrix());
         let size = reduced.nrows();
         let mut rates = crate::dense::eigenvalues(reduced.clone()).unwrap_or_default();
         rates.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
@@ -116,7 +123,7 @@ impl Evolution {
             let least = decomposition.singular_values.imin();
             let mut vector = decomposition.v_t?.row(least).adjoint();
             vector.iter_mut().zip(&scales).for_each(|(own, scale)| *own *= *scale);
-            let vector = (&self.admissible * vector).normalize();
+            let vector = (&self.admissible_basis * vector).normalize();
             Some((rate * unit, vector.iter().copied().collect()))
         };
         rates.into_iter().filter_map(vector).collect()
@@ -131,7 +138,7 @@ impl Evolution {
 /// of constraints, as in k·v = 0, must not.
 ///
 /// `None` if the equations do not determine the evolution, or if `system` returns `None` at some time.
-pub fn course(
+pub fn integrate_kelvin_wave(
     system: &dyn Fn(f64) -> Option<LinearisedSystem<2>>,
     gradient: [[f64; 2]; 2],
     wave: [f64; 2],
@@ -155,10 +162,12 @@ pub fn course(
         for (j, time) in times.into_iter().enumerate() {
             let time = (index as f64 + time) * step;
             let now = wave_vector(gradient, wave, time);
-            let rates = Evolution::new(&system(time)?, now, wave_vector_rate(gradient, now))?.rates;
+            let rate_matrix =
+                KelvinEvolution::new(&system(time)?, now, wave_vector_rate(gradient, now))?
+                    .rate_matrix;
             for (i, weights) in weights.iter().enumerate() {
                 let mut block = left.view_mut((i * size, j * size), (size, size));
-                block -= rates.scale(step * weights[j]);
+                block -= rate_matrix.scale(step * weights[j]);
             }
         }
         let right = nalgebra::DVector::from_fn(3 * size, |row, _| state[row % size]);
@@ -173,11 +182,11 @@ pub fn course(
 /// Balances a square matrix (Parlett & Reinsch 1969): returns D⁻¹AD/u, D and u, with powers of two in D and u, such
 /// that rows and columns have comparable norms and the largest entry is about one. Hence units of the unknowns do not
 /// affect the bits of results.
-fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f64) {
-    const ROUNDS: usize = 100;
+fn balance_matrix(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f64) {
+    const MAX_SWEEPS: usize = 100;
     let size = matrix.nrows();
     let mut scales = vec![1.0; size];
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_SWEEPS {
         let mut is_settled = true;
         for i in 0..size {
             let others = || (0..size).filter(|j| *j != i);
@@ -212,9 +221,12 @@ fn balanced(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f6
 }
 
 /// Orthonormal basis of the orthogonal complement of `rows` (Gram–Schmidt with reorthogonalisation); `None` if empty.
-fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> Option<DMatrix<Complex64>> {
-    let mut taken: Vec<nalgebra::DVector<Complex64>> = Vec::new();
-    let mut left = Vec::new();
+fn orthogonal_complement(
+    rows: &[nalgebra::RowDVector<Complex64>],
+    size: usize,
+) -> Option<DMatrix<Complex64>> {
+    let mut accepted: Vec<nalgebra::DVector<Complex64>> = Vec::new();
+    let mut basis = Vec::new();
     let axes = (0..size).map(|axis| {
         let mut unit = nalgebra::DVector::from_element(size, Complex64::ZERO);
         unit[axis] = Complex64::ONE;
@@ -223,7 +235,7 @@ fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> Option<D
     let constraints = rows.iter().map(|row| (row.adjoint(), true));
     for (mut vector, is_constraint) in constraints.chain(axes.map(|axis| (axis, false))) {
         for _ in 0..2 {
-            for own in &taken {
+            for own in &accepted {
                 let part = own.dotc(&vector);
                 vector -= own * part;
             }
@@ -233,11 +245,11 @@ fn complement(rows: &[nalgebra::RowDVector<Complex64>], size: usize) -> Option<D
         // requires.
         if norm > 0.5 / (size as f64).sqrt() || is_constraint {
             vector.unscale_mut(norm);
-            taken.push(vector.clone());
+            accepted.push(vector.clone());
             if !is_constraint {
-                left.push(vector);
+                basis.push(vector);
             }
         }
     }
-    (!left.is_empty()).then(|| DMatrix::from_columns(&left))
+    (!basis.is_empty()).then(|| DMatrix::from_columns(&basis))
 }

@@ -5,14 +5,15 @@
 //! the points (i, l, j), a polynomial in c and d with x = c k^m and y = d k^τ. Its roots c grow, decay, or are neutral
 //! and continued by Puiseux series; a further chart is opened where they vanish, become infinite or collide.
 
-use crate::face::FacePolynomial;
-use crate::form::{Form, Zero};
-use crate::list::{List, list};
-use crate::newton::Order;
-use crate::polynomial::Term;
-use crate::puiseux::{self, DOUBTFUL, Monomial, Root, binomial, lcm};
-use crate::value::Value;
-use crate::worst::Worst;
+use crate::face_polynomial::FacePolynomial;
+use crate::form::{BinaryForm, FormZero};
+use crate::growth_accumulator::GrowthAccumulator;
+use crate::list::{StackList, list};
+use crate::newton_polygon::GrowthOrder;
+use crate::polynomial::DispersionTerm;
+use crate::puiseux::{self, BoundedRoot, Monomial, UNDECIDED_RELATIVE_BOUND, binomial, lcm};
+use crate::root_collisions::{RootCollision, find_collisions};
+use crate::rounded_complex::RoundedComplex;
 use models::Rounded;
 use models::common::elementary::Elementary;
 use num_complex::Complex64;
@@ -20,42 +21,42 @@ use std::cell::RefCell;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Maximum depth of nested charts.
-const DEPTH: usize = 4;
+const MAX_CHART_DEPTH: usize = 4;
 
 /// A monomial `value` xⁱ yˡ k^j of a chart.
 #[derive(Clone, Copy, Debug)]
-struct Point {
-    x: usize,
-    y: usize,
-    /// Power of k, in units of 1/`Chart::unit`.
-    power: i64,
-    value: Value,
+struct ChartTerm {
+    x_power: usize,
+    y_power: usize,
+    /// Power of k, in units of 1/`Chart::power_denominator`.
+    k_power: i64,
+    value: RoundedComplex,
 }
 
 /// Location of a chart, for reports.
 #[derive(Clone, Copy)]
-pub(crate) struct Place {
+pub(crate) struct ChartLocation {
     /// The degenerate direction, rad.
     pub(crate) angle: f64,
     /// Remaining depth of nested charts.
-    depth: usize,
+    remaining_depth: usize,
 }
 
 /// A polynomial in local coordinates (x, y) and k; see the module comment.
 struct Chart {
-    points: List<Point, 64>,
+    terms: StackList<ChartTerm, 64>,
     /// Common denominator of the powers of k.
-    unit: i64,
+    power_denominator: i64,
     /// Upper bounds on the orders m of x and τ of y.
-    below: Option<Order>,
-    offset_below: Order,
+    order_bound: Option<GrowthOrder>,
+    offset_order_bound: GrowthOrder,
 }
 
 /// Coefficients of κ^(d−l) κ⊥^l in axes along a degenerate direction, with bounds widened by the uncertainty of the
 /// direction.
-pub(crate) fn along(form: &Form, zero: &Zero) -> List<Rounded> {
-    let axis = Rounded::exact(zero.angle);
-    let turned = form.rotated(axis.cos(), axis.sin());
+pub(crate) fn expand_along_direction(form: &BinaryForm, zero: &FormZero) -> StackList<Rounded> {
+    let axis = Rounded::from_exact(zero.angle);
+    let turned = form.to_rotated_axes(axis.cos(), axis.sin());
     let slope = turned.derivative();
     let curvature = slope.derivative();
     let widened = |l: usize| {
@@ -71,194 +72,272 @@ pub(crate) fn along(form: &Form, zero: &Zero) -> List<Rounded> {
 }
 
 /// Chart around a degenerate direction and ς = 0.
-fn chart(terms: &[Term], zero: &Zero) -> Chart {
-    let mut points = List::new();
+fn build_chart(terms: &[DispersionTerm], zero: &FormZero) -> Chart {
+    let mut chart_terms = StackList::new();
     for term in terms {
         let degree = term.form.degree();
-        for (l, value) in along(&term.form, zero).into_iter().enumerate() {
-            let value = Value::times_imaginary_power(value, degree as i64);
+        for (l, value) in expand_along_direction(&term.form, zero).into_iter().enumerate() {
+            let value = RoundedComplex::from_i_power(value, degree as i64);
             if !value.is_zero() {
-                points.push(Point { x: term.time, y: l, power: (degree - l) as i64, value });
+                chart_terms.push(ChartTerm {
+                    x_power: term.time_power,
+                    y_power: l,
+                    k_power: (degree - l) as i64,
+                    value,
+                });
             }
         }
     }
-    Chart { points, unit: 1, below: None, offset_below: Order::new(1, 1) }
+    Chart {
+        terms: chart_terms,
+        power_denominator: 1,
+        order_bound: None,
+        offset_order_bound: GrowthOrder::new(1, 1),
+    }
 }
 
 /// Searches growth in the layers around a direction in which some coefficient vanishes.
-pub(crate) fn search_layer(terms: &[Term], zero: &Zero, worst: &mut Worst) {
-    explore(&chart(terms, zero), Place { angle: zero.angle, depth: DEPTH }, worst);
+pub(crate) fn search_layer(
+    terms: &[DispersionTerm],
+    zero: &FormZero,
+    accumulator: &mut GrowthAccumulator,
+) {
+    search_chart(
+        &build_chart(terms, zero),
+        ChartLocation { angle: zero.angle, remaining_depth: MAX_CHART_DEPTH },
+        accumulator,
+    );
 }
 
 /// Searches growth around a direction in which neutral roots ς ≈ c k^m collide.
 pub(crate) fn search_collision(
-    terms: &[Term],
-    zero: &Zero,
-    order: Order,
-    root: &Root,
-    worst: &mut Worst,
+    terms: &[DispersionTerm],
+    zero: &FormZero,
+    order: GrowthOrder,
+    root: &BoundedRoot,
+    accumulator: &mut GrowthAccumulator,
 ) {
-    let whole = chart(terms, zero);
+    let whole = build_chart(terms, zero);
     let top = (order.numerator, order.denominator);
-    let inner = whole.moved_root(top, Order::new(1, 1), root);
-    explore(&inner, Place { angle: zero.angle, depth: DEPTH }, worst);
+    let inner = whole.shift_root(top, GrowthOrder::new(1, 1), root);
+    search_chart(
+        &inner,
+        ChartLocation { angle: zero.angle, remaining_depth: MAX_CHART_DEPTH },
+        accumulator,
+    );
 }
 
 impl Chart {
     /// Chart in the shifted root x − c k^m, m = `top`\[0\]/`top`\[1\], for offsets below k^τ.
-    fn moved_root(&self, top: (i64, i64), tau: Order, root: &Root) -> Chart {
-        let order = Order::new(top.0, top.1);
-        let unit = lcm(lcm(self.unit, order.denominator), tau.denominator);
+    fn shift_root(&self, top: (i64, i64), tau: GrowthOrder, root: &BoundedRoot) -> Chart {
+        let order = GrowthOrder::new(top.0, top.1);
+        let unit = lcm(lcm(self.power_denominator, order.denominator), tau.denominator);
         let slope = order.numerator * (unit / order.denominator);
         let across = tau.numerator * (unit / tau.denominator);
         let weight = |x: usize, y: usize, power: i64| power + slope * x as i64 + across * y as i64;
-        let scaled = |p: &Point| p.power * (unit / self.unit);
-        let greatest =
-            self.points.iter().map(|p| weight(p.x, p.y, scaled(p))).max().unwrap_or_default();
-        let powers = powers_of(root.value, root.bound, self.points.iter().map(|p| p.x).max());
-        let mut points = List::new();
-        for p in &self.points {
-            for x in 0..=p.x {
-                let power = scaled(p) + slope * (p.x - x) as i64;
+        let scaled = |p: &ChartTerm| p.k_power * (unit / self.power_denominator);
+        let greatest = self
+            .terms
+            .iter()
+            .map(|p| weight(p.x_power, p.y_power, scaled(p)))
+            .max()
+            .unwrap_or_default();
+        let powers =
+            compute_powers(root.value, root.bound, self.terms.iter().map(|p| p.x_power).max());
+        let mut terms = StackList::new();
+        for p in &self.terms {
+            for x in 0..=p.x_power {
+                let power = scaled(p) + slope * (p.x_power - x) as i64;
                 // Around a root of multiplicity n that stays neutral on both sides, branches cross and do not fold: x =
                 // O(y), since any other power would move x off the imaginary axis on one side. Leading terms xⁱ yˡ with
                 // i + l < n contradict this and are rounding.
-                if x + p.y < root.multiplicity && weight(x, p.y, power) == greatest {
+                if x + p.y_power < root.multiplicity && weight(x, p.y_power, power) == greatest {
                     continue;
                 }
-                let factor = Value::new(binomial(p.x, x).into(), 0.0);
-                points.push(Point { x, y: p.y, power, value: p.value * powers[p.x - x] * factor });
+                let factor = RoundedComplex::new(binomial(p.x_power, x).into(), 0.0);
+                terms.push(ChartTerm {
+                    x_power: x,
+                    y_power: p.y_power,
+                    k_power: power,
+                    value: p.value * powers[p.x_power - x] * factor,
+                });
             }
         }
-        collect(&mut points);
-        Chart { points, unit, below: Some(order), offset_below: tau }
+        combine_like_terms(&mut terms);
+        Chart { terms, power_denominator: unit, order_bound: Some(order), offset_order_bound: tau }
     }
 
     /// Chart in the shifted offset y − d k^τ.
-    fn moved_offset(&self, tau: Order, d: f64, bound: f64) -> Chart {
-        let unit = lcm(self.unit, tau.denominator);
+    fn shift_offset(&self, tau: GrowthOrder, d: f64, bound: f64) -> Chart {
+        let unit = lcm(self.power_denominator, tau.denominator);
         let across = tau.numerator * (unit / tau.denominator);
-        let powers = powers_of(d.into(), bound, self.points.iter().map(|p| p.y).max());
-        let mut points = List::new();
-        for p in &self.points {
-            for y in 0..=p.y {
-                let power = p.power * (unit / self.unit) + across * (p.y - y) as i64;
-                let factor = Value::new(binomial(p.y, y).into(), 0.0);
-                points.push(Point { x: p.x, y, power, value: p.value * powers[p.y - y] * factor });
+        let powers = compute_powers(d.into(), bound, self.terms.iter().map(|p| p.y_power).max());
+        let mut terms = StackList::new();
+        for p in &self.terms {
+            for y in 0..=p.y_power {
+                let power =
+                    p.k_power * (unit / self.power_denominator) + across * (p.y_power - y) as i64;
+                let factor = RoundedComplex::new(binomial(p.y_power, y).into(), 0.0);
+                terms.push(ChartTerm {
+                    x_power: p.x_power,
+                    y_power: y,
+                    k_power: power,
+                    value: p.value * powers[p.y_power - y] * factor,
+                });
             }
         }
-        collect(&mut points);
-        Chart { points, unit, below: self.below, offset_below: tau }
+        combine_like_terms(&mut terms);
+        Chart {
+            terms,
+            power_denominator: unit,
+            order_bound: self.order_bound,
+            offset_order_bound: tau,
+        }
     }
 }
 
-/// Powers 0 to `greatest` of a number known to within `bound`.
-fn powers_of(base: Complex64, bound: f64, greatest: Option<usize>) -> List<Value> {
-    let mut powers = list![Value::new(Complex64::ONE, 0.0)];
-    for i in 0..greatest.unwrap_or(0) {
-        powers.push(powers[i] * Value::new(base, bound));
+/// Powers 0 to `max_exponent` of a number known to within `bound`.
+fn compute_powers(
+    base: Complex64,
+    bound: f64,
+    max_exponent: Option<usize>,
+) -> StackList<RoundedComplex> {
+    let mut powers = list![RoundedComplex::new(Complex64::ONE, 0.0)];
+    for i in 0..max_exponent.unwrap_or(0) {
+        powers.push(powers[i] * RoundedComplex::new(base, bound));
     }
     powers
 }
 
-/// Sums points of equal powers and drops those that may be zero.
-fn collect(points: &mut List<Point, 64>) {
-    points.sort_by_key(|p| (p.x, p.y, p.power));
-    points.dedup_by(|later, first| {
-        let same = (later.x, later.y, later.power) == (first.x, first.y, first.power);
+/// Sums terms of equal powers and drops those that may be zero.
+fn combine_like_terms(terms: &mut StackList<ChartTerm, 64>) {
+    terms.sort_by_key(|p| (p.x_power, p.y_power, p.k_power));
+    terms.dedup_by(|later, first| {
+        let same = (later.x_power, later.y_power, later.k_power)
+            == (first.x_power, first.y_power, first.k_power);
         if same {
             first.value += later.value;
         }
         same
     });
-    points.retain(|p| !p.value.is_zero());
+    terms.retain(|p| !p.value.is_zero());
 }
 
 /// A facet: x = O(k^order), y = O(k^offset).
 struct Facet {
-    order: Order,
-    offset: Order,
-    points: List<Point>,
+    order: GrowthOrder,
+    offset_order: GrowthOrder,
+    terms: StackList<ChartTerm>,
 }
 
 /// Searches growth in a chart: in the degenerate direction itself, and in every facet of the Newton polytope.
-fn explore(chart: &Chart, place: Place, worst: &mut Worst) {
+fn search_chart(chart: &Chart, place: ChartLocation, accumulator: &mut GrowthAccumulator) {
     // The degenerate direction itself, y = 0.
-    let line: List<Monomial, 32> = chart
-        .points
+    let line: StackList<Monomial, 32> = chart
+        .terms
         .iter()
-        .filter(|p| p.y == 0)
-        .map(|p| Monomial { x: p.x, power: p.power, value: p.value })
+        .filter(|p| p.y_power == 0)
+        .map(|p| Monomial { x_power: p.x_power, k_power: p.k_power, value: p.value })
         .collect();
-    worst.takes(puiseux::growth(&line, chart.unit, chart.below), place.angle);
-    for facet in facets(chart) {
-        explore_facet(chart, &facet, place, worst);
+    accumulator.record_root_growth(
+        puiseux::asymptotic_growth(&line, chart.power_denominator, chart.order_bound),
+        place.angle,
+    );
+    for facet in find_facets(chart) {
+        search_facet(chart, &facet, place, accumulator);
     }
 }
 
+/// Whether the offset tan `angle` is neither zero nor infinite.
+fn is_off_axes(angle: &f64) -> bool {
+    angle.cr_sin().abs() > 1e-9 && (angle - FRAC_PI_2).abs() > 1e-9
+}
+
 /// Searches growth in the layer of a facet, then in charts around its special offsets and collisions.
-fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) {
-    let lowest = facet.points.iter().map(|p| p.x).min().unwrap_or(0);
-    let highest = facet.points.iter().map(|p| p.x).max().unwrap_or(0);
+fn search_facet(
+    chart: &Chart,
+    facet: &Facet,
+    place: ChartLocation,
+    accumulator: &mut GrowthAccumulator,
+) {
+    let lowest = facet.terms.iter().map(|p| p.x_power).min().unwrap_or(0);
+    let highest = facet.terms.iter().map(|p| p.x_power).max().unwrap_or(0);
     if highest == lowest {
         return;
     }
-    let first = facet.points.iter().map(|p| p.y).min().unwrap_or(0);
-    let width = facet.points.iter().map(|p| p.y).max().unwrap_or(0) - first;
-    let mut face =
-        FacePolynomial::new(list![list![Value::default(); width + 1]; highest - lowest + 1]);
-    for p in &facet.points {
-        face.coefficients[p.x - lowest][p.y - first] += p.value;
+    let first = facet.terms.iter().map(|p| p.y_power).min().unwrap_or(0);
+    let width = facet.terms.iter().map(|p| p.y_power).max().unwrap_or(0) - first;
+    let mut face = FacePolynomial::new(
+        list![list![RoundedComplex::default(); width + 1]; highest - lowest + 1],
+    );
+    for p in &facet.terms {
+        face.coefficients[p.x_power - lowest][p.y_power - first] += p.value;
     }
 
     // Offsets at which roots c vanish or become infinite; 0 and ∞ belong to neighbouring facets.
-    let inner = |angle: &f64| angle.cr_sin().abs() > 1e-9 && (angle - FRAC_PI_2).abs() > 1e-9;
-    let infinite = face.zeros_of_power(face.degree());
-    let vanishing = face.zeros_of_power(0);
-    let mut special: List<f64> =
-        infinite.iter().chain(&vanishing).copied().filter(|a| inner(a)).collect();
+    let infinite = face.zeros_of_coefficient(face.degree());
+    let vanishing = face.zeros_of_coefficient(0);
+    let mut special: StackList<f64> =
+        infinite.iter().chain(&vanishing).copied().filter(|a| is_off_axes(a)).collect();
     special.extend([0.0, FRAC_PI_2]);
     special.sort_by(f64::total_cmp);
     special.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
 
-    if worst.may_improve(facet.order) {
+    if accumulator.can_improve(facet.order) {
         let top = &face.coefficients[face.degree()];
         let mut avoided = infinite;
-        avoided.retain(|angle| inner(angle));
+        avoided.retain(|angle| is_off_axes(angle));
         avoided.extend(
             [(0.0, 0), (FRAC_PI_2, width)].iter().filter(|e| top[e.1].is_zero()).map(|e| e.0),
         );
-        let supremum = match triangle(facet) {
+        let supremum = match normalise_triangle(facet) {
             Some((normal, scale)) => normal.supremum().map(|rate| scale * rate),
             None => face.supremum(&avoided).map(|(rate, _)| rate),
         };
         if let Some(rate) = supremum {
-            worst.grows_in_layer(facet.order, rate, place.angle);
-        } else if special
-            .iter()
-            .any(|z| [1e-3, -1e-3, 0.3, -0.3].iter().any(|offset| face.rate(z + offset) > 0.0))
-        {
+            accumulator.record_layer_growth(facet.order, rate, place.angle);
+        } else if special.iter().any(|z| {
+            [1e-3, -1e-3, 0.3, -0.3].iter().any(|offset| face.max_growth(z + offset) > 0.0)
+        }) {
             // Growth that is unbounded in this layer is found in a neighbouring or an inner layer.
-            worst.expects(facet.order);
+            accumulator.expect_growth_above(facet.order);
         }
     }
-    if place.depth == 0 {
-        let hidden = special.iter().any(inner) && worst.is_bounded();
+    if place.remaining_depth == 0 {
+        let hidden = special.iter().any(is_off_axes) && accumulator.is_bounded();
         if hidden {
-            worst.doubts(format!("layer within layers, order {}", facet.order.value()), 0.0, 0.0);
+            accumulator.record_undecided(
+                format!("layer within layers, order {}", facet.order.to_f64()),
+                0.0,
+                0.0,
+            );
         }
         return;
     }
-    let deeper = Place { depth: place.depth - 1, ..place };
-    for angle in special.iter().copied().filter(inner) {
-        let moved = chart.moved_offset(facet.offset, angle.cr_tan(), offset_bound(angle));
-        explore(&Chart { below: None, ..moved }, deeper, worst);
+    let deeper = ChartLocation { remaining_depth: place.remaining_depth - 1, ..place };
+    for angle in special.iter().copied().filter(is_off_axes) {
+        let moved =
+            chart.shift_offset(facet.offset_order, angle.cr_tan(), offset_error_bound(angle));
+        search_chart(&Chart { order_bound: None, ..moved }, deeper, accumulator);
     }
-    if !worst.may_improve_below(facet.order) {
+    if !accumulator.can_improve_below(facet.order) {
         return;
     }
+    continue_facet_roots(chart, facet, &face, &special, deeper, accumulator);
+}
+
+/// Continues neutral roots of a facet by Puiseux series from general offsets, and by charts around the offsets at which
+/// they collide; `special` are the offsets at which roots vanish or become infinite.
+fn continue_facet_roots(
+    chart: &Chart,
+    facet: &Facet,
+    face: &FacePolynomial,
+    special: &[f64],
+    deeper: ChartLocation,
+    accumulator: &mut GrowthAccumulator,
+) {
     // Continue neutral roots from general offsets, and from the offsets at which they collide.
-    let mut sides: List<f64> = special
+    let mut sides: StackList<f64> = special
         .iter()
         .enumerate()
         .map(|(i, left)| 0.5 * (left + special.get(i + 1).copied().unwrap_or(special[0] + PI)))
@@ -266,40 +345,44 @@ fn explore_facet(chart: &Chart, facet: &Facet, place: Place, worst: &mut Worst) 
     sides.extend([0.13, 0.5, 1.1, 1.4].iter().flat_map(|a| [*a, PI - a]));
     for angle in sides {
         let d = angle.cr_tan();
-        let terms = at_offset(chart, facet.offset, d);
-        let mut growth = puiseux::growth(&terms.0, terms.1, chart.below);
-        // Growth of the order of this facet has been computed more accurately above.
+        let terms = terms_at_offset(chart, facet.offset_order, d);
+        let mut growth = puiseux::asymptotic_growth(&terms.0, terms.1, chart.order_bound);
+        // Growth of the order of this facet has been computed more accurately in `search_facet`.
         growth.growth = growth.growth.filter(|(order, _)| *order < facet.order);
         if let Some((order, coefficient)) = growth.growth {
-            worst.grows_in_layer(order, coefficient, place.angle);
+            accumulator.record_layer_growth(order, coefficient, deeper.angle);
         }
     }
-    for &angle in face.collisions().iter().filter(|angle| inner(angle)) {
-        for Collision { angle, root, is_sharp } in collisions_at(&face, angle) {
-            if !inner(&angle) || !root.is_neutral() || root.bound > DOUBTFUL * root.value.norm() {
+    for &angle in face.collision_angles().iter().filter(|angle| is_off_axes(angle)) {
+        for RootCollision { angle, root, is_accurate } in find_collisions(face, angle) {
+            if !is_off_axes(&angle)
+                || !root.is_neutral()
+                || root.bound > UNDECIDED_RELATIVE_BOUND * root.value.norm()
+            {
                 continue;
             }
-            if !is_sharp {
-                worst.doubts_contact(facet.order, place.angle);
+            if !is_accurate {
+                accumulator.record_undecided_contact(facet.order, deeper.angle);
                 continue;
             }
-            let moved = chart.moved_offset(facet.offset, angle.cr_tan(), offset_bound(angle));
+            let moved =
+                chart.shift_offset(facet.offset_order, angle.cr_tan(), offset_error_bound(angle));
             let order = (facet.order.numerator, facet.order.denominator);
-            explore(&moved.moved_root(order, facet.offset, &root), deeper, worst);
+            search_chart(&moved.shift_root(order, facet.offset_order, &root), deeper, accumulator);
         }
     }
 }
 
-/// A facet of three points whose coefficients are powers of i: (power of c, power of d, n).
+/// A facet of three terms whose coefficients are powers of i: (power of c, power of d, n).
 #[derive(Clone, Copy, PartialEq)]
-struct Triangle([(usize, usize, u8); 3]);
+struct TriangularFacet([(usize, usize, u8); 3]);
 
-/// Normalises a facet of three points by scaling c and d; returns the triangle and the scale of c.
-fn triangle(facet: &Facet) -> Option<(Triangle, f64)> {
-    let [p, q, r] = facet.points[..] else { return None };
-    let lowest = |f: fn(&Point) -> usize| facet.points.iter().map(f).min().unwrap_or(0);
-    let (x, y) = (lowest(|p| p.x), lowest(|p| p.y));
-    let quarter = |p: Point| {
+/// Normalises a facet of three terms by scaling c and d; returns the triangle and the scale of c.
+fn normalise_triangle(facet: &Facet) -> Option<(TriangularFacet, f64)> {
+    let [p, q, r] = facet.terms[..] else { return None };
+    let lowest = |f: fn(&ChartTerm) -> usize| facet.terms.iter().map(f).min().unwrap_or(0);
+    let (x, y) = (lowest(|p| p.x_power), lowest(|p| p.y_power));
+    let quarter = |p: ChartTerm| {
         let n = match p.value.value {
             Complex64 { re, im: 0.0 } if re > 0.0 => 0,
             Complex64 { re: 0.0, im } if im > 0.0 => 1,
@@ -307,199 +390,89 @@ fn triangle(facet: &Facet) -> Option<(Triangle, f64)> {
             Complex64 { re: 0.0, .. } => 3,
             _ => return None,
         };
-        Some((p.x - x, p.y - y, n))
+        Some((p.x_power - x, p.y_power - y, n))
     };
-    let normal = Triangle([quarter(p)?, quarter(q)?, quarter(r)?]);
-    // x log c + y log d + log |value| must be equal at all three points.
-    let log = |p: Point| p.value.value.norm().cr_ln();
-    let row = |s: Point| [s.x as f64 - p.x as f64, s.y as f64 - p.y as f64, log(p) - log(s)];
+    let normal = TriangularFacet([quarter(p)?, quarter(q)?, quarter(r)?]);
+    // x log c + y log d + log |value| must be equal at all three terms.
+    let log = |p: ChartTerm| p.value.value.norm().cr_ln();
+    let row = |s: ChartTerm| {
+        [s.x_power as f64 - p.x_power as f64, s.y_power as f64 - p.y_power as f64, log(p) - log(s)]
+    };
     let ([a, b, e], [c, d, f]) = (row(q), row(r));
     Some((normal, ((e * d - b * f) / (a * d - b * c)).cr_exp()))
 }
 
-impl Triangle {
+impl TriangularFacet {
     /// Supremum of Re c of the face polynomial, cached per thread.
     fn supremum(self) -> Option<f64> {
         thread_local! {
-            static KNOWN: RefCell<Vec<(Triangle, Option<f64>)>> = const { RefCell::new(Vec::new()) };
+            static SUPREMA: RefCell<Vec<(TriangularFacet, Option<f64>)>> = const { RefCell::new(Vec::new()) };
         }
-        let known = KNOWN.with_borrow(|k| k.iter().find(|(own, _)| *own == self).map(|k| k.1));
+        let known = SUPREMA.with_borrow(|k| k.iter().find(|(own, _)| *own == self).map(|k| k.1));
         known.unwrap_or_else(|| {
             let greatest = |f: fn(&(usize, usize, u8)) -> usize| self.0.iter().map(f).max();
             let degree = greatest(|p| p.0).unwrap_or(0);
             let width = greatest(|p| p.1).unwrap_or(0);
             let mut face =
-                FacePolynomial::new(list![list![Value::default(); width + 1]; degree + 1]);
+                FacePolynomial::new(list![list![RoundedComplex::default(); width + 1]; degree + 1]);
             for (x, y, n) in self.0 {
-                face.coefficients[x][y] += Value::times_imaginary_power(Rounded::ONE, n.into());
+                face.coefficients[x][y] += RoundedComplex::from_i_power(Rounded::ONE, n.into());
             }
             let top = &face.coefficients[degree];
             let ends = [(0.0, 0), (FRAC_PI_2, width)].into_iter().filter(|e| top[e.1].is_zero());
-            let mut avoided = face.zeros_of_power(degree);
+            let mut avoided = face.zeros_of_coefficient(degree);
             avoided.extend(ends.map(|e| e.0));
             let found = face.supremum(&avoided).map(|(rate, _)| rate);
-            KNOWN.with_borrow_mut(|known| known.push((self, found)));
+            SUPREMA.with_borrow_mut(|known| known.push((self, found)));
             found
         })
     }
 }
 
 /// Error bound of an offset tan `angle`, for an angle accurate to rounding.
-fn offset_bound(angle: f64) -> f64 {
+fn offset_error_bound(angle: f64) -> f64 {
     1e-14 * (1.0 + angle.cr_tan().powi(2))
 }
 
 /// Terms of a chart at a fixed offset y = d k^τ.
-fn at_offset(chart: &Chart, tau: Order, d: f64) -> (List<Monomial, 32>, i64) {
-    let unit = lcm(chart.unit, tau.denominator);
+fn terms_at_offset(chart: &Chart, tau: GrowthOrder, d: f64) -> (StackList<Monomial, 32>, i64) {
+    let unit = lcm(chart.power_denominator, tau.denominator);
     let across = tau.numerator * (unit / tau.denominator);
-    let mut terms: List<Monomial, 32> = chart
-        .points
+    let mut terms: StackList<Monomial, 32> = chart
+        .terms
         .iter()
         .map(|p| Monomial {
-            x: p.x,
-            power: p.power * (unit / chart.unit) + across * p.y as i64,
-            value: p.value * Value::new(d.powi(p.y as i32).into(), 0.0),
+            x_power: p.x_power,
+            k_power: p.k_power * (unit / chart.power_denominator) + across * p.y_power as i64,
+            value: p.value * RoundedComplex::new(d.powi(p.y_power as i32).into(), 0.0),
         })
         .collect();
-    puiseux::collect(&mut terms);
+    puiseux::combine_like_terms(&mut terms);
     (terms, unit)
 }
 
-/// An angle at which roots collide.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Collision {
-    pub(crate) angle: f64,
-    pub(crate) root: Root,
-    /// Whether the angle is accurate to rounding; false where branches touch.
-    pub(crate) is_sharp: bool,
-}
-
-/// Collisions of roots next to `angle`: all multiple roots, with refined angles.
-///
-/// Roots that are neutral on both sides cross; they do not fold. At a crossing of n branches ∂E/∂α and ∂E/∂c vanish
-/// together with their first n − 2 derivatives in c. This zero is simple unless two branches touch, so Newton's
-/// iteration locates it to full accuracy. On the axes the angle is exact.
-pub(crate) fn collisions_at(face: &FacePolynomial, angle: f64) -> List<Collision> {
-    let mut found: List<Collision> = List::new();
-    let mut include = |angle: f64, near: Option<Complex64>, is_sharp: bool| {
-        for root in face.roots(angle).into_iter().filter(|r| r.multiplicity > 1) {
-            let is_meant = near.is_none_or(|c| (c - root.value).norm() <= 1e-3 * root.value.norm());
-            if !is_meant || !splits_nearby(face, angle, &root) {
-                continue;
-            }
-            let is_same = |c: &&Collision| {
-                (c.root.value - root.value).norm() <= 1e-2 * root.value.norm()
-                    && (!is_sharp || (c.angle - angle).abs() < 1e-9)
-            };
-            if !found.iter().any(|c| is_same(&c)) {
-                let bound = root.bound.max(1e-14 * root.value.norm());
-                found.push(Collision { angle, root: Root { bound, ..root }, is_sharp });
-            }
-        }
-    };
-    for axis in [0.0, FRAC_PI_2, PI] {
-        if (angle - axis).abs() < 1e-2 {
-            include(axis, None, true);
-        }
-    }
-    let roots = face.roots(angle);
-    let mut is_settled: List<bool> = list![false; roots.len()];
-    for first in &roots {
-        // Groups of one root and its neighbours, the largest group first.
-        let mut near: List<(f64, usize)> =
-            roots.iter().enumerate().map(|(i, r)| ((r.value - first.value).norm(), i)).collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.retain(|(gap, _)| *gap <= 0.2 * first.value.norm());
-        for end in (0..near.len()).rev() {
-            let members = &near[..=end];
-            let count = members.iter().map(|(_, i)| roots[*i].multiplicity).sum::<usize>();
-            // Skip single roots and groups with a root of a crossing already found.
-            if count < 2 || members.iter().any(|(_, i)| is_settled[*i]) {
-                continue;
-            }
-            let weighted = |(_, i): &(f64, usize)| roots[*i].value * roots[*i].multiplicity as f64;
-            let start = members.iter().map(weighted).sum::<Complex64>() / count as f64;
-            if let Some((place, root, is_sharp)) = crossing(face, angle, start, count) {
-                include(place, Some(root), is_sharp);
-                members.iter().for_each(|(_, i)| is_settled[*i] = true);
-                break;
-            }
-        }
-    }
-    found
-}
-
-/// Number of Newton steps from a zero of the discriminant to rounding accuracy, with two in reserve.
-const NEWTON_STEPS: usize = 12;
-
-/// Locates the crossing of `count` branches near `angle` and the root c by Newton's iteration: angle, root, and whether
-/// convergence was quadratic (branches cross) and not linear (branches touch).
-fn crossing(
-    face: &FacePolynomial,
-    angle: f64,
-    c: Complex64,
-    count: usize,
-) -> Option<(f64, Complex64, bool)> {
-    let (mut place, mut root) = (Complex64::from(angle), c);
-    let mut steps = [f64::INFINITY; NEWTON_STEPS];
-    let n = count as f64;
-    for last in &mut steps {
-        // f = ∂c^(n−1) E and g = ∂α ∂c^(n−2) E over factorials, with their derivatives by c and α.
-        let [value, by_angle, twice] = face.by_powers(place, root, count);
-        let (f, fc, fa) = (value[count - 1], n * value[count], by_angle[count - 1]);
-        let (g, gc, ga) = (by_angle[count - 2], (n - 1.0) * by_angle[count - 1], twice[count - 2]);
-        let determinant = fc * ga - fa * gc;
-        let step = [(fc * g - f * gc) / determinant, (f * ga - fa * g) / determinant];
-        if !step[0].is_finite() || !step[1].is_finite() {
-            return None;
-        }
-        place -= step[0];
-        root -= step[1];
-        *last = step[0].norm() + step[1].norm() / root.norm();
-    }
-    // Require several small steps: a single one may be accidental.
-    let is_sharp = steps[NEWTON_STEPS - 3..].iter().all(|&step| step < 1e-12);
-    let last = steps[NEWTON_STEPS - 1];
-    let is_close = (place - angle).norm() < 1e-2 && (root - c).norm() < 0.2 * c.norm();
-    if last > 1e-3 || !is_close || place.im.abs() > 1e-3 * last + 1e-9 {
-        return None;
-    }
-    // f = g = 0 also where branches only approach each other: E itself must vanish.
-    let [value, ..] = face.by_powers(place.re.into(), root, 2);
-    let tolerance = if is_sharp { 1e-13 } else { 1e-10 };
-    let holds = value[0].norm() <= tolerance * face.size(root.norm());
-    holds.then_some((place.re, root, is_sharp))
-}
-
-/// Whether a multiple root splits at neighbouring angles.
-fn splits_nearby(face: &FacePolynomial, angle: f64, root: &Root) -> bool {
-    [1e-3, -1e-3].into_iter().any(|offset| {
-        let distance = |r: &Root| (r.value - root.value).norm();
-        let beside = face.roots(angle + offset);
-        let nearest = beside.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.is_some_and(|nearest| nearest.multiplicity < root.multiplicity)
-    })
-}
-
 /// Facets of the Newton polytope with normal (m, τ, 1), m > 0 and τ within the limits of the chart.
-fn facets(chart: &Chart) -> List<Facet> {
-    // Among points with equal x and y the one with the largest power dominates.
-    let mut points: List<&Point, 64> = List::new();
-    for p in &chart.points {
-        match points.iter_mut().find(|own| (own.x, own.y) == (p.x, p.y)) {
-            Some(own) if own.power < p.power => *own = p,
+fn find_facets(chart: &Chart) -> StackList<Facet> {
+    // Among terms with equal x and y the one with the largest power dominates.
+    let mut terms: StackList<&ChartTerm, 64> = StackList::new();
+    for p in &chart.terms {
+        match terms.iter_mut().find(|own| (own.x_power, own.y_power) == (p.x_power, p.y_power)) {
+            Some(own) if own.k_power < p.k_power => *own = p,
             Some(_) => {}
-            None => points.push(p),
+            None => terms.push(p),
         }
     }
-    let mut found: List<([i64; 3], Facet)> = List::new();
-    for (a, p) in points.iter().enumerate() {
-        for (b, q) in points.iter().enumerate().skip(a + 1) {
-            for r in &points[b + 1..] {
+    let mut found: StackList<([i64; 3], Facet)> = StackList::new();
+    for (a, p) in terms.iter().enumerate() {
+        for (b, q) in terms.iter().enumerate().skip(a + 1) {
+            for r in &terms[b + 1..] {
                 // Solve m Δx + τ Δy = −Δpower for both differences; all components are multiplied by the determinant.
-                let difference = |s: &Point| {
-                    [p.x as i64 - s.x as i64, p.y as i64 - s.y as i64, p.power - s.power]
+                let difference = |s: &ChartTerm| {
+                    [
+                        p.x_power as i64 - s.x_power as i64,
+                        p.y_power as i64 - s.y_power as i64,
+                        p.k_power - s.k_power,
+                    ]
                 };
                 let ([x1, y1, k1], [x2, y2, k2]) = (difference(q), difference(r));
                 let mut normal = [k2 * y1 - k1 * y2, x2 * k1 - x1 * k2, x1 * y2 - x2 * y1];
@@ -513,21 +486,24 @@ fn facets(chart: &Chart) -> List<Facet> {
                 if m <= 0 {
                     continue;
                 }
-                let order = Order::new(m, one * chart.unit);
-                let offset = Order::new(tau, one * chart.unit);
-                if offset >= chart.offset_below || chart.below.is_some_and(|b| order >= b) {
+                let order = GrowthOrder::new(m, one * chart.power_denominator);
+                let offset = GrowthOrder::new(tau, one * chart.power_denominator);
+                if offset >= chart.offset_order_bound
+                    || chart.order_bound.is_some_and(|b| order >= b)
+                {
                     continue;
                 }
-                let weight = |s: &Point| m * s.x as i64 + tau * s.y as i64 + one * s.power;
+                let weight =
+                    |s: &ChartTerm| m * s.x_power as i64 + tau * s.y_power as i64 + one * s.k_power;
                 let height = weight(p);
-                if points.iter().any(|s| weight(s) > height) {
+                if terms.iter().any(|s| weight(s) > height) {
                     continue;
                 }
-                if found.iter().any(|(_, f)| f.order == order && f.offset == offset) {
+                if found.iter().any(|(_, f)| f.order == order && f.offset_order == offset) {
                     continue;
                 }
-                let on = points.iter().filter(|s| weight(s) == height).map(|s| **s).collect();
-                found.push((normal, Facet { order, offset, points: on }));
+                let on = terms.iter().filter(|s| weight(s) == height).map(|s| **s).collect();
+                found.push((normal, Facet { order, offset_order: offset, terms: on }));
             }
         }
     }

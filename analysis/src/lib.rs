@@ -1,19 +1,20 @@
 //! Well-posedness analysis: from a linearised system to its dispersion roots, characteristics, growth and verdict.
 //!
-//! Entry points are [`flows::Workspace`] and [`solids::SolidAssessor`]; programs and bindings call these. All other
-//! modules are their algorithms. The analysis takes a [`models::LinearisedSystem`] as data and is independent of the model:
+//! Entry points are [`flows::FlowWorkspace`] and [`solids::SolidAssessor`]; programs and bindings call these. All other
+//! modules are their algorithms. The analysis takes a [`models::LinearisedSystem`] as data and is independent of the
+//! model:
 //!
 //! - [`scaling`]: units in which all coefficients are of comparable size;
 //! - [`polynomial`]: the exact dispersion polynomial det(ςA + κ₁B¹ + κ₂B² + C), κ = ik;
 //! - [`pencil`]: the roots ς at a given wave, by generalised eigenvalues and that polynomial;
 //! - [`characteristics`]: characteristic directions of the steady equations;
-//! - [`qz`], [`roots`], [`extended`]: generalised eigenvalues of small pencils by the QZ algorithm, zeros of
+//! - [`qz`], [`roots`], [`extended_precision`]: generalised eigenvalues of small pencils by the QZ algorithm, zeros of
 //!   polynomials by Aberth's method, double-double arithmetic;
-//! - [`form`], [`newton`]: zeros of binary forms in the direction, Newton polygons and orders of growth;
+//! - [`form`], [`newton_polygon`]: zeros of binary forms in the direction, Newton polygons and orders of growth;
 //! - [`growth`]: verdict by the Newton polygon, with Puiseux series in the layers around degenerate directions;
 //! - [`bound`]: the supremum of the growth rate, where it is finite;
-//! - [`circle`], [`sphere`]: acoustic tensor of a yielding solid over all directions in the plane and in space: flutter
-//!   and shear bands;
+//! - [`acoustic_tensor2`], [`acoustic_tensor3`]: acoustic tensor of a yielding solid over all directions in the plane
+//!   and in space: flutter and shear bands;
 //! - [`energy`]: symmetriser and energy conservation of the equations of a solid;
 //! - [`kelvin`]: Kelvin waves, advected by a homogeneous flow;
 //! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
@@ -24,37 +25,39 @@
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod acoustic_tensor2;
+pub mod acoustic_tensor3;
 pub mod bound;
 pub mod characteristics;
-pub mod circle;
+mod corner_factors;
 mod dense;
 pub mod energy;
-pub mod extended;
-mod face;
+pub mod extended_precision;
+mod face_polynomial;
+mod finite_wave_number;
 pub mod flows;
 pub mod form;
 pub mod growth;
+mod growth_accumulator;
 pub mod kelvin;
 mod layers;
-mod leading;
+mod line_search;
 pub mod list;
-pub mod newton;
+pub mod newton_polygon;
 pub mod pencil;
 pub mod polynomial;
 mod puiseux;
 pub mod qz;
+mod root_collisions;
 pub mod roots;
+mod rounded_complex;
 pub mod scaling;
-mod search;
 pub mod solids;
-pub mod sphere;
-mod value;
 pub mod waves;
-mod worst;
 
+use acoustic_tensor3::NormalSearchError;
 use models::InputError;
 use models::yield_set::tangent::NoResponse;
-use sphere::SphereError;
 
 /// A system that cannot be analysed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,7 +72,7 @@ pub enum AnalysisError {
         equation: &'static str,
     },
     /// Too many equations for the exact polynomial.
-    #[error("{0} equations: the exact dispersion polynomial takes at most {max}", max = polynomial::MAX_SIZE)]
+    #[error("{0} equations: the exact dispersion polynomial takes at most {max}", max = polynomial::MAX_EQUATIONS)]
     TooLarge(usize),
 }
 
@@ -87,5 +90,5 @@ pub enum StateError {
     NoResponse(#[from] NoResponse),
     /// The search over all directions in space failed.
     #[error(transparent)]
-    Sphere(#[from] SphereError),
+    NormalSearch(#[from] NormalSearchError),
 }

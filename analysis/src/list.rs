@@ -3,12 +3,12 @@
 use smallvec::SmallVec;
 
 /// A list of up to `N` items on the stack, enough for the models of this project; longer lists move to the heap.
-pub type List<T, const N: usize = 8> = SmallVec<[T; N]>;
+pub type StackList<T, const N: usize = 8> = SmallVec<[T; N]>;
 
-/// A [`List`] written like an array.
+/// A [`StackList`] written like an array.
 macro_rules! list {
     ($($items:tt)*) => {{
-        let list: crate::list::List<_> = smallvec::smallvec![$($items)*];
+        let list: crate::list::StackList<_> = smallvec::smallvec![$($items)*];
         list
     }};
 }

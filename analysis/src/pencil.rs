@@ -6,7 +6,7 @@
 //! finite eigenvalues are then refined on that polynomial.
 
 use crate::AnalysisError;
-use crate::list::List;
+use crate::list::StackList;
 use crate::polynomial::DispersionPolynomial;
 use crate::qz::Qz;
 use crate::scaling::ScaledSystem;
@@ -16,7 +16,7 @@ use num_complex::Complex64;
 
 /// Roots of the dispersion relation at one wave vector.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Roots {
+pub enum PencilRoots {
     /// Regular pencil: finitely many roots.
     Regular {
         /// The finite roots ς, 1/s, by descending real part.
@@ -53,7 +53,7 @@ impl Pencil {
         self.is_singular = !square;
         if square {
             self.polynomial.update(&self.scaled)?;
-            self.is_singular = !self.polynomial.forms().iter().any(|term| term.form.is_certain());
+            self.is_singular = !self.polynomial.forms().iter().any(|term| term.form.is_nonzero());
         }
         Ok(())
     }
@@ -75,7 +75,7 @@ impl Pencil {
                 + s.c[at].value
         };
         let (rows, columns) = (s.equations.len(), s.unknowns.len());
-        let mut matrix: List<List<Complex64>> =
+        let mut matrix: StackList<StackList<Complex64>> =
             (0..rows).map(|i| (0..columns).map(|j| entry((i, j))).collect()).collect();
         let mut largest = None;
         for rank in 0..rows.min(columns) {
@@ -101,29 +101,29 @@ impl Pencil {
     }
 
     /// All roots at the wave number `k` (1/m) and the direction of the wave vector (rad).
-    pub fn roots(&self, k: f64, direction: f64) -> Roots {
+    pub fn roots(&self, k: f64, direction: f64) -> PencilRoots {
         if self.is_singular {
-            return Roots::Singular { rank: self.generic_rank() };
+            return PencilRoots::Singular { rank: self.generic_rank() };
         }
         let size = self.scaled.system.equations.len();
-        let count = self.polynomial.at_wave(k, direction).len() - 1;
+        let count = self.polynomial.coefficients_at(k, direction).len() - 1;
         let mut guesses = self.generalised_eigenvalues(k, direction);
         // Infinite eigenvalues sort last.
         guesses.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
         guesses.truncate(count);
         let mut finite = self.polynomial.roots(k, direction, &guesses);
         finite.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-        Roots::Regular { infinite: size - finite.len(), finite }
+        PencilRoots::Regular { infinite: size - finite.len(), finite }
     }
 
     /// The finite generalised eigenvalues ς, 1/s, of the equilibrated pencil; empty if QZ does not converge.
     pub fn generalised_eigenvalues(&self, k: f64, direction: f64) -> Vec<Complex64> {
-        self.generalised_eigenvalues_in(&mut Qz::default(), k, direction).to_vec()
+        self.compute_generalised_eigenvalues(&mut Qz::default(), k, direction).to_vec()
     }
 
     /// Computes the [`generalised_eigenvalues`](Self::generalised_eigenvalues) in the workspace `qz`, without
     /// allocation.
-    pub fn generalised_eigenvalues_in<'q>(
+    pub fn compute_generalised_eigenvalues<'q>(
         &self,
         qz: &'q mut Qz,
         k: f64,
@@ -135,7 +135,7 @@ impl Pencil {
         let convection = Complex64::new(0.0, -k * (v[0] * cos + v[1] * sin));
         let Some(values) = qz.solve() else { return &[] };
         for value in &mut *values {
-            *value = *value * self.scaled.rate + convection;
+            *value = *value * self.scaled.rate_unit + convection;
         }
         values
     }
@@ -146,7 +146,7 @@ impl Pencil {
         let s = &self.scaled.system;
         let size = s.equations.len().min(s.unknowns.len());
         let (sin, cos) = direction.cr_sin_cos();
-        let k_scaled = k / self.scaled.wave_number;
+        let k_scaled = k / self.scaled.wave_number_unit;
         let (first, second) = (k_scaled * cos, k_scaled * sin);
         qz.equilibrate(
             size,

@@ -4,9 +4,9 @@
 //! dynamic programming) in double-double arithmetic, with a bound on the effect of the rounding of the entries of
 //! A, Bⁱ, C on each coefficient.
 
-use crate::extended::{Extended, ExtendedComplex};
-use crate::form::Form;
-use crate::list::List;
+use crate::extended_precision::{ExtendedComplex, ExtendedReal};
+use crate::form::BinaryForm;
+use crate::list::StackList;
 use crate::scaling::ScaledSystem;
 use crate::{AnalysisError, roots};
 use models::common::elementary::Elementary;
@@ -16,42 +16,42 @@ use num_complex::Complex64;
 use std::cell::RefCell;
 
 /// Maximum number n of equations: the expansion takes 2ⁿ partial determinants.
-pub const MAX_SIZE: usize = 10;
+pub const MAX_EQUATIONS: usize = 10;
 
 /// A coefficient of the polynomial.
 #[derive(Clone, Copy, Debug, Default)]
-struct Coefficient {
+struct BoundedCoefficient {
     /// Coefficient of the determinant of the stored entries, in double-double precision.
-    value: Extended,
+    value: ExtendedReal,
     /// Error bound due to the rounding bounds of the entries.
-    bound: f64,
+    entry_error_bound: f64,
     /// Error bound due to rounding in the expansion itself.
-    expansion: f64,
+    expansion_error_bound: f64,
 }
 
 /// Upper bound on the relative error of a double-double product and sum.
 const EXTENDED_ROUNDOFF: f64 = 1e-30;
 
-impl Coefficient {
+impl BoundedCoefficient {
     /// Error bound from the entries and from the expansion.
-    fn total_bound(&self) -> f64 {
-        self.bound * 1.000_001 + self.expansion
+    fn total_error_bound(&self) -> f64 {
+        self.entry_error_bound * 1.000_001 + self.expansion_error_bound
     }
 
     /// Whether the coefficient is exactly zero, also by exact cancellation of exact entries.
     fn is_structural_zero(&self) -> bool {
-        self.value.high == 0.0 && self.bound == 0.0
+        self.value.high == 0.0 && self.entry_error_bound == 0.0
     }
 
     /// Adds ± `other` × `entry`, with error bounds.
     fn add_product(&mut self, other: &Self, entry: Rounded, negative: bool) {
-        let factor = Extended::from(if negative { -entry.value } else { entry.value });
+        let factor = ExtendedReal::from(if negative { -entry.value } else { entry.value });
         self.value = self.value + other.value * factor;
-        self.bound += other.value.high.abs() * entry.bound
-            + entry.value.abs() * other.bound
-            + entry.bound * other.bound;
-        self.expansion +=
-            entry.value.abs() * (other.expansion + EXTENDED_ROUNDOFF * other.value.high.abs());
+        self.entry_error_bound += other.value.high.abs() * entry.bound
+            + entry.value.abs() * other.entry_error_bound
+            + entry.bound * other.entry_error_bound;
+        self.expansion_error_bound += entry.value.abs()
+            * (other.expansion_error_bound + EXTENDED_ROUNDOFF * other.value.high.abs());
     }
 }
 
@@ -60,9 +60,9 @@ impl Coefficient {
 struct Monomials {
     exponents: Vec<[u8; 3]>,
     /// Index of the product of each monomial with ς, κ₁, κ₂.
-    times: Vec<[u16; 3]>,
+    product_indices: Vec<[u16; 3]>,
     /// Entry d is the number of monomials of total degree ≤ d.
-    up_to: Vec<usize>,
+    count_up_to_degree: Vec<usize>,
 }
 
 impl Monomials {
@@ -74,13 +74,13 @@ impl Monomials {
                     monomials.exponents.push([a as u8, b as u8, (total - a - b) as u8]);
                 }
             }
-            monomials.up_to.push(monomials.exponents.len());
+            monomials.count_up_to_degree.push(monomials.exponents.len());
         }
         let find = |wanted: [u8; 3]| {
             let index = monomials.exponents.iter().position(|&e| e == wanted);
             index.map_or(u16::MAX, |i| i as u16)
         };
-        monomials.times = monomials
+        monomials.product_indices = monomials
             .exponents
             .iter()
             .map(|&[a, b, c]| [find([a + 1, b, c]), find([a, b + 1, c]), find([a, b, c + 1])])
@@ -95,15 +95,15 @@ pub struct DispersionPolynomial {
     size: usize,
     monomials: Monomials,
     /// Partial determinants, one block of coefficients per set of columns; the last block is the full determinant.
-    partial: Vec<Coefficient>,
+    partial_determinants: Vec<BoundedCoefficient>,
     /// Whether a subset of columns has a transversal in the rows used so far.
-    is_reached: Vec<bool>,
+    is_subset_reached: Vec<bool>,
     /// Rows in the order of expansion.
-    order: Vec<usize>,
+    row_order: Vec<usize>,
     /// Unit of ς, 1/s.
-    pub rate: f64,
+    pub rate_unit: f64,
     /// Unit of k, 1/m.
-    pub wave_number: f64,
+    pub wave_number_unit: f64,
     velocity: [f64; 2],
 }
 
@@ -111,23 +111,23 @@ impl DispersionPolynomial {
     /// Expands the determinant of a square scaled system into `self`, reusing its memory.
     ///
     /// # Errors
-    /// [`AnalysisError::TooLarge`] beyond [`MAX_SIZE`] equations.
+    /// [`AnalysisError::TooLarge`] beyond [`MAX_EQUATIONS`] equations.
     pub fn update(&mut self, scaled: &ScaledSystem) -> Result<(), AnalysisError> {
         let system = &scaled.system;
         let n = system.equations.len();
-        if n > MAX_SIZE {
+        if n > MAX_EQUATIONS {
             return Err(AnalysisError::TooLarge(n));
         }
-        (self.rate, self.wave_number, self.velocity) =
-            (scaled.rate, scaled.wave_number, system.velocity);
+        (self.rate_unit, self.wave_number_unit, self.velocity) =
+            (scaled.rate_unit, scaled.wave_number_unit, system.velocity);
         if self.size != n || self.monomials.exponents.is_empty() {
             self.size = n;
             self.monomials = Monomials::new(n);
         }
         let block = self.monomials.exponents.len();
-        self.partial.resize(block << n, Coefficient::default());
-        self.is_reached.clear();
-        self.is_reached.resize(1 << n, false);
+        self.partial_determinants.resize(block << n, BoundedCoefficient::default());
+        self.is_subset_reached.clear();
+        self.is_subset_reached.resize(1 << n, false);
 
         // Rows with the fewest entries first keep the partial determinants sparse.
         let linear_form = |row: usize, column: usize| {
@@ -137,24 +137,25 @@ impl DispersionPolynomial {
         let entries = |row: usize| {
             (0..n).filter(|&c| linear_form(row, c).iter().any(|x| !x.is_structural_zero())).count()
         };
-        self.order.clear();
-        self.order.extend(0..n);
-        self.order.sort_by_key(|&row| entries(row));
+        self.row_order.clear();
+        self.row_order.extend(0..n);
+        self.row_order.sort_by_key(|&row| entries(row));
 
-        self.partial[..block].fill(Coefficient::default());
-        self.is_reached[0] = true;
+        self.partial_determinants[..block].fill(BoundedCoefficient::default());
+        self.is_subset_reached[0] = true;
         // The full determinant may not be reached.
-        self.partial[((1 << n) - 1) * block..].fill(Coefficient::default());
-        self.partial[0] = Coefficient { value: Extended::from(1.0), ..Coefficient::default() };
+        self.partial_determinants[((1 << n) - 1) * block..].fill(BoundedCoefficient::default());
+        self.partial_determinants[0] =
+            BoundedCoefficient { value: ExtendedReal::from(1.0), ..BoundedCoefficient::default() };
         for set in 0usize..(1 << n) - 1 {
-            if !self.is_reached[set] {
+            if !self.is_subset_reached[set] {
                 continue;
             }
             let used = set.count_ones() as usize;
-            let row = self.order[used];
-            let (before, after) = self.partial.split_at_mut((set + 1) * block);
-            let source = &before[set * block..][..self.monomials.up_to[used]];
-            if source.iter().all(Coefficient::is_structural_zero) {
+            let row = self.row_order[used];
+            let (before, after) = self.partial_determinants.split_at_mut((set + 1) * block);
+            let source = &before[set * block..][..self.monomials.count_up_to_degree[used]];
+            if source.iter().all(BoundedCoefficient::is_structural_zero) {
                 continue;
             }
             for column in (0..n).filter(|c| set >> c & 1 == 0) {
@@ -166,9 +167,10 @@ impl DispersionPolynomial {
                 let negative = (set >> column).count_ones() % 2 == 1;
                 let with = set | 1 << column;
                 let target = &mut after[(with - set - 1) * block..][..block];
-                if !self.is_reached[with] {
-                    self.is_reached[with] = true;
-                    target[..self.monomials.up_to[used + 1]].fill(Coefficient::default());
+                if !self.is_subset_reached[with] {
+                    self.is_subset_reached[with] = true;
+                    target[..self.monomials.count_up_to_degree[used + 1]]
+                        .fill(BoundedCoefficient::default());
                 }
                 for (index, coefficient) in source.iter().enumerate() {
                     if coefficient.is_structural_zero() {
@@ -179,7 +181,7 @@ impl DispersionPolynomial {
                             let to = if variable == 3 {
                                 index
                             } else {
-                                usize::from(self.monomials.times[index][variable])
+                                usize::from(self.monomials.product_indices[index][variable])
                             };
                             target[to].add_product(coefficient, entry, negative);
                         }
@@ -191,16 +193,16 @@ impl DispersionPolynomial {
     }
 
     /// Monomials and coefficients of the full determinant.
-    fn coefficients(&self) -> impl Iterator<Item = ([u8; 3], &Coefficient)> {
+    fn coefficients(&self) -> impl Iterator<Item = ([u8; 3], &BoundedCoefficient)> {
         let block = self.monomials.exponents.len();
-        let whole = &self.partial[self.partial.len() - block..];
+        let whole = &self.partial_determinants[self.partial_determinants.len() - block..];
         self.monomials.exponents.iter().copied().zip(whole)
     }
 
     /// The binary forms F_ij(κ₁, κ₂) of P = Σ ςⁱ F_ij, of degree j, in scaled units; only those
     /// with a coefficient that is not a structural zero.
-    pub fn forms(&self) -> List<Term, 24> {
-        let mut terms: List<Term, 24> = List::new();
+    pub fn forms(&self) -> StackList<DispersionTerm, 24> {
+        let mut terms: StackList<DispersionTerm, 24> = StackList::new();
         for ([a, b, c], coefficient) in self.coefficients() {
             if coefficient.is_structural_zero() {
                 continue;
@@ -208,15 +210,18 @@ impl DispersionPolynomial {
             let (time, space) = (usize::from(a), usize::from(b + c));
             let index = terms
                 .iter()
-                .position(|t| t.time == time && t.form.degree() == space)
+                .position(|t| t.time_power == time && t.form.degree() == space)
                 .unwrap_or_else(|| {
-                    terms.push(Term { time, form: Form::zero(space) });
+                    terms.push(DispersionTerm {
+                        time_power: time,
+                        form: BinaryForm::new_zero(space),
+                    });
                     terms.len() - 1
                 });
             let value = coefficient.value.high;
             terms[index].form.coefficients[usize::from(c)] = Rounded {
                 value,
-                bound: coefficient.total_bound() + coefficient.value.low.abs() * 1.000_001,
+                bound: coefficient.total_error_bound() + coefficient.value.low.abs() * 1.000_001,
             };
         }
         terms
@@ -225,13 +230,13 @@ impl DispersionPolynomial {
     /// Coefficients of the powers of ς − (−ik·V) at the wave vector k = `k` (cos θ, sin θ), scaled: entry i belongs to
     /// ς̂ⁱ. Leading coefficients that are zero within their rounding bound are omitted, so the degree is the number of
     /// finite roots.
-    pub fn at_wave(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
+    pub fn coefficients_at(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
         let (sin, cos) = direction.cr_sin_cos();
-        let k_scaled = k / self.wave_number;
+        let k_scaled = k / self.wave_number_unit;
         let powers = |x: f64| {
-            let mut list = vec![Extended::from(1.0)];
+            let mut list = vec![ExtendedReal::from(1.0)];
             for i in 0..self.size {
-                list.push(list[i] * Extended::from(x));
+                list.push(list[i] * ExtendedReal::from(x));
             }
             list
         };
@@ -246,7 +251,7 @@ impl DispersionPolynomial {
             let (a, b, c) = (usize::from(a), usize::from(b), usize::from(c));
             let factor = first[b] * second[c];
             let term = coefficient.value * factor;
-            bounds[a] += coefficient.total_bound() * factor.high.abs();
+            bounds[a] += coefficient.total_error_bound() * factor.high.abs();
             let slot = &mut result[a];
             // Factor iʲ.
             match (b + c) % 4 {
@@ -269,21 +274,21 @@ impl DispersionPolynomial {
     /// All finite roots ς, 1/s, at the wave vector of magnitude `k` (1/m) and `direction` (rad),
     /// by simultaneous iteration on the exact polynomial from `guesses` (any number, 1/s).
     pub fn roots(&self, k: f64, direction: f64, guesses: &[Complex64]) -> Vec<Complex64> {
-        let coefficients = self.at_wave(k, direction);
+        let coefficients = self.coefficients_at(k, direction);
         let (sin, cos) = direction.cr_sin_cos();
         let convection =
             Complex64::new(0.0, -k * (self.velocity[0] * cos + self.velocity[1] * sin));
-        let guesses: Vec<_> = guesses.iter().map(|g| (g - convection) / self.rate).collect();
+        let guesses: Vec<_> = guesses.iter().map(|g| (g - convection) / self.rate_unit).collect();
         roots::solve_extended(&coefficients, &guesses)
             .into_iter()
-            .map(|root| root * self.rate + convection)
+            .map(|root| root * self.rate_unit + convection)
             .collect()
     }
 }
 
 /// Reusable memory of [`block_determinant`], one per size.
 #[derive(Default)]
-struct Block {
+struct BlockWorkspace {
     system: LinearisedSystem<2>,
     scaled: ScaledSystem,
     polynomial: DispersionPolynomial,
@@ -294,14 +299,14 @@ struct Block {
 pub(crate) fn block_determinant(
     size: usize,
     entry: impl Fn(usize, usize) -> [Rounded; 4],
-) -> Option<List<Term, 24>> {
-    const UNKNOWNS: [Unknown; MAX_SIZE] = [Unknown { name: "", family: "" }; MAX_SIZE];
-    const EQUATIONS: [&str; MAX_SIZE] = [""; MAX_SIZE];
+) -> Option<StackList<DispersionTerm, 24>> {
+    const UNKNOWNS: [Unknown; MAX_EQUATIONS] = [Unknown { name: "", family: "" }; MAX_EQUATIONS];
+    const EQUATIONS: [&str; MAX_EQUATIONS] = [""; MAX_EQUATIONS];
     thread_local! {
-        static BLOCKS: RefCell<[Block; MAX_SIZE + 1]> = RefCell::default();
+        static BLOCK_WORKSPACES: RefCell<[BlockWorkspace; MAX_EQUATIONS + 1]> = RefCell::default();
     }
-    BLOCKS.with_borrow_mut(|blocks| {
-        let Block { system, scaled, polynomial } = blocks.get_mut(size)?;
+    BLOCK_WORKSPACES.with_borrow_mut(|blocks| {
+        let BlockWorkspace { system, scaled, polynomial } = blocks.get_mut(size)?;
         system.reset(UNKNOWNS.get(..size)?, EQUATIONS.get(..size)?, [0.0; 2]);
         for i in 0..size {
             for j in 0..size {
@@ -318,9 +323,9 @@ pub(crate) fn block_determinant(
 
 /// A term ςⁱ F(κ₁, κ₂) of the dispersion polynomial.
 #[derive(Clone, Debug)]
-pub struct Term {
+pub struct DispersionTerm {
     /// Exponent i of ς.
-    pub time: usize,
+    pub time_power: usize,
     /// Binary form F of degree j.
-    pub form: Form,
+    pub form: BinaryForm,
 }

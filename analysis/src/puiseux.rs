@@ -1,95 +1,96 @@
 //! Puiseux series of the roots of a polynomial whose coefficients are powers of a large parameter k, up to the first
 //! term with a nonzero real part (Newton; Puiseux 1850; Walker 1950, chapter IV).
 
-use crate::list::{List, list};
-use crate::newton::{Order, corners_of};
+use crate::list::{StackList, list};
+use crate::newton_polygon::{GrowthOrder, newton_polygon_corners};
 use crate::roots;
-use crate::value::Value;
+use crate::rounded_complex::RoundedComplex;
 use num_complex::Complex64;
 
-/// A term `value` xⁱ k^(`power`/D), D common to all terms.
+/// A term `value` x^`x_power` k^(`k_power`/D), D common to all terms.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Monomial {
-    pub(crate) x: usize,
-    pub(crate) power: i64,
-    pub(crate) value: Value,
+    pub(crate) x_power: usize,
+    pub(crate) k_power: i64,
+    pub(crate) value: RoundedComplex,
 }
 
 /// A nonzero root of a polynomial with multiplicity and error bound.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Root {
+pub(crate) struct BoundedRoot {
     pub(crate) value: Complex64,
     pub(crate) multiplicity: usize,
     /// Bound on the error of the value.
     pub(crate) bound: f64,
 }
 
-impl Root {
+impl BoundedRoot {
     /// Whether the real part of the root may be zero.
     pub(crate) fn is_neutral(&self) -> bool {
         self.value.re.abs() <= self.bound
     }
 
     /// Whether the real part of the root is positive beyond its error bound.
-    pub(crate) fn grows(&self) -> bool {
+    pub(crate) fn is_growing(&self) -> bool {
         self.value.re > self.bound
     }
 }
 
 /// Error bound, relative to a neutral root, above which the sign of its real part is undecided.
-pub(crate) const DOUBTFUL: f64 = 1e-7;
+pub(crate) const UNDECIDED_RELATIVE_BOUND: f64 = 1e-7;
 
 /// Maximum number of terms of a Puiseux series.
-const TERMS: usize = 6;
+const MAX_TERMS: usize = 6;
 
 /// Asymptotic growth of the roots of one polynomial.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RootGrowth {
     /// Largest order with a positive real part, and the coefficient.
-    pub(crate) growth: Option<(Order, f64)>,
+    pub(crate) growth: Option<(GrowthOrder, f64)>,
     /// Order at which the sign of the real part is undecided, real part and its error bound.
-    pub(crate) doubt: Option<(Order, f64, f64)>,
+    pub(crate) undecided_term: Option<(GrowthOrder, f64, f64)>,
 }
 
 impl RootGrowth {
-    fn grows(&mut self, order: Order, coefficient: f64) {
+    fn record_growth(&mut self, order: GrowthOrder, coefficient: f64) {
         let better = self.growth.is_none_or(|(o, c)| (order, coefficient) > (o, c));
         if better {
             self.growth = Some((order, coefficient));
         }
     }
 
-    fn doubts(&mut self, order: Order, value: f64, bound: f64) {
-        self.doubt.get_or_insert((order, value, bound));
+    fn record_undecided(&mut self, order: GrowthOrder, value: f64, bound: f64) {
+        self.undecided_term.get_or_insert((order, value, bound));
     }
 }
 
 /// Nonzero roots of Σ `polynomial[i]` xⁱ; roots that agree within their bounds are merged into a multiple root.
-pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
+pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<BoundedRoot> {
     let first = polynomial.iter().take_while(|c| c.is_zero()).count();
     let end = polynomial.iter().rposition(|c| !c.is_zero()).map_or(0, |last| last + 1);
     if end <= first + 1 {
-        return List::new();
+        return StackList::new();
     }
-    // Low-order coefficients that may be zero are dropped; `lost` bounds the error this makes in the others.
-    let lost = |x: Complex64| {
-        let part =
-            |(i, c): (usize, &Value)| (c.size() + c.bound) * x.norm().powi(i as i32 - first as i32);
+    // Low-order coefficients that may be zero are dropped; `neglected` bounds the error this makes in the others.
+    let neglected = |x: Complex64| {
+        let part = |(i, c): (usize, &RoundedComplex)| {
+            (c.modulus() + c.bound) * x.norm().powi(i as i32 - first as i32)
+        };
         polynomial[..first].iter().enumerate().map(part).sum::<f64>()
     };
     let polynomial = &polynomial[first..end];
-    let plain: List<Complex64> = polynomial.iter().map(|c| c.value).collect();
+    let plain: StackList<Complex64> = polynomial.iter().map(|c| c.value).collect();
     let all = roots::solve(&plain);
     let mut open = all.clone();
-    let mut found = List::new();
+    let mut found = StackList::new();
     while let Some(root) = open.first().copied() {
         let mut radius = 0.03;
         loop {
             let near = |other: &Complex64| (other - root).norm() <= radius * root.norm();
-            let members: List<Complex64> = open.iter().copied().filter(near).collect();
+            let members: StackList<Complex64> = open.iter().copied().filter(near).collect();
             let count = members.len().max(1);
             let mean = members.iter().sum::<Complex64>() / count as f64;
-            if let Some(mut root) = multiple_root(polynomial, lost, mean, count) {
+            if let Some(mut root) = find_multiple_root(polynomial, neglected, mean, count) {
                 // |p/p′| approximates the distance to a root if other roots are far. With others near, only deg p times
                 // |p/p′| bounds it (Henrici 1974): a cluster that is neither merged into one root nor resolved.
                 let degree = (polynomial.len() - 1) as f64;
@@ -106,7 +107,7 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
             if count == 1 {
                 // Accept the root with a bound equal to its modulus.
                 open.remove(0);
-                found.push(Root { value: root, multiplicity: 1, bound: root.norm() });
+                found.push(BoundedRoot { value: root, multiplicity: 1, bound: root.norm() });
                 break;
             }
             radius *= 0.2;
@@ -115,24 +116,24 @@ pub(crate) fn roots_of(polynomial: &[Value]) -> List<Root> {
     found
 }
 
-/// A root of the given multiplicity near a point, if all lower derivatives vanish within their bounds; `lost` bounds
+/// A root of the given multiplicity near a point, if all lower derivatives vanish within their bounds; `neglected` bounds
 /// the coefficients neglected in the polynomial.
-fn multiple_root(
-    polynomial: &[Value],
-    lost: impl Fn(Complex64) -> f64,
+fn find_multiple_root(
+    polynomial: &[RoundedComplex],
+    neglected: impl Fn(Complex64) -> f64,
     near: Complex64,
     multiplicity: usize,
-) -> Option<Root> {
+) -> Option<BoundedRoot> {
     // n-th derivative over n!, and a bound on its error.
     let derivative = |x: Complex64, n: usize| {
         let (mut value, mut uncertainty) = (Complex64::ZERO, 0.0);
         for (i, c) in polynomial.iter().enumerate().rev().take(polynomial.len() - n) {
             let factor = binomial(i, n);
             value = value * x + factor * c.value;
-            let own = c.bound + 4.0 * polynomial.len() as f64 * f64::EPSILON * c.size();
+            let own = c.bound + 4.0 * polynomial.len() as f64 * f64::EPSILON * c.modulus();
             uncertainty = uncertainty * x.norm() + factor * own;
         }
-        uncertainty += lost(x) * x.norm().powi(-(n as i32));
+        uncertainty += neglected(x) * x.norm().powi(-(n as i32));
         (value, uncertainty)
     };
     let mut x = near;
@@ -153,7 +154,11 @@ fn multiple_root(
     let (value, uncertainty) = derivative(x, multiplicity - 1);
     let slope = multiplicity as f64 * derivative(x, multiplicity).0.norm();
     let bound = (2.0 * value.norm() + uncertainty) / slope;
-    (bound < 0.1 * x.norm() || multiplicity == 1).then_some(Root { value: x, multiplicity, bound })
+    (bound < 0.1 * x.norm() || multiplicity == 1).then_some(BoundedRoot {
+        value: x,
+        multiplicity,
+        bound,
+    })
 }
 
 /// Binomial coefficient n over k.
@@ -162,10 +167,10 @@ pub(crate) fn binomial(n: usize, k: usize) -> f64 {
 }
 
 /// Sums terms of equal powers and drops those that may be zero.
-pub(crate) fn collect(terms: &mut List<Monomial, 32>) {
-    terms.sort_by_key(|t| (t.x, t.power));
+pub(crate) fn combine_like_terms(terms: &mut StackList<Monomial, 32>) {
+    terms.sort_by_key(|t| (t.x_power, t.k_power));
     terms.dedup_by(|later, first| {
-        let same = (later.x, later.power) == (first.x, first.power);
+        let same = (later.x_power, later.k_power) == (first.x_power, first.k_power);
         if same {
             first.value += later.value;
         }
@@ -174,56 +179,61 @@ pub(crate) fn collect(terms: &mut List<Monomial, 32>) {
     terms.retain(|t| !t.value.is_zero());
 }
 
-/// Growth of the roots of Σ `terms` as k → ∞, restricted to roots of order below `limit`; `unit` is the denominator D.
-pub(crate) fn growth(terms: &[Monomial], unit: i64, limit: Option<Order>) -> RootGrowth {
+/// Growth of the roots of Σ `terms` as k → ∞, restricted to roots of order below `order_bound`; `unit` is the
+/// denominator D.
+pub(crate) fn asymptotic_growth(
+    terms: &[Monomial],
+    unit: i64,
+    order_bound: Option<GrowthOrder>,
+) -> RootGrowth {
     let mut result = RootGrowth::default();
-    follow(terms, unit, limit, TERMS, &mut result);
+    continue_series(terms, unit, order_bound, MAX_TERMS, &mut result);
     result
 }
 
 /// Continues the roots on all edges of the Newton polygon to the next term of their Puiseux series, up to `depth`
 /// terms.
-fn follow(
+fn continue_series(
     terms: &[Monomial],
     unit: i64,
-    limit: Option<Order>,
+    order_bound: Option<GrowthOrder>,
     depth: usize,
     result: &mut RootGrowth,
 ) {
-    let corners = corners_of(terms.iter().map(|t| (t.x as i64, t.power)));
+    let corners = newton_polygon_corners(terms.iter().map(|t| (t.x_power as i64, t.k_power)));
     for pair in corners.windows(2) {
         let ((i1, j1), (i0, j0)) = (pair[0], pair[1]);
         if j0 <= j1 {
             continue;
         }
-        let order = Order::new(j0 - j1, (i1 - i0) * unit);
-        if limit.is_some_and(|limit| order >= limit)
+        let order = GrowthOrder::new(j0 - j1, (i1 - i0) * unit);
+        if order_bound.is_some_and(|order_bound| order >= order_bound)
             || result.growth.is_some_and(|(known, _)| known > order)
         {
             continue;
         }
-        let mut edge = list![Value::default(); (i1 - i0) as usize + 1];
+        let mut edge = list![RoundedComplex::default(); (i1 - i0) as usize + 1];
         for t in terms {
-            let i = t.x as i64;
-            if i >= i0 && i <= i1 && (t.power - j1) * (i1 - i0) == (j0 - j1) * (i1 - i) {
+            let i = t.x_power as i64;
+            if i >= i0 && i <= i1 && (t.k_power - j1) * (i1 - i0) == (j0 - j1) * (i1 - i) {
                 edge[(i - i0) as usize] += t.value;
             }
         }
-        for root in roots_of(&edge) {
-            if root.grows() {
-                result.grows(order, root.value.re);
+        for root in solve_nonzero_roots(&edge) {
+            if root.is_growing() {
+                result.record_growth(order, root.value.re);
             } else if root.is_neutral() {
-                if root.bound > DOUBTFUL * root.value.norm() {
-                    result.doubts(order, root.value.re, root.bound);
+                if root.bound > UNDECIDED_RELATIVE_BOUND * root.value.norm() {
+                    result.record_undecided(order, root.value.re, root.bound);
                 } else if root.multiplicity == 1
                     && order.numerator * lcm(unit, order.denominator) <= order.denominator
                 {
                     // The next term of a simple root is at most constant.
                 } else if depth == 0 {
-                    result.doubts(order, 0.0, root.bound);
+                    result.record_undecided(order, 0.0, root.bound);
                 } else {
-                    let (shifted, unit) = shift(terms, unit, order, &root);
-                    follow(&shifted, unit, Some(order), depth - 1, result);
+                    let (shifted, unit) = shift_by_root(terms, unit, order, &root);
+                    continue_series(&shifted, unit, Some(order), depth - 1, result);
                 }
             }
         }
@@ -231,33 +241,42 @@ fn follow(
 }
 
 /// Terms of the polynomial in y = x − c k^m, with a root c of the edge polynomial of order m.
-fn shift(terms: &[Monomial], unit: i64, order: Order, root: &Root) -> (List<Monomial, 32>, i64) {
+fn shift_by_root(
+    terms: &[Monomial],
+    unit: i64,
+    order: GrowthOrder,
+    root: &BoundedRoot,
+) -> (StackList<Monomial, 32>, i64) {
     let unit_after = lcm(unit, order.denominator);
     let slope = order.numerator * (unit_after / order.denominator);
     let top = terms
         .iter()
-        .map(|t| t.power * (unit_after / unit) + slope * t.x as i64)
+        .map(|t| t.k_power * (unit_after / unit) + slope * t.x_power as i64)
         .max()
         .unwrap_or_default();
-    let mut powers = list![Value::new(Complex64::ONE, 0.0)];
-    let c = Value::new(root.value, root.bound);
-    let greatest = terms.iter().map(|t| t.x).max().unwrap_or(0);
+    let mut powers = list![RoundedComplex::new(Complex64::ONE, 0.0)];
+    let c = RoundedComplex::new(root.value, root.bound);
+    let greatest = terms.iter().map(|t| t.x_power).max().unwrap_or(0);
     for i in 0..greatest {
         powers.push(powers[i] * c);
     }
-    let mut shifted = List::new();
+    let mut shifted = StackList::new();
     for t in terms {
-        for i in 0..=t.x {
-            let power = t.power * (unit_after / unit) + slope * (t.x - i) as i64;
+        for i in 0..=t.x_power {
+            let power = t.k_power * (unit_after / unit) + slope * (t.x_power - i) as i64;
             // These terms vanish exactly: c is a root of the edge polynomial.
             if i < root.multiplicity && power + slope * i as i64 == top {
                 continue;
             }
-            let factor = Value::new(binomial(t.x, i).into(), 0.0);
-            shifted.push(Monomial { x: i, power, value: t.value * powers[t.x - i] * factor });
+            let factor = RoundedComplex::new(binomial(t.x_power, i).into(), 0.0);
+            shifted.push(Monomial {
+                x_power: i,
+                k_power: power,
+                value: t.value * powers[t.x_power - i] * factor,
+            });
         }
     }
-    collect(&mut shifted);
+    combine_like_terms(&mut shifted);
     (shifted, unit_after)
 }
 

@@ -10,39 +10,45 @@
 //! 3. the single-shift QZ iteration triangularises it (C. B. Moler & G. W. Stewart, SIAM Journal on Numerical Analysis
 //!    10, 1973, 241–256; G. H. Golub & C. F. Van Loan, Matrix Computations, section 7.7).
 
-use crate::polynomial::MAX_SIZE;
+use crate::polynomial::MAX_EQUATIONS;
 use num_complex::Complex64;
 use std::ops::Range;
 
-type Matrix = [[Complex64; MAX_SIZE]; MAX_SIZE];
+type PencilMatrix = [[Complex64; MAX_EQUATIONS]; MAX_EQUATIONS];
 
 const EPSILON: f64 = f64::EPSILON;
 /// Magnitude below which an entry counts as zero beside the largest entry, which is near one; its fourth power does not
 /// underflow.
-const ZERO: f64 = 1e-75;
+const ZERO_THRESHOLD: f64 = 1e-75;
 /// Maximum number of QZ steps per eigenvalue; two or three are typical.
-const STEPS: usize = 40;
+const MAX_QZ_STEPS: usize = 40;
 /// Number of sweeps of the equilibration.
 const EQUILIBRATION_SWEEPS: usize = 6;
 /// Placeholder for the logarithm of zero.
-const ABSENT: f64 = -1e6;
+const LOG_OF_ZERO: f64 = -1e6;
 
 /// Workspace of the QZ algorithm: a pencil and its eigenvalues. Keep one per thread.
 #[derive(Clone, Debug)]
 pub struct Qz {
     size: usize,
     /// L, overwritten by its triangular form.
-    left: Matrix,
+    left: PencilMatrix,
     /// R, overwritten by its triangular form.
-    right: Matrix,
-    rate: i32,
-    values: [Complex64; MAX_SIZE],
+    right: PencilMatrix,
+    rate_exponent: i32,
+    eigenvalues: [Complex64; MAX_EQUATIONS],
 }
 
 impl Default for Qz {
     fn default() -> Self {
-        let zero = [[Complex64::ZERO; MAX_SIZE]; MAX_SIZE];
-        Self { size: 0, left: zero, right: zero, rate: 0, values: [Complex64::ZERO; MAX_SIZE] }
+        let zero = [[Complex64::ZERO; MAX_EQUATIONS]; MAX_EQUATIONS];
+        Self {
+            size: 0,
+            left: zero,
+            right: zero,
+            rate_exponent: 0,
+            eigenvalues: [Complex64::ZERO; MAX_EQUATIONS],
+        }
     }
 }
 
@@ -56,12 +62,12 @@ struct GivensRotation {
 impl GivensRotation {
     /// Rotation that annihilates g, and r: c = |f|/h, s = (f/|f|) ḡ/h, r = (f/|f|) h with h² = |f|² + |g|².
     #[inline(always)]
-    fn annihilating(f: Complex64, g: Complex64) -> (Self, Complex64) {
+    fn from_annihilation(f: Complex64, g: Complex64) -> (Self, Complex64) {
         let (f2, g2) = (f.norm_sqr(), g.norm_sqr());
-        if g2 <= ZERO * ZERO {
+        if g2 <= ZERO_THRESHOLD * ZERO_THRESHOLD {
             return (Self { c: 1.0, s: Complex64::ZERO }, f);
         }
-        if f2 <= ZERO * ZERO {
+        if f2 <= ZERO_THRESHOLD * ZERO_THRESHOLD {
             let modulus = g2.sqrt();
             return (Self { c: 0.0, s: g.conj() / modulus }, modulus.into());
         }
@@ -90,7 +96,7 @@ impl GivensRotation {
 
     /// Rotates rows i and j, in the given columns.
     #[inline(always)]
-    fn rows(self, matrix: &mut Matrix, [i, j]: [usize; 2], columns: Range<usize>) {
+    fn rotate_rows(self, matrix: &mut PencilMatrix, [i, j]: [usize; 2], columns: Range<usize>) {
         let Ok([x, y]) = matrix.get_disjoint_mut([i, j]) else { return };
         for (x, y) in x[columns.clone()].iter_mut().zip(&mut y[columns]) {
             self.apply(x, y);
@@ -99,7 +105,7 @@ impl GivensRotation {
 
     /// Rotates columns i and j, in the given rows.
     #[inline(always)]
-    fn columns(self, matrix: &mut Matrix, [i, j]: [usize; 2], rows: Range<usize>) {
+    fn rotate_columns(self, matrix: &mut PencilMatrix, [i, j]: [usize; 2], rows: Range<usize>) {
         for row in &mut matrix[rows] {
             let (mut x, mut y) = (row[i], row[j]);
             self.apply(&mut x, &mut y);
@@ -109,7 +115,8 @@ impl GivensRotation {
 }
 
 impl Qz {
-    /// Loads the pencil L − λR of `size` ≤ [`MAX_SIZE`] rows (the leading block of a larger one) and equilibrates it.
+    /// Loads the pencil L − λR of `size` ≤ [`MAX_EQUATIONS`] rows (the leading block of a larger one) and equilibrates
+    /// it.
     #[inline]
     pub fn equilibrate(
         &mut self,
@@ -117,7 +124,7 @@ impl Qz {
         left: impl Fn(usize, usize) -> Complex64,
         right: impl Fn(usize, usize) -> Complex64,
     ) {
-        self.size = size.min(MAX_SIZE);
+        self.size = size.min(MAX_EQUATIONS);
         for i in 0..self.size {
             for j in 0..self.size {
                 (self.left[i][j], self.right[i][j]) = (left(i, j), right(i, j));
@@ -125,17 +132,17 @@ impl Qz {
         }
         // Specialised for the sizes of the models, with loops of constant length.
         match self.size {
-            4 => self.scale::<4>(),
-            5 => self.scale::<5>(),
-            6 => self.scale::<6>(),
-            _ => self.scale::<MAX_SIZE>(),
+            4 => self.scale_by_powers_of_two::<4>(),
+            5 => self.scale_by_powers_of_two::<5>(),
+            6 => self.scale_by_powers_of_two::<6>(),
+            _ => self.scale_by_powers_of_two::<MAX_EQUATIONS>(),
         }
     }
 
     /// Minimises Σ (log |Lᵢⱼ| + rᵢ + cⱼ)² + Σ (log |Rᵢⱼ| + rᵢ + cⱼ + g)² over the non-zero entries by sweeps through
     /// rᵢ, cⱼ and g (all in binary logarithms), then scales L and R to largest entries near one.
-    fn scale<const N: usize>(&mut self) {
-        let n = if N < MAX_SIZE { N } else { self.size };
+    fn scale_by_powers_of_two<const N: usize>(&mut self) {
+        let n = if N < MAX_EQUATIONS { N } else { self.size };
         let mut logs = [[[f64::NEG_INFINITY; N]; N]; 2];
         // Numbers of entries and sums of logarithms, by row, by column, and of R as a whole.
         let mut count = [[0.0; N]; N];
@@ -144,10 +151,11 @@ impl Qz {
         let [mut right_logs, mut right_count] = [0.0; 2];
         for i in 0..n {
             for j in 0..n {
-                let (l, r) = (log2(self.left[i][j]), log2(self.right[i][j]));
+                let (l, r) =
+                    (approximate_log2(self.left[i][j]), approximate_log2(self.right[i][j]));
                 (logs[0][i][j], logs[1][i][j]) = (l, r);
-                let (l, l_count) = if l > ABSENT { (l, 1.0) } else { (0.0, 0.0) };
-                let (r, r_count) = if r > ABSENT { (r, 1.0) } else { (0.0, 0.0) };
+                let (l, l_count) = if l > LOG_OF_ZERO { (l, 1.0) } else { (0.0, 0.0) };
+                let (r, r_count) = if r > LOG_OF_ZERO { (r, 1.0) } else { (0.0, 0.0) };
                 count[i][j] = l_count + r_count;
                 row_logs[i] += l + r;
                 row_count[i] += l_count + r_count;
@@ -182,57 +190,60 @@ impl Qz {
             }
             g = -right_sum * right_weight;
         }
-        let (r, c) = (r.map(whole), c.map(whole));
+        let (r, c) = (r.map(round_to_integer), c.map(round_to_integer));
         // Logarithms of the largest entries of L and R.
-        let mut tops = [ABSENT; 2];
+        let mut tops = [LOG_OF_ZERO; 2];
         for (logs, top) in logs.iter().zip(&mut tops) {
             for i in 0..n {
                 for j in 0..n {
-                    *top = greater(*top, logs[i][j] + r[i] + c[j]);
+                    *top = max(*top, logs[i][j] + r[i] + c[j]);
                 }
             }
         }
         let [left_top, right_top] =
-            tops.map(|top| if top > 0.5 * ABSENT { whole(top) } else { 0.0 });
+            tops.map(|top| if top > 0.5 * LOG_OF_ZERO { round_to_integer(top) } else { 0.0 });
         for (i, r) in r[..n].iter().enumerate() {
             for (j, c) in c[..n].iter().enumerate() {
                 let total = r + c;
-                self.left[i][j] = times_power(self.left[i][j], (total - left_top) as i32);
-                self.right[i][j] = times_power(self.right[i][j], (total - right_top) as i32);
+                self.left[i][j] =
+                    multiply_by_power_of_two(self.left[i][j], (total - left_top) as i32);
+                self.right[i][j] =
+                    multiply_by_power_of_two(self.right[i][j], (total - right_top) as i32);
             }
         }
-        self.rate = (left_top - right_top) as i32;
+        self.rate_exponent = (left_top - right_top) as i32;
     }
 
     /// Entries (i, j) of the equilibrated L and R, until [`solve`](Self::solve) overwrites them.
-    pub fn entry(&self, i: usize, j: usize) -> [Complex64; 2] {
+    pub fn equilibrated_entries(&self, i: usize, j: usize) -> [Complex64; 2] {
         [self.left[i][j], self.right[i][j]]
     }
 
     /// Binary exponent e of the scaled unit of λ: λ = 2^e × the eigenvalue of the equilibrated pencil.
-    pub fn rate(&self) -> i32 {
-        self.rate
+    pub fn rate_exponent(&self) -> i32 {
+        self.rate_exponent
     }
 
     /// The finite eigenvalues λ in the unit before scaling; `None` if an entry is not finite or the iteration does not
     /// converge.
     pub fn solve(&mut self) -> Option<&mut [Complex64]> {
-        let norms = [frobenius(&self.left, self.size), frobenius(&self.right, self.size)];
+        let norms = [frobenius_norm(&self.left, self.size), frobenius_norm(&self.right, self.size)];
         if !norms.iter().all(|norm| norm.is_finite()) {
             return None;
         }
         let size = self.deflate_infinite();
-        self.reduce(size);
-        self.iterate(size, norms)?;
+        self.reduce_to_hessenberg(size);
+        self.iterate_qz(size, norms)?;
         let mut found = 0;
         for i in 0..size {
-            let value = times_power(self.left[i][i] / self.right[i][i], self.rate);
+            let value =
+                multiply_by_power_of_two(self.left[i][i] / self.right[i][i], self.rate_exponent);
             if value.is_finite() {
-                self.values[found] = value;
+                self.eigenvalues[found] = value;
                 found += 1;
             }
         }
-        Some(&mut self.values[..found])
+        Some(&mut self.eigenvalues[..found])
     }
 
     /// Deflates infinite eigenvalues while R is exactly singular; returns the size of the remaining leading block. With
@@ -256,10 +267,11 @@ impl Qz {
             for i in (rank..size).rev() {
                 for j in 0..i {
                     if left[i][j] != Complex64::ZERO {
-                        let (rotation, r) = GivensRotation::annihilating(left[i][i], left[i][j]);
+                        let (rotation, r) =
+                            GivensRotation::from_annihilation(left[i][i], left[i][j]);
                         (left[i][i], left[i][j]) = (r, Complex64::ZERO);
-                        rotation.columns(left, [i, j], 0..i);
-                        rotation.columns(right, [i, j], 0..rank);
+                        rotation.rotate_columns(left, [i, j], 0..i);
+                        rotation.rotate_columns(right, [i, j], 0..rank);
                     }
                 }
             }
@@ -291,10 +303,10 @@ impl Qz {
             }
             for i in k + 1..size {
                 if right[i][k] != Complex64::ZERO {
-                    let (rotation, r) = GivensRotation::annihilating(right[k][k], right[i][k]);
+                    let (rotation, r) = GivensRotation::from_annihilation(right[k][k], right[i][k]);
                     (right[k][k], right[i][k]) = (r, Complex64::ZERO);
-                    rotation.rows(right, [k, i], k + 1..size);
-                    rotation.rows(left, [k, i], 0..size);
+                    rotation.rotate_rows(right, [k, i], k + 1..size);
+                    rotation.rotate_rows(left, [k, i], 0..size);
                 }
             }
         }
@@ -302,37 +314,38 @@ impl Qz {
     }
 
     /// Reduces L to Hessenberg form while R stays triangular (Golub & Van Loan, algorithm 7.7.1).
-    fn reduce(&mut self, size: usize) {
+    fn reduce_to_hessenberg(&mut self, size: usize) {
         let (left, right) = (&mut self.left, &mut self.right);
         for j in 0..size.saturating_sub(2) {
             for i in (j + 2..size).rev() {
-                let (rotation, r) = GivensRotation::annihilating(left[i - 1][j], left[i][j]);
+                let (rotation, r) = GivensRotation::from_annihilation(left[i - 1][j], left[i][j]);
                 (left[i - 1][j], left[i][j]) = (r, Complex64::ZERO);
-                rotation.rows(left, [i - 1, i], j + 1..size);
-                rotation.rows(right, [i - 1, i], i - 1..size);
-                let (rotation, r) = GivensRotation::annihilating(right[i][i], right[i][i - 1]);
+                rotation.rotate_rows(left, [i - 1, i], j + 1..size);
+                rotation.rotate_rows(right, [i - 1, i], i - 1..size);
+                let (rotation, r) = GivensRotation::from_annihilation(right[i][i], right[i][i - 1]);
                 (right[i][i], right[i][i - 1]) = (r, Complex64::ZERO);
-                rotation.columns(right, [i, i - 1], 0..i);
-                rotation.columns(left, [i, i - 1], 0..size);
+                rotation.rotate_columns(right, [i, i - 1], 0..i);
+                rotation.rotate_columns(left, [i, i - 1], 0..size);
             }
         }
     }
 
     /// Single-shift QZ iteration: reduces the subdiagonal of L to zero, from the bottom. `None` if it does not
     /// converge.
-    fn iterate(&mut self, size: usize, [left_norm, right_norm]: [f64; 2]) -> Option<()> {
+    fn iterate_qz(&mut self, size: usize, [left_norm, right_norm]: [f64; 2]) -> Option<()> {
         let (left, right) = (&mut self.left, &mut self.right);
         let (mut end, mut steps, mut exceptional) = (size, 0, Complex64::ZERO);
         while end > 1 {
             // In the first steps only entries small relative to their neighbours are deflated, and none in R: stricter
             // than thresholds ε‖L‖, ε‖R‖, and more accurate for eigenvalues far from the others.
             let share = if steps < 10 { EPSILON * EPSILON } else { EPSILON };
-            let (floor, singular) = ((share * left_norm).max(2.0 * ZERO), share * right_norm);
+            let (floor, singular) =
+                ((share * left_norm).max(2.0 * ZERO_THRESHOLD), share * right_norm);
             // Active block first..end: the last block with a non-zero subdiagonal.
             let mut first = end - 1;
             while first > 0 {
-                let diagonal = l1(left[first - 1][first - 1]) + l1(left[first][first]);
-                if l1(left[first][first - 1]) <= (EPSILON * diagonal).max(floor) {
+                let diagonal = l1_norm(left[first - 1][first - 1]) + l1_norm(left[first][first]);
+                if l1_norm(left[first][first - 1]) <= (EPSILON * diagonal).max(floor) {
                     left[first][first - 1] = Complex64::ZERO;
                     break;
                 }
@@ -344,16 +357,17 @@ impl Qz {
             }
             // Deflate an eigenvalue at the end that is infinite up to rounding.
             let (k, last) = (end - 2, end - 1);
-            if l1(right[last][last]) <= singular {
+            if l1_norm(right[last][last]) <= singular {
                 right[last][last] = Complex64::ZERO;
-                let (rotation, r) = GivensRotation::annihilating(left[last][last], left[last][k]);
+                let (rotation, r) =
+                    GivensRotation::from_annihilation(left[last][last], left[last][k]);
                 (left[last][last], left[last][k]) = (r, Complex64::ZERO);
-                rotation.columns(left, [last, k], first..last);
-                rotation.columns(right, [last, k], first..last);
+                rotation.rotate_columns(left, [last, k], first..last);
+                rotation.rotate_columns(right, [last, k], first..last);
                 continue;
             }
             steps += 1;
-            if steps > STEPS {
+            if steps > MAX_QZ_STEPS {
                 return None;
             }
             // Every tenth step uses an exceptional shift, to break cycles.
@@ -361,31 +375,32 @@ impl Qz {
                 exceptional += left[end - 1][end - 2] / right[end - 2][end - 2];
                 exceptional
             } else {
-                wilkinson(left, right, end - 2)
+                wilkinson_shift(left, right, end - 2)
             };
             // An infinite eigenvalue inside the block: with a zero shift the iteration moves it up and out of the
             // block.
-            if !shift.is_finite() || l1(shift) * singular > left_norm {
+            if !shift.is_finite() || l1_norm(shift) * singular > left_norm {
                 shift = Complex64::ZERO;
             }
             // The first rotation maps the first column of (L − σR) R⁻¹ to a multiple of e₁ and creates a bulge in L and
             // R; rotations from both sides chase the bulge out at the bottom.
             let x = left[first][first] - shift * right[first][first];
-            let mut next = GivensRotation::annihilating(x, left[first + 1][first]);
+            let mut next = GivensRotation::from_annihilation(x, left[first + 1][first]);
             for k in first..end - 1 {
                 let (rotation, r) = next;
                 if k > first {
                     (left[k][k - 1], left[k + 1][k - 1]) = (r, Complex64::ZERO);
                 }
-                rotation.rows(right, [k, k + 1], k..end);
-                let (back, r) = GivensRotation::annihilating(right[k + 1][k + 1], right[k + 1][k]);
-                rotation.rows(left, [k, k + 1], k..end);
+                rotation.rotate_rows(right, [k, k + 1], k..end);
+                let (back, r) =
+                    GivensRotation::from_annihilation(right[k + 1][k + 1], right[k + 1][k]);
+                rotation.rotate_rows(left, [k, k + 1], k..end);
                 (right[k + 1][k + 1], right[k + 1][k]) = (r, Complex64::ZERO);
-                back.columns(left, [k + 1, k], first..end.min(k + 3));
+                back.rotate_columns(left, [k + 1, k], first..end.min(k + 3));
                 if k + 2 < end {
-                    next = GivensRotation::annihilating(left[k + 1][k], left[k + 2][k]);
+                    next = GivensRotation::from_annihilation(left[k + 1][k], left[k + 2][k]);
                 }
-                back.columns(right, [k + 1, k], first..k + 1);
+                back.rotate_columns(right, [k + 1, k], first..k + 1);
             }
         }
         Some(())
@@ -398,7 +413,7 @@ impl Qz {
 /// (a b) (p q)⁻¹   (a/p  (b − q a/p)/s)
 /// (d e) (0 s)   = (d/p  (e − q d/p)/s).
 /// ```
-fn wilkinson(left: &Matrix, right: &Matrix, k: usize) -> Complex64 {
+fn wilkinson_shift(left: &PencilMatrix, right: &PencilMatrix, k: usize) -> Complex64 {
     let (p, s) = (right[k][k].inv(), right[k + 1][k + 1].inv());
     let q = right[k][k + 1];
     let (upper, lower) = (left[k][k] * p, left[k + 1][k] * p);
@@ -427,42 +442,42 @@ fn square_root(z: Complex64) -> Complex64 {
 }
 
 /// Frobenius norm √Σ|entry|² of the leading block.
-fn frobenius(matrix: &Matrix, size: usize) -> f64 {
+fn frobenius_norm(matrix: &PencilMatrix, size: usize) -> f64 {
     let entries = matrix[..size].iter().flat_map(|row| &row[..size]);
     entries.map(|entry| entry.norm_sqr()).sum::<f64>().sqrt()
 }
 
 /// |re| + |im|: the modulus within √2.
-fn l1(z: Complex64) -> f64 {
+fn l1_norm(z: Complex64) -> f64 {
     z.re.abs() + z.im.abs()
 }
 
 /// Maximum of two numbers, without the NaN handling of `f64::max`.
 #[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
+fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// Base-two logarithm of the larger of |Re z| and |Im z|, within 0.09; [`ABSENT`] for zero.
+/// Base-two logarithm of the larger of |Re z| and |Im z|, within 0.09; [`LOG_OF_ZERO`] for zero.
 #[inline(always)]
-fn log2(z: Complex64) -> f64 {
-    const BITS: f64 = (1u64 << 52) as f64;
-    let size = greater(z.re.abs(), z.im.abs());
+fn approximate_log2(z: Complex64) -> f64 {
+    const MANTISSA_SCALE: f64 = (1u64 << 52) as f64;
+    let size = max(z.re.abs(), z.im.abs());
     // The bits of a double, read as an integer, are a piecewise linear logarithm.
-    let log = size.to_bits() as i64 as f64 * (1.0 / BITS) - 1023.0;
-    if size > 0.0 { log } else { ABSENT }
+    let log = size.to_bits() as i64 as f64 * (1.0 / MANTISSA_SCALE) - 1023.0;
+    if size > 0.0 { log } else { LOG_OF_ZERO }
 }
 
 /// Rounds to the nearest integer, for moduli below 2⁵¹.
 #[inline(always)]
-fn whole(x: f64) -> f64 {
-    const SHIFT: f64 = 1.5 * (1u64 << 52) as f64;
-    (x + SHIFT) - SHIFT
+fn round_to_integer(x: f64) -> f64 {
+    const ROUNDING_SHIFT: f64 = 1.5 * (1u64 << 52) as f64;
+    (x + ROUNDING_SHIFT) - ROUNDING_SHIFT
 }
 
 /// z 2^e.
 #[inline(always)]
-fn times_power(z: Complex64, e: i32) -> Complex64 {
+fn multiply_by_power_of_two(z: Complex64, e: i32) -> Complex64 {
     let power = |e: i32| f64::from_bits(((e + 1023) as u64) << 52);
     if (-1022..=1023).contains(&e) {
         z * power(e)

@@ -1,16 +1,16 @@
 //! All roots of a complex polynomial by simultaneous iteration (Aberth–Ehrlich method: Ehrlich 1967, Aberth 1973).
 
-use crate::extended::ExtendedComplex;
-use crate::list::{List, list};
+use crate::extended_precision::ExtendedComplex;
+use crate::list::{StackList, list};
 use models::common::elementary::{Elementary, cr_from_polar};
 use num_complex::Complex64;
 
-const ITERATIONS: usize = 200;
+const MAX_ITERATIONS: usize = 200;
 
 /// All roots of Σ `coefficients[i]` xⁱ; the last coefficient must not vanish.
-pub fn solve(coefficients: &[Complex64]) -> List<Complex64> {
+pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
     match coefficients {
-        [] | [_] => List::new(),
+        [] | [_] => StackList::new(),
         [c0, c1] => list![-c0 / c1],
         [c0, c1, c2] => {
             // The larger root first, the other from their product, to avoid cancellation.
@@ -23,16 +23,19 @@ pub fn solve(coefficients: &[Complex64]) -> List<Complex64> {
                 list![sum / c2, c0 / sum]
             }
         }
-        _ => iterate(coefficients, &mut initial_guesses(coefficients, &[]), |x| {
-            evaluate(coefficients, x)
+        _ => iterate_aberth(coefficients, &mut initial_guesses(coefficients, &[]), |x| {
+            evaluate_with_derivative(coefficients, x)
         }),
     }
 }
 
 /// All roots of a polynomial with double-double coefficients, so that even ill-conditioned roots are accurate to nearly
 /// working precision; `guesses` are used if their number is the degree.
-pub fn solve_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -> List<Complex64> {
-    let rounded: List<_> =
+pub fn solve_extended(
+    coefficients: &[ExtendedComplex],
+    guesses: &[Complex64],
+) -> StackList<Complex64> {
+    let rounded: StackList<_> =
         coefficients.iter().map(|c| Complex64::new(c.re.high, c.im.high)).collect();
     // Split off roots that are exactly zero.
     let zeros = rounded.iter().take_while(|c| **c == Complex64::ZERO).count();
@@ -42,7 +45,7 @@ pub fn solve_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -
     let (coefficients, rounded) = (&coefficients[zeros..], &rounded[zeros..]);
     let guesses = if zeros == 0 { guesses } else { &[] };
     let mut start = initial_guesses(rounded, guesses);
-    let mut roots = iterate(rounded, &mut start, |x| {
+    let mut roots = iterate_aberth(rounded, &mut start, |x| {
         let at = ExtendedComplex { re: x.re.into(), im: x.im.into() };
         let (mut value, mut slope) = (ExtendedComplex::default(), Complex64::ZERO);
         for c in coefficients.iter().rev() {
@@ -56,7 +59,7 @@ pub fn solve_extended(coefficients: &[ExtendedComplex], guesses: &[Complex64]) -
 }
 
 /// Value and derivative of the polynomial at x, by Horner's scheme.
-fn evaluate(coefficients: &[Complex64], x: Complex64) -> (Complex64, Complex64) {
+fn evaluate_with_derivative(coefficients: &[Complex64], x: Complex64) -> (Complex64, Complex64) {
     let (mut value, mut slope) = (Complex64::ZERO, Complex64::ZERO);
     for c in coefficients.iter().rev() {
         slope = slope * x + value;
@@ -67,7 +70,7 @@ fn evaluate(coefficients: &[Complex64], x: Complex64) -> (Complex64, Complex64) 
 
 /// Starting points: the finite `guesses` if there is one per root, else points on circles whose radii are the slopes of
 /// the Newton polygon of the moduli.
-fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Complex64> {
+fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackList<Complex64> {
     let degree = coefficients.len() - 1;
     let usable = guesses.len() == degree && guesses.iter().all(|g| g.is_finite());
     if usable {
@@ -79,7 +82,7 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Co
             .collect();
     }
     let log = |i: usize| coefficients[i].norm().max(f64::MIN_POSITIVE).cr_log2();
-    let mut hull: List<usize> = List::new();
+    let mut hull: StackList<usize> = StackList::new();
     for i in (0..=degree).filter(|&i| coefficients[i] != Complex64::ZERO) {
         while let [.., a, b] = hull[..] {
             let above = (log(b) - log(a)) * (i - a) as f64 <= (log(i) - log(a)) * (b - a) as f64;
@@ -90,7 +93,7 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Co
         }
         hull.push(i);
     }
-    let mut start = List::new();
+    let mut start = StackList::new();
     start.resize(hull.first().copied().unwrap_or(0), Complex64::ZERO);
     for pair in hull.windows(2) {
         let count = pair[1] - pair[0];
@@ -105,14 +108,14 @@ fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> List<Co
 }
 
 /// Aberth–Ehrlich iteration from the starting points `roots`; `evaluate` returns value and derivative.
-fn iterate(
+fn iterate_aberth(
     coefficients: &[Complex64],
     roots: &mut [Complex64],
     evaluate: impl Fn(Complex64) -> (Complex64, Complex64),
-) -> List<Complex64> {
+) -> StackList<Complex64> {
     debug_assert_eq!(roots.len() + 1, coefficients.len());
     let mut settled = list![false; roots.len()];
-    for _ in 0..ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         for i in 0..roots.len() {
             if settled[i] {
                 continue;
@@ -142,14 +145,14 @@ fn iterate(
             break;
         }
     }
-    List::from_slice(roots)
+    StackList::from_slice(roots)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn expand(roots: &[Complex64]) -> Vec<Complex64> {
+    fn expand_product(roots: &[Complex64]) -> Vec<Complex64> {
         let mut p = vec![Complex64::ONE];
         for r in roots {
             let mut next = vec![Complex64::ZERO; p.len() + 1];
@@ -163,14 +166,14 @@ mod tests {
     }
 
     #[test]
-    fn recovers_roots_spread_over_many_decades() {
+    fn roots_spread_over_many_decades_are_recovered() {
         let c = Complex64::new;
         for wanted in [
             vec![c(-3e8, 1.0), c(2.0, -1e-3)],
             vec![c(1e-6, 2e-6), c(-4.0, 1.0), c(5e5, -7e5)],
             vec![c(1.0, 0.0), c(-1.0, 0.0), c(0.0, 1.0), c(0.0, -1.0), c(1e4, 3.0)],
         ] {
-            let found = solve(&expand(&wanted));
+            let found = solve(&expand_product(&wanted));
             assert_eq!(found.len(), wanted.len());
             for w in &wanted {
                 let best = found.iter().map(|f| (f - w).norm()).fold(f64::MAX, f64::min);
@@ -180,10 +183,10 @@ mod tests {
     }
 
     #[test]
-    fn double_precision_coefficients_lose_what_extended_ones_keep() {
+    fn extended_coefficients_resolve_close_roots() {
         // (x − 1)(x − 1 − 2⁻⁴⁰): the coefficients need more than 53 bits.
         let gap = (-40f64).exp2();
-        let e = |x: f64| crate::extended::Extended::from(x);
+        let e = |x: f64| crate::extended_precision::ExtendedReal::from(x);
         let real = |re| ExtendedComplex { re, im: e(0.0) };
         let p = [real(e(1.0) + e(gap)), real(-(e(2.0) + e(gap))), real(e(1.0))];
         let mut found: Vec<_> = solve_extended(&p, &[]).iter().map(|r| r.re).collect();

@@ -20,22 +20,22 @@ use models::common::rates::RateEquations;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-type Matrix = DMatrix<Complex64>;
+type ComplexMatrix = DMatrix<Complex64>;
 
 /// Plane waves along one direction, split into decoupled families.
 #[derive(Clone, Debug)]
-pub struct Waves {
+pub struct DirectionalWaves {
     /// Families in the order of their first velocity in the basis (n, t₁, t₂).
-    pub families: Vec<Family>,
+    pub families: Vec<WaveFamily>,
 }
 
 /// A family of waves: velocities coupled with each other and decoupled from the rest.
 #[derive(Clone, Debug)]
-pub struct Family {
+pub struct WaveFamily {
     /// Polarisation of the family.
     pub polarisation: Polarisation,
     /// Coefficients Γ, N₁, N₀ of k², k and 1.
-    by_power: [Matrix; 3],
+    coefficients: [ComplexMatrix; 3],
     is_hermitian: bool,
 }
 
@@ -69,7 +69,7 @@ impl Polarisation {
 
 /// One branch of the dispersion relation at one wave number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mode {
+pub struct WaveMode {
     /// Squared frequency ω², rad²/s².
     pub squared_frequency: Complex64,
     /// Slope dω²/dk along the direction of the wave vector, rad²·m/s²; the group speed is dω/dk = slope/(2ω).
@@ -80,31 +80,34 @@ pub struct Mode {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForbiddenBand {
     /// Lower end, rad/s.
-    pub from: f64,
+    pub lower: f64,
     /// Upper end, rad/s.
-    pub to: f64,
+    pub upper: f64,
 }
 
 /// Kind of a velocity in the basis (n, t₁, t₂).
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Motion {
-    Along,
-    Across,
+    TranslationAlong,
+    TranslationAcross,
     SpinAlong,
     SpinAcross,
 }
 
 /// Relative size below which a coupling, speed or frequency counts as zero: a few hundred roundings of the largest
 /// entry.
-const NEGLIGIBLE: f64 = 1e-13;
+const ZERO_TOLERANCE: f64 = 1e-13;
 
 /// Squared characteristic speeds c² along the unit vector `normal`, m²/s², by descending real part.
 pub fn squared_speeds<const D: usize>(
     equations: &RateEquations<D>,
     normal: [f64; D],
 ) -> Vec<Complex64> {
-    let mut all: Vec<Complex64> =
-        Waves::along(equations, normal).families.iter().flat_map(Family::squared_speeds).collect();
+    let mut all: Vec<Complex64> = DirectionalWaves::from_equations(equations, normal)
+        .families
+        .iter()
+        .flat_map(WaveFamily::squared_speeds)
+        .collect();
     all.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
     all
 }
@@ -118,14 +121,14 @@ pub fn roots<const D: usize>(
 ) -> Vec<Complex64> {
     let mut system = LinearisedSystem::default();
     equations.linearise(&mut system);
-    let (nv, ns) = (equations.velocities(), equations.stresses());
+    let (nv, ns) = (equations.velocity_count(), equations.stress_count());
     // Scale velocities by M^(−½) and stresses by the square root of the largest stiffness; A is diagonal.
     let largest = equations.stiffness_values().amax().sqrt();
     let unit = |i: usize| match i < nv {
         true => system.a[(i, i)].value.sqrt().recip(),
         false => largest,
     };
-    let symbol = Matrix::from_fn(nv + ns, nv + ns, |i, j| {
+    let symbol = ComplexMatrix::from_fn(nv + ns, nv + ns, |i, j| {
         let along: f64 = (0..D).map(|axis| system.b[axis][(i, j)].value * normal[axis]).sum();
         let entry = Complex64::new(system.c[(i, j)].value, k * along);
         -entry * (unit(j) / (unit(i) * system.a[(i, i)].value))
@@ -134,14 +137,14 @@ pub fn roots<const D: usize>(
         return vec![Complex64::new(f64::NAN, f64::NAN)];
     };
     let largest = roots.iter().map(|root| root.norm()).fold(0.0, f64::max);
-    roots.iter().copied().filter(|root| root.norm() > NEGLIGIBLE * largest).collect()
+    roots.iter().copied().filter(|root| root.norm() > ZERO_TOLERANCE * largest).collect()
 }
 
-impl Waves {
+impl DirectionalWaves {
     /// Plane waves along the unit vector `normal`.
-    pub fn along<const D: usize>(equations: &RateEquations<D>, normal: [f64; D]) -> Self {
+    pub fn from_equations<const D: usize>(equations: &RateEquations<D>, normal: [f64; D]) -> Self {
         let (basis, motions) = basis(equations, normal);
-        let mut gradient = DMatrix::zeros(equations.stresses(), equations.velocities());
+        let mut gradient = DMatrix::zeros(equations.stress_count(), equations.velocity_count());
         for (axis, component) in normal.iter().enumerate() {
             gradient += &equations.gradient[axis] * *component;
         }
@@ -159,20 +162,20 @@ impl Waves {
         let real = |m: DMatrix<f64>| m.map(|x| Complex64::new(x, 0.0));
         // (−ikGᵀ + Zᵀ) D (ikG + Z)
         let cross = between(&z, &g) - between(&g, &z);
-        let by_power =
+        let coefficients =
             [real(between(&g, &g)), cross.map(|x| Complex64::new(0.0, x)), real(between(&z, &z))];
         let asymmetry = (&stiffness - stiffness.transpose()).amax();
-        let is_hermitian = asymmetry <= NEGLIGIBLE * stiffness.amax();
+        let is_hermitian = asymmetry <= ZERO_TOLERANCE * stiffness.amax();
 
-        let families = components(&by_power).into_iter().map(|members| {
-            let part = |m: &Matrix| {
+        let families = coupled_components(&coefficients).into_iter().map(|members| {
+            let part = |m: &ComplexMatrix| {
                 let block = m.select_rows(&members).select_columns(&members);
                 if is_hermitian { (&block + block.adjoint()).scale(0.5) } else { block }
             };
             let own: Vec<Motion> = members.iter().map(|&i| motions[i]).collect();
-            Family {
+            WaveFamily {
                 polarisation: polarisation(&own),
-                by_power: by_power.each_ref().map(part),
+                coefficients: coefficients.each_ref().map(part),
                 is_hermitian,
             }
         });
@@ -185,8 +188,8 @@ fn basis<const D: usize>(
     equations: &RateEquations<D>,
     normal: [f64; D],
 ) -> (DMatrix<f64>, Vec<Motion>) {
-    let size = equations.velocities();
-    let axes = axes(normal);
+    let size = equations.velocity_count();
+    let axes = orthonormal_axes(normal);
     let mut basis = DMatrix::zeros(size, size);
     for (row, column) in (0..D).flat_map(|i| (0..D).map(move |j| (i, j))) {
         basis[(row, column)] = axes[column][row];
@@ -198,7 +201,8 @@ fn basis<const D: usize>(
     if size == D + 1 {
         basis[(D, D)] = 1.0;
     }
-    let translations = (0..D).map(|i| if i == 0 { Motion::Along } else { Motion::Across });
+    let translations =
+        (0..D).map(|i| if i == 0 { Motion::TranslationAlong } else { Motion::TranslationAcross });
     let spins = (D..size).map(|i| match i - D {
         0 if size == 2 * D => Motion::SpinAlong,
         _ => Motion::SpinAcross,
@@ -207,7 +211,7 @@ fn basis<const D: usize>(
 }
 
 /// Orthonormal vectors of which the first is `normal`.
-fn axes<const D: usize>(normal: [f64; D]) -> [[f64; D]; D] {
+fn orthonormal_axes<const D: usize>(normal: [f64; D]) -> [[f64; D]; D] {
     let mut axes = [[0.0; D]; D];
     axes[0] = normal;
     if D == 2 {
@@ -229,12 +233,12 @@ fn axes<const D: usize>(normal: [f64; D]) -> [[f64; D]; D] {
 }
 
 /// Connected components of the velocities under the coupling of all matrices.
-fn components(by_power: &[Matrix; 3]) -> Vec<Vec<usize>> {
-    let size = by_power[0].nrows();
+fn coupled_components(coefficients: &[ComplexMatrix; 3]) -> Vec<Vec<usize>> {
+    let size = coefficients[0].nrows();
     let couples = |i: usize, j: usize| {
-        by_power.iter().any(|m| {
+        coefficients.iter().any(|m| {
             let largest = m.iter().fold(0.0f64, |a, b| a.max(b.norm()));
-            m[(i, j)].norm().max(m[(j, i)].norm()) > NEGLIGIBLE * largest
+            m[(i, j)].norm().max(m[(j, i)].norm()) > ZERO_TOLERANCE * largest
         })
     };
     let mut sets: Vec<Vec<usize>> = Vec::new();
@@ -252,43 +256,45 @@ fn components(by_power: &[Matrix; 3]) -> Vec<Vec<usize>> {
 
 /// Polarisation of a family with these kinds of velocities.
 fn polarisation(motions: &[Motion]) -> Polarisation {
-    use Motion::{Across, Along, SpinAcross, SpinAlong};
+    use Motion::{SpinAcross, SpinAlong, TranslationAcross, TranslationAlong};
     match motions {
-        [Along] => Polarisation::Longitudinal,
+        [TranslationAlong] => Polarisation::Longitudinal,
         [SpinAlong] => Polarisation::Torsion,
         _ if motions.iter().all(|&m| m == SpinAcross) => Polarisation::Rotation,
-        _ if motions.iter().all(|&m| matches!(m, Across | SpinAcross)) => Polarisation::Transverse,
+        _ if motions.iter().all(|&m| matches!(m, TranslationAcross | SpinAcross)) => {
+            Polarisation::Transverse
+        }
         _ => Polarisation::Coupled,
     }
 }
 
-impl Family {
+impl WaveFamily {
     /// Number of branches.
-    pub fn branches(&self) -> usize {
-        self.by_power[0].nrows()
+    pub fn branch_count(&self) -> usize {
+        self.coefficients[0].nrows()
     }
 
     /// Squared characteristic speeds c², m²/s², by descending real part.
     pub fn squared_speeds(&self) -> Vec<Complex64> {
-        eigenvalues(&self.by_power[0], self.is_hermitian)
+        eigenvalues(&self.coefficients[0], self.is_hermitian)
     }
 
     /// k²Γ + kN₁ + N₀.
-    fn matrix(&self, k: f64) -> Matrix {
-        let [second, first, zeroth] = &self.by_power;
+    fn dispersion_matrix(&self, k: f64) -> ComplexMatrix {
+        let [second, first, zeroth] = &self.coefficients;
         second.scale(k * k) + first.scale(k) + zeroth
     }
 
     /// ω² of the branches at the wave number `k` (1/m), rad²/s², by ascending real part.
     pub fn squared_frequencies(&self, k: f64) -> Vec<Complex64> {
-        let mut all = eigenvalues(&self.matrix(k), self.is_hermitian);
+        let mut all = eigenvalues(&self.dispersion_matrix(k), self.is_hermitian);
         all.reverse();
         all
     }
 
     /// The branches at the wave number `k` (1/m), by ascending ω², with their slopes
     /// x*(2kΓ + N₁)x (Hellmann–Feynman; for matrices that are not Hermitian by central differences).
-    pub fn modes(&self, k: f64) -> Vec<Mode> {
+    pub fn modes(&self, k: f64) -> Vec<WaveMode> {
         if !self.is_hermitian {
             let step = 1e-5 * k;
             let [before, here, after] =
@@ -304,17 +310,17 @@ impl Family {
                 (nearest(&after, square) - nearest(&before, square)) / (2.0 * step)
             };
             let mode =
-                |&square: &Complex64| Mode { squared_frequency: square, slope: slope(square) };
+                |&square: &Complex64| WaveMode { squared_frequency: square, slope: slope(square) };
             return here.iter().map(mode).collect();
         }
-        let [second, first, _] = &self.by_power;
+        let [second, first, _] = &self.coefficients;
         let rate = second.scale(2.0 * k) + first;
-        let eigen = self.matrix(k).symmetric_eigen();
-        let mut modes: Vec<Mode> = (0..self.branches())
+        let eigen = self.dispersion_matrix(k).symmetric_eigen();
+        let mut modes: Vec<WaveMode> = (0..self.branch_count())
             .map(|i| {
                 let x = eigen.eigenvectors.column(i);
                 let slope = (x.adjoint() * &rate * x)[(0, 0)];
-                Mode { squared_frequency: eigen.eigenvalues[i].into(), slope: slope.re.into() }
+                WaveMode { squared_frequency: eigen.eigenvalues[i].into(), slope: slope.re.into() }
             })
             .collect();
         modes.sort_by(|a, b| a.squared_frequency.re.total_cmp(&b.squared_frequency.re));
@@ -338,12 +344,12 @@ impl Family {
         if !self.is_hermitian {
             return Vec::new();
         }
-        let [second, first, zeroth] = &self.by_power;
+        let [second, first, zeroth] = &self.coefficients;
         let eigen = second.clone().symmetric_eigen();
         let largest = eigen.eigenvalues.amax();
-        let is_zero = |i: usize| eigen.eigenvalues[i].abs() <= NEGLIGIBLE * largest;
+        let is_zero = |i: usize| eigen.eigenvalues[i].abs() <= ZERO_TOLERANCE * largest;
         let (null, moving): (Vec<usize>, Vec<usize>) =
-            (0..self.branches()).partition(|&i| is_zero(i));
+            (0..self.branch_count()).partition(|&i| is_zero(i));
         if null.is_empty() {
             return Vec::new();
         }
@@ -373,7 +379,7 @@ impl Family {
         let limits = self.squared_short_wave_limits();
         let largest = starts.iter().map(|s| s.re).chain(limits.iter().copied()).fold(0.0, f64::max);
         let cleaned = |square: f64| if square <= 1e-12 * largest { 0.0 } else { square };
-        let mut ranges: Vec<[f64; 2]> = (0..self.branches())
+        let mut ranges: Vec<[f64; 2]> = (0..self.branch_count())
             .map(|branch| {
                 let start = cleaned(starts[branch].re);
                 let end = limits.get(branch).map_or(f64::INFINITY, |&limit| cleaned(limit));
@@ -385,26 +391,26 @@ impl Family {
         let mut reached = 0.0;
         for [low, high] in ranges {
             if low > reached * (1.0 + 1e-12) {
-                bands.push(ForbiddenBand { from: reached, to: low });
+                bands.push(ForbiddenBand { lower: reached, upper: low });
             }
             reached = f64::max(reached, high);
         }
         if reached.is_finite() {
-            bands.push(ForbiddenBand { from: reached, to: f64::INFINITY });
+            bands.push(ForbiddenBand { lower: reached, upper: f64::INFINITY });
         }
         bands
     }
 }
 
 /// Eigenvalues of a matrix by descending real part; NaN if the QZ iteration does not converge.
-fn eigenvalues(matrix: &Matrix, is_hermitian: bool) -> Vec<Complex64> {
+fn eigenvalues(matrix: &ComplexMatrix, is_hermitian: bool) -> Vec<Complex64> {
     let size = matrix.nrows();
     let mut values: Vec<Complex64> = match size {
         1 => vec![matrix[(0, 0)]],
         _ if is_hermitian => {
             matrix.symmetric_eigenvalues().iter().map(|&x| Complex64::new(x, 0.0)).collect()
         }
-        2 => pair(matrix).to_vec(),
+        2 => eigenvalues_2x2(matrix).to_vec(),
         _ => {
             let mut qz = Qz::default();
             let identity = |i, j| Complex64::new(f64::from(u8::from(i == j)), 0.0);
@@ -420,7 +426,7 @@ fn eigenvalues(matrix: &Matrix, is_hermitian: bool) -> Vec<Complex64> {
 }
 
 /// Eigenvalues of a 2 × 2 matrix: m ± √(h² + bc) with half sum m and half difference h of the diagonal.
-fn pair(matrix: &Matrix) -> [Complex64; 2] {
+fn eigenvalues_2x2(matrix: &ComplexMatrix) -> [Complex64; 2] {
     let (a, d) = (matrix[(0, 0)], matrix[(1, 1)]);
     let (middle, half) = ((a + d) * 0.5, (a - d) * 0.5);
     let root = (half * half + matrix[(0, 1)] * matrix[(1, 0)]).sqrt();
@@ -434,16 +440,16 @@ fn pair(matrix: &Matrix) -> [Complex64; 2] {
 /// symmetric form.
 pub fn plane_waves<const D: usize>(
     equations: &RateEquations<D>,
-    wave: [f64; D],
+    wave_vector: [f64; D],
 ) -> Vec<(f64, DVector<Complex64>)> {
     /// Frequencies below this fraction of the largest count as zero.
-    const STILL: f64 = 1e-9;
-    let Some(form) = equations.symmetric() else { return Vec::new() };
+    const ZERO_FREQUENCY_TOLERANCE: f64 = 1e-9;
+    let Some(form) = equations.symmetric_form() else { return Vec::new() };
     let inverse = form.a.cholesky().and_then(|factor| factor.l().try_inverse());
     let Some(inverse) = inverse else { return Vec::new() };
     let scaled = |m: &DMatrix<f64>| triple_product(&inverse, m, &inverse.transpose());
     let mut symbol = scaled(&form.q).map(|x| Complex64::new(0.0, x));
-    for (b, k) in form.b.iter().zip(wave) {
+    for (b, k) in form.b.iter().zip(wave_vector) {
         symbol += scaled(b).map(|x| Complex64::new(-k * x, 0.0));
     }
     // The symbol is Hermitian up to rounding; symmetrise it.
@@ -454,7 +460,7 @@ pub fn plane_waves<const D: usize>(
         .eigenvalues
         .iter()
         .enumerate()
-        .filter(|(_, frequency)| **frequency > STILL * greatest)
+        .filter(|(_, frequency)| **frequency > ZERO_FREQUENCY_TOLERANCE * greatest)
         .map(|(i, frequency)| (*frequency, &back * eigen.eigenvectors.column(i)))
         .collect();
     waves.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -2,26 +2,26 @@
 
 use models::LinearisedSystem;
 use models::flow::Model;
-use models::flow::state::{Flow, State};
+use models::flow::state::{DeformingFlow, MaterialState};
 use models::registry;
 use std::f64::consts::PI;
-use testkit::flows::Parameters;
-use wellposed_analysis::bound::{Place, TOLERANCE, supremum};
+use testkit::flows::FlowParameters;
+use wellposed_analysis::bound::{SUPREMUM_TOLERANCE, SupremumWaveNumber, locate_supremum};
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
 
 fn model(friction_angle: f64) -> Model {
-    let parameters = Parameters {
+    let parameters = FlowParameters {
         friction_angle,
         dilatancy_angle: 0.0,
         cohesion: 30.0,
         moment_of_inertia: Some(2e-6),
         rotational_strength: Some(0.0),
     };
-    parameters.model(registry::HARRIS_GREKOVA).unwrap()
+    parameters.build_model(registry::HARRIS_GREKOVA).unwrap()
 }
 
-fn pencil(model: &Model, state: &State) -> (Flow, Pencil) {
+fn build_pencil(model: &Model, state: &MaterialState) -> (DeformingFlow, Pencil) {
     let flow = *model.background(state).unwrap().flow().unwrap();
     let mut system = LinearisedSystem::default();
     model.symbol(&flow, &mut system);
@@ -34,10 +34,10 @@ fn pencil(model: &Model, state: &State) -> (Flow, Pencil) {
 /// = −G⊥·(∇V ξ⊥)/(G·ξ) − k² r with r ≥ 0 and G = ξ − sin φ n, so the supremum is the maximum of the first term over
 /// directions, approached as k → 0, or 0, the root of the neutral spin.
 #[test]
-fn uniform_incompressible_states_against_the_exact_relation() {
+fn supremum_of_uniform_incompressible_states_agrees_with_exact_relation() {
     for (index, phi) in [0.2f64, 0.5, 0.8, 1.1].into_iter().enumerate() {
         let i = index as f64;
-        let state = State {
+        let state = MaterialState {
             density: 1300.0 + 200.0 * i,
             pressure: 700.0,
             stress_angle: 0.3 + 0.7 * i,
@@ -45,13 +45,13 @@ fn uniform_incompressible_states_against_the_exact_relation() {
             half_vorticity: 0.9 - 0.5 * i,
             noncoaxiality: Some(0.2 * i - 0.25),
             velocity: [0.3, -0.8],
-            ..State::default()
+            ..MaterialState::default()
         };
         let model = model(phi);
-        let (flow, pencil) = pencil(&model, &state);
+        let (flow, pencil) = build_pencil(&model, &state);
         let assessment = assess(&pencil);
         assert_eq!(assessment.verdict, Verdict::WellPosed);
-        let found = supremum(&pencil, &assessment, 0.0).unwrap();
+        let found = locate_supremum(&pencil, &assessment, 0.0).unwrap();
 
         let gradient = flow.velocity_gradient.map(|row| row.map(|x| x.value));
         let rate = |theta: f64| {
@@ -65,9 +65,13 @@ fn uniform_incompressible_states_against_the_exact_relation() {
         let steps = 200_000;
         let exact =
             (0..steps).map(|s| rate(PI * f64::from(s) / f64::from(steps))).fold(0.0, f64::max);
-        let error = (found.rate - exact).abs();
-        assert!(error <= TOLERANCE * exact.max(state.shear_rate), "{} {exact}", found.rate);
-        assert_eq!(found.place, Place::LongWaves);
+        let error = (found.growth_rate - exact).abs();
+        assert!(
+            error <= SUPREMUM_TOLERANCE * exact.max(state.shear_rate),
+            "{} {exact}",
+            found.growth_rate
+        );
+        assert_eq!(found.wave_number, SupremumWaveNumber::LongWaves);
     }
 }
 
@@ -76,17 +80,17 @@ fn uniform_incompressible_states_against_the_exact_relation() {
 /// well-posed, so the supremum takes a smallest wave number.
 #[test]
 fn the_frozen_growth_rate_has_a_pole_for_long_waves() {
-    let state = State {
+    let state = MaterialState {
         density: 1600.0,
         pressure: 1000.0,
         shear_rate: 1.0,
         noncoaxiality: Some(0.1),
         stress_angle_gradient: [1.0, 0.35],
         pressure_gradient: [100.0, 2000.0],
-        ..State::default()
+        ..MaterialState::default()
     };
     let model = model(0.5);
-    let (flow, pencil) = pencil(&model, &state);
+    let (flow, pencil) = build_pencil(&model, &state);
     let assessment = assess(&pencil);
     assert_eq!(assessment.verdict, Verdict::WellPosed);
 
@@ -105,6 +109,6 @@ fn the_frozen_growth_rate_has_a_pole_for_long_waves() {
     }
 
     let least = model.gradient_wave_number(&flow);
-    let found = supremum(&pencil, &assessment, least).unwrap();
-    assert!(found.rate < growth[0], "{found:?}");
+    let found = locate_supremum(&pencil, &assessment, least).unwrap();
+    assert!(found.growth_rate < growth[0], "{found:?}");
 }

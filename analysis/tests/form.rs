@@ -4,11 +4,12 @@ mod support;
 
 use models::Rounded;
 use std::f64::consts::PI;
-use support::states::seeded;
-use wellposed_analysis::form::Form;
+use support::states::seeded_generator;
+use support::verdicts::angular_distance;
+use wellposed_analysis::form::BinaryForm;
 
 /// The product of factors with integer coefficients; exact while below 2⁵³.
-fn product(factors: &[Vec<i64>]) -> Form {
+fn product_form(factors: &[Vec<i64>]) -> BinaryForm {
     let mut p = vec![1i128];
     for factor in factors {
         let mut next = vec![0i128; p.len() + factor.len() - 1];
@@ -20,34 +21,30 @@ fn product(factors: &[Vec<i64>]) -> Form {
         p = next;
     }
     assert!(p.iter().all(|c| c.unsigned_abs() < 1 << 53), "not exact: {p:?}");
-    let mut form = Form::zero(p.len() - 1);
-    form.coefficients = p.iter().map(|&c| Rounded::exact(c as f64)).collect();
+    let mut form = BinaryForm::new_zero(p.len() - 1);
+    form.coefficients = p.iter().map(|&c| Rounded::from_exact(c as f64)).collect();
     form
 }
 
 /// Angle at which a κ₁ + b κ₂ = 0.
-fn angle([a, b]: [i64; 2]) -> f64 {
+fn zero_angle([a, b]: [i64; 2]) -> f64 {
     (-(a as f64)).atan2(b as f64).rem_euclid(PI)
-}
-
-fn angle_between(a: f64, b: f64) -> f64 {
-    let gap = (a - b).rem_euclid(PI);
-    gap.min(PI - gap)
 }
 
 /// Verifies simple zeros of forms up to degree 8, some with definite quadratic factors: exactly these zeros are found,
 /// each within its bound, and the bounds are small.
 #[test]
 fn simple_zeros_are_all_found_within_their_bounds() {
-    let random = &mut seeded(21);
+    let random = &mut seeded_generator(21);
     let (mut count, mut worst, mut greatest_bound) = (0, 0.0f64, 0.0f64);
     for _ in 0..3000 {
-        let linear = (random.bits() % 6) as usize;
-        let definite = (random.bits() % 2) as usize;
+        let linear = (random.next_bits() % 6) as usize;
+        let definite = (random.next_bits() % 2) as usize;
         let mut lines: Vec<[i64; 2]> = Vec::new();
         while lines.len() < linear {
-            let line = [0; 2].map(|_| random.within(-30.0, 30.0).round() as i64);
-            let apart = |own: &[i64; 2]| angle_between(angle(*own), angle(line)) > 0.01;
+            let line = [0; 2].map(|_| random.uniform(-30.0, 30.0).round() as i64);
+            let apart =
+                |own: &[i64; 2]| angular_distance(zero_angle(*own), zero_angle(line)) > 0.01;
             if line != [0, 0] && lines.iter().all(apart) {
                 lines.push(line);
             }
@@ -55,21 +52,22 @@ fn simple_zeros_are_all_found_within_their_bounds() {
         let mut factors: Vec<Vec<i64>> = lines.iter().map(|l| l.to_vec()).collect();
         for _ in 0..definite {
             // a κ₁² + 2b κ₁κ₂ + c κ₂² with b² < ac, at a distance from touching zero.
-            let b = random.within(-5.0, 5.0).round() as i64;
+            let b = random.uniform(-5.0, 5.0).round() as i64;
             factors.push(vec![b.abs() + 2, 2 * b, b.abs() + 3]);
         }
         if factors.is_empty() {
             continue;
         }
-        let zeros = product(&factors).zeros();
+        let zeros = product_form(&factors).zeros();
         assert_eq!(zeros.len(), lines.len(), "{factors:?}: {zeros:?}");
         assert!(zeros.is_sorted_by(|a, b| a.angle <= b.angle));
         for line in &lines {
-            let near =
-                |z: &&wellposed_analysis::form::Zero| angle_between(z.angle, angle(*line)) < 1e-6;
+            let near = |z: &&wellposed_analysis::form::FormZero| {
+                angular_distance(z.angle, zero_angle(*line)) < 1e-6
+            };
             let zero = zeros.iter().find(near).unwrap_or_else(|| panic!("{line:?} in {zeros:?}"));
-            let error = angle_between(zero.angle, angle(*line));
-            assert!(zero.crosses && (0.0..PI).contains(&zero.angle), "{zero:?}");
+            let error = angular_distance(zero.angle, zero_angle(*line));
+            assert!(zero.has_sign_change && (0.0..PI).contains(&zero.angle), "{zero:?}");
             assert!(error <= zero.bound + 2.0 * f64::EPSILON, "{error:e}: {zero:?}, {factors:?}");
             assert!(zero.bound < 1e-9, "{zero:?} in {factors:?}");
             worst = worst.max(error);
@@ -82,21 +80,21 @@ fn simple_zeros_are_all_found_within_their_bounds() {
 
 /// Verifies that exactly double zeros are touched and triple zeros are crossed.
 #[test]
-fn repeated_zeros_are_told_apart() {
-    repeated_zeros(false);
+fn double_and_triple_zeros_are_distinguished() {
+    verify_repeated_zeros(false);
 }
 
 /// Verifies repeated zeros on an axis, where the form is exactly zero.
 #[test]
-fn repeated_zeros_along_the_axes() {
-    repeated_zeros(true);
+fn repeated_zeros_on_axes_are_distinguished() {
+    verify_repeated_zeros(true);
 }
 
-fn repeated_zeros(axes: bool) {
-    let random = &mut seeded(22);
+fn verify_repeated_zeros(axes: bool) {
+    let random = &mut seeded_generator(22);
     for n in 0..1500 {
         let mut line = |axis: bool| loop {
-            let mut line = [0; 2].map(|_| random.within(-20.0, 20.0).round() as i64);
+            let mut line = [0; 2].map(|_| random.uniform(-20.0, 20.0).round() as i64);
             if axis {
                 line[n % 2] = 0;
             }
@@ -105,21 +103,25 @@ fn repeated_zeros(axes: bool) {
             }
         };
         let (double, single) = (line(axes), line(false));
-        if angle_between(angle(double), angle(single)) < 0.05 {
+        if angular_distance(zero_angle(double), zero_angle(single)) < 0.05 {
             continue;
         }
         let power = 2 + n / 2 % 2;
         let mut factors = vec![double.to_vec(); power];
         factors.push(single.to_vec());
-        let zeros = product(&factors).zeros();
+        let zeros = product_form(&factors).zeros();
         let own: Vec<_> =
-            zeros.iter().filter(|z| angle_between(z.angle, angle(double)) < 1e-3).collect();
+            zeros.iter().filter(|z| angular_distance(z.angle, zero_angle(double)) < 1e-3).collect();
         assert!(!own.is_empty(), "{factors:?}: {zeros:?}");
         if power == 2 {
-            assert!(own.len() == 1 && !own[0].crosses, "{factors:?}: {zeros:?}");
-            assert!(angle_between(own[0].angle, angle(double)) < 1e-13, "{factors:?}: {zeros:?}");
+            assert!(own.len() == 1 && !own[0].has_sign_change, "{factors:?}: {zeros:?}");
+            assert!(
+                angular_distance(own[0].angle, zero_angle(double)) < 1e-13,
+                "{factors:?}: {zeros:?}"
+            );
         }
-        let other = zeros.iter().filter(|z| angle_between(z.angle, angle(single)) < 1e-12).count();
+        let other =
+            zeros.iter().filter(|z| angular_distance(z.angle, zero_angle(single)) < 1e-12).count();
         assert_eq!(other, 1, "{factors:?}: {zeros:?}");
         assert_eq!(zeros.len(), own.len() + 1, "{factors:?}: {zeros:?}");
     }
@@ -128,29 +130,29 @@ fn repeated_zeros(axes: bool) {
 /// Verifies two zeros at distances of 1e-2 to 1e-12: two crossings while the form between them exceeds its rounding,
 /// otherwise one touching zero.
 #[test]
-fn nearly_double_zeros() {
-    let random = &mut seeded(23);
+fn nearly_double_zeros_are_separated_or_merged() {
+    let random = &mut seeded_generator(23);
     let mut merged = Vec::new();
     for _ in 0..2000 {
-        let size = random.decades(1e1, 3e7);
-        let a = random.within(0.2 * size, size).round() as i64;
-        let b = random.signed(0.2 * size, size).round() as i64;
+        let size = random.log_uniform(1e1, 3e7);
+        let a = random.uniform(0.2 * size, size).round() as i64;
+        let b = random.signed_log_uniform(0.2 * size, size).round() as i64;
         let lines = [[a, b], [a + 1, b]];
         let other =
-            [random.within(1.0, 5.0).round() as i64, -random.within(1.0, 5.0).round() as i64];
-        let gap = angle_between(angle(lines[0]), angle(lines[1]));
-        if lines.iter().any(|l| angle_between(angle(*l), angle(other)) < 0.05 + gap) {
+            [random.uniform(1.0, 5.0).round() as i64, -random.uniform(1.0, 5.0).round() as i64];
+        let gap = angular_distance(zero_angle(lines[0]), zero_angle(lines[1]));
+        if lines.iter().any(|l| angular_distance(zero_angle(*l), zero_angle(other)) < 0.05 + gap) {
             continue;
         }
-        let zeros = product(&[lines[0].to_vec(), lines[1].to_vec(), other.to_vec()]).zeros();
+        let zeros = product_form(&[lines[0].to_vec(), lines[1].to_vec(), other.to_vec()]).zeros();
         let own: Vec<_> =
-            zeros.iter().filter(|z| angle_between(z.angle, angle(other)) > 0.01).collect();
+            zeros.iter().filter(|z| angular_distance(z.angle, zero_angle(other)) > 0.01).collect();
         match own[..] {
             [first, second] => {
-                assert!(first.crosses && second.crosses);
+                assert!(first.has_sign_change && second.has_sign_change);
                 for line in lines {
                     let error = [first, second]
-                        .map(|z| (angle_between(z.angle, angle(line)), z.bound))
+                        .map(|z| (angular_distance(z.angle, zero_angle(line)), z.bound))
                         .into_iter()
                         .fold((f64::MAX, 0.0), |x, y| if y.0 < x.0 { y } else { x });
                     assert!(error.0 <= error.1 + 4.0 * f64::EPSILON, "{gap:e}: {own:?}");
@@ -158,8 +160,8 @@ fn nearly_double_zeros() {
                 }
             }
             [touching] => {
-                assert!(!touching.crosses, "{gap:e}: {own:?}");
-                let error = angle_between(touching.angle, angle(lines[0]));
+                assert!(!touching.has_sign_change, "{gap:e}: {own:?}");
+                let error = angular_distance(touching.angle, zero_angle(lines[0]));
                 assert!(error < 2.0 * gap, "{gap:e}: {error:e}");
                 merged.push(gap);
             }
@@ -173,22 +175,22 @@ fn nearly_double_zeros() {
 
 /// Verifies that a form 1e-6 above zero has no zeros, and that F(θ + π) = (−1)^d F(θ) closes the circle.
 #[test]
-fn forms_that_miss_zero_have_none() {
+fn zeros_of_definite_factors_and_axes_are_counted() {
     for power in 1..=3 {
         let mut factors = vec![vec![1000, 2, 1000]; power];
         factors.push(vec![1, 1]);
-        let zeros = product(&factors).zeros();
+        let zeros = product_form(&factors).zeros();
         assert_eq!(zeros.len(), 1, "{zeros:?}");
     }
     // (3κ₁ − 5κ₂)² 10⁶ + κ₁²
-    let near = product(&[vec![9_000_001, -30_000_000, 25_000_000]]);
+    let near = product_form(&[vec![9_000_001, -30_000_000, 25_000_000]]);
     assert!(near.zeros().is_empty());
     // Axes as zeros.
-    let zeros = product(&[vec![1, 0], vec![0, 1]]).zeros();
+    let zeros = product_form(&[vec![1, 0], vec![0, 1]]).zeros();
     assert_eq!(zeros.len(), 2, "{zeros:?}");
-    assert!(zeros[0].angle < 1e-15 && angle_between(zeros[1].angle, PI / 2.0) < 1e-15);
-    let zeros = product(&[vec![0, 1]]).zeros();
+    assert!(zeros[0].angle < 1e-15 && angular_distance(zeros[1].angle, PI / 2.0) < 1e-15);
+    let zeros = product_form(&[vec![0, 1]]).zeros();
     assert_eq!(zeros.len(), 1, "{zeros:?}");
-    let zeros = product(&[vec![1, 0]]).zeros();
+    let zeros = product_form(&[vec![1, 0]]).zeros();
     assert_eq!(zeros.len(), 1, "{zeros:?}");
 }

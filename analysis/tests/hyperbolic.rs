@@ -5,18 +5,12 @@ mod support;
 
 use models::LinearisedSystem;
 use rayon::prelude::*;
-use support::planted::{C, Part, T, X, Y, system};
-use support::states::{Random, seeded};
-use wellposed_analysis::growth::{Verdict, assess};
-use wellposed_analysis::pencil::Pencil;
+use support::states::{RandomNumbers, seeded_generator};
+use support::system_entries::{C, DerivativeOperator, T, X, Y, build_system};
+use support::verdicts::compute_verdict;
+use wellposed_analysis::growth::Verdict;
 
-fn judge(system: &LinearisedSystem<2>) -> Verdict {
-    let mut pencil = Pencil::default();
-    pencil.update(system).expect("finite coefficients");
-    assess(&pencil).verdict
-}
-
-fn matrices(n: usize, parts: [(Part, &[f64]); 3]) -> LinearisedSystem<2> {
+fn system_from_matrices(n: usize, parts: [(DerivativeOperator, &[f64]); 3]) -> LinearisedSystem<2> {
     let mut entries = Vec::new();
     for i in 0..n {
         entries.push((i, i, T, 1.0));
@@ -28,14 +22,14 @@ fn matrices(n: usize, parts: [(Part, &[f64]); 3]) -> LinearisedSystem<2> {
             }
         }
     }
-    system(n, n, &entries)
+    build_system(n, n, &entries)
 }
 
 /// Random system of small integers, so that speeds coincide in many directions: dense, of low rank, in blocks, or
 /// diagonal.
-fn random(random: &mut Random, kind: usize) -> LinearisedSystem<2> {
-    let n = 2 + (random.bits() % 5) as usize;
-    let mut integer = || random.within(-2.5, 2.5).round();
+fn random_symmetric_system(random: &mut RandomNumbers, kind: usize) -> LinearisedSystem<2> {
+    let n = 2 + (random.next_bits() % 5) as usize;
+    let mut integer = || random.uniform(-2.5, 2.5).round();
     let mut first = vec![0.0; n * n];
     let mut second = vec![0.0; n * n];
     let vector: Vec<f64> = (0..n).map(|_| integer()).collect();
@@ -54,25 +48,27 @@ fn random(random: &mut Random, kind: usize) -> LinearisedSystem<2> {
         }
     }
     let constant: Vec<f64> = (0..n * n).map(|_| integer()).collect();
-    matrices(n, [(X, &first), (Y, &second), (C, &constant)])
+    system_from_matrices(n, [(X, &first), (Y, &second), (C, &constant)])
 }
 
 /// Verifies 1500 systems of each kind: none is ill-posed, fewer than 5 % are marginal.
 #[test]
 fn symmetric_hyperbolic_systems_are_never_ill_posed() {
-    const SYSTEMS: u64 = 1500;
+    const SYSTEM_COUNT: u64 = 1500;
     for kind in 0..4 {
-        let verdicts: Vec<(u64, Verdict)> = (0..SYSTEMS)
+        let verdicts: Vec<(u64, Verdict)> = (0..SYSTEM_COUNT)
             .into_par_iter()
-            .map(|seed| (seed, judge(&random(&mut seeded(seed), kind))))
+            .map(|seed| {
+                (seed, compute_verdict(&random_symmetric_system(&mut seeded_generator(seed), kind)))
+            })
             .collect();
         let marginal = verdicts.iter().filter(|(_, v)| v.name() == "marginal").count() as u64;
         let wrong: Vec<_> = verdicts
             .iter()
             .filter(|(_, v)| !matches!(v, Verdict::WellPosed | Verdict::Marginal { .. }))
             .collect();
-        println!("kind {kind}: {marginal} of {SYSTEMS} marginal");
+        println!("kind {kind}: {marginal} of {SYSTEM_COUNT} marginal");
         assert!(wrong.is_empty(), "kind {kind}: {wrong:?}");
-        assert!(20 * marginal < SYSTEMS, "kind {kind}: {marginal} marginal");
+        assert!(20 * marginal < SYSTEM_COUNT, "kind {kind}: {marginal} marginal");
     }
 }

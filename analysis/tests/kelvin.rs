@@ -3,40 +3,42 @@
 mod support;
 
 use models::LinearisedSystem;
-use models::flow::state::{Flow, State};
+use models::flow::state::{DeformingFlow, MaterialState};
 use models::flow::{FlowKind, Model};
 use models::registry;
 use num_complex::Complex64;
-use support::states::{Random, seeded};
-use testkit::flows::Parameters;
-use wellposed_analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
+use support::states::{RandomNumbers, seeded_generator};
+use testkit::flows::FlowParameters;
+use wellposed_analysis::kelvin::{
+    KelvinEvolution, integrate_kelvin_wave, wave_vector, wave_vector_rate,
+};
 use wellposed_analysis::pencil::Pencil;
 
-const KINDS: [FlowKind; 3] =
+const FLOW_KINDS: [FlowKind; 3] =
     [registry::HARRIS_GREKOVA, registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL];
 
 /// A uniform, incompressible flow.
-fn flow(kind: FlowKind, random: &mut Random) -> (Model, Flow) {
-    let parameters = Parameters {
-        friction_angle: random.within(0.1, 1.2),
-        cohesion: random.within(0.0, 500.0),
+fn random_flow(kind: FlowKind, random: &mut RandomNumbers) -> (Model, DeformingFlow) {
+    let parameters = FlowParameters {
+        friction_angle: random.uniform(0.1, 1.2),
+        cohesion: random.uniform(0.0, 500.0),
         moment_of_inertia: Some(1e-7),
         rotational_strength: Some(0.0),
         dilatancy_angle: 0.0,
     };
-    let model = parameters.model(kind).expect("constants in range");
+    let model = parameters.build_model(kind).expect("constants in range");
     let noncoaxiality = match kind {
         own if own == registry::PLASTIC_POTENTIAL => 0.0,
-        _ => random.within(-1.4, 1.4),
+        _ => random.uniform(-1.4, 1.4),
     };
-    let state = State {
-        density: random.within(500.0, 3000.0),
-        pressure: random.within(100.0, 5000.0),
-        stress_angle: random.within(-1.5, 1.5),
-        shear_rate: random.within(0.1, 10.0),
-        half_vorticity: random.within(-5.0, 5.0),
+    let state = MaterialState {
+        density: random.uniform(500.0, 3000.0),
+        pressure: random.uniform(100.0, 5000.0),
+        stress_angle: random.uniform(-1.5, 1.5),
+        shear_rate: random.uniform(0.1, 10.0),
+        half_vorticity: random.uniform(-5.0, 5.0),
         noncoaxiality: Some(noncoaxiality),
-        ..State::default()
+        ..MaterialState::default()
     };
     let background = model.background(&state).expect("a state in range");
     (model, *background.flow().expect("fully deforming"))
@@ -44,20 +46,20 @@ fn flow(kind: FlowKind, random: &mut Random) -> (Model, Flow) {
 
 /// Verifies that for a constant wave vector the admissible evolution has the finite roots of the pencil.
 #[test]
-fn at_rest_it_is_the_frozen_pencil() {
-    let mut random = seeded(1);
-    for kind in KINDS {
+fn constant_wave_vector_gives_the_roots_of_the_frozen_pencil() {
+    let mut random = seeded_generator(1);
+    for kind in FLOW_KINDS {
         for _ in 0..300 {
-            let (model, flow) = flow(kind, &mut random);
+            let (model, flow) = random_flow(kind, &mut random);
             let mut system = LinearisedSystem::default();
             model.symbol(&flow, &mut system);
             let mut pencil = Pencil::default();
             pencil.update(&system).expect("finite");
             let (number, direction) =
-                (10f64.powf(random.within(-1.0, 4.0)), random.within(0.0, 3.1));
+                (10f64.powf(random.uniform(-1.0, 4.0)), random.uniform(0.0, 3.1));
             let wave = [number * direction.cos(), number * direction.sin()];
-            let evolution = Evolution::new(&system, wave, [0.0; 2]).expect("determined");
-            let mut own: Vec<Complex64> = eigenvalues(&evolution.reduced());
+            let evolution = KelvinEvolution::new(&system, wave, [0.0; 2]).expect("determined");
+            let mut own: Vec<Complex64> = eigenvalues(&evolution.reduced_rate_matrix());
             let mut frozen: Vec<Complex64> =
                 pencil.generalised_eigenvalues(number, direction).into_iter().collect();
             assert_eq!(own.len(), frozen.len(), "{kind:?}");
@@ -90,24 +92,24 @@ fn eigenvalues(matrix: &nalgebra::DMatrix<Complex64>) -> Vec<Complex64> {
 /// − θ), obtained by elimination of the pressure: k̇·v is the defect of the constraint, −k²(1 − sin φ cos β) the symbol
 /// of the pressure, and ξ⊥·(ξ − sin φ n) = −sin φ sin β the effect of the pressure across the wave.
 #[test]
-fn the_motion_of_the_wave_vector_adds_what_the_formula_says() {
-    let mut random = seeded(2);
-    for kind in KINDS {
+fn rate_of_the_wave_vector_contributes_its_closed_form() {
+    let mut random = seeded_generator(2);
+    for kind in FLOW_KINDS {
         for _ in 0..300 {
-            let (model, flow) = flow(kind, &mut random);
+            let (model, flow) = random_flow(kind, &mut random);
             let mut system = LinearisedSystem::default();
             model.symbol(&flow, &mut system);
-            let (number, theta) = (10f64.powf(random.within(-1.0, 4.0)), random.within(0.0, 3.1));
+            let (number, theta) = (10f64.powf(random.uniform(-1.0, 4.0)), random.uniform(0.0, 3.1));
             let (across, along) = ([-theta.sin(), theta.cos()], [theta.cos(), theta.sin()]);
             let wave = along.map(|x| number * x);
             let gradient = flow.velocity_gradient.map(|row| row.map(|own| own.value));
             let rate = wave_vector_rate(gradient, wave);
             let of_velocity = |rate: [f64; 2]| {
-                let evolution = Evolution::new(&system, wave, rate).expect("determined");
+                let evolution = KelvinEvolution::new(&system, wave, rate).expect("determined");
                 let mut sum = Complex64::ZERO;
                 for i in 0..2 {
                     for j in 0..2 {
-                        sum += across[i] * across[j] * evolution.rates[(i, j)];
+                        sum += across[i] * across[j] * evolution.rate_matrix[(i, j)];
                     }
                 }
                 sum
@@ -133,7 +135,7 @@ fn the_motion_of_the_wave_vector_adds_what_the_formula_says() {
 
 /// Verifies the wave vector against its rate by differences, and in simple shear.
 #[test]
-fn the_wave_vector_moves_with_the_flow() {
+fn wave_vector_agrees_with_its_rate() {
     let gradient = [[0.3, -1.2], [0.7, -0.3]];
     let (wave, step) = ([2.0, -1.0], 1e-5);
     let [before, after] = [-step, step].map(|t| wave_vector(gradient, wave, 0.4 + t));
@@ -148,23 +150,23 @@ fn the_wave_vector_moves_with_the_flow() {
 
 /// Verifies the evolution of a wave against the classical Runge–Kutta method, and its modes against the rate matrix.
 #[test]
-fn the_course_of_a_wave_obeys_its_evolution() {
-    let mut random = seeded(3);
-    for kind in KINDS {
-        let (model, flow) = flow(kind, &mut random);
+fn integrated_wave_agrees_with_runge_kutta() {
+    let mut random = seeded_generator(3);
+    for kind in FLOW_KINDS {
+        let (model, flow) = random_flow(kind, &mut random);
         let mut system = LinearisedSystem::default();
         model.symbol(&flow, &mut system);
         let gradient = flow.velocity_gradient.map(|row| row.map(|own| own.value));
         let wave = [0.7, -0.4];
         let at = |time: f64| {
             let now = wave_vector(gradient, wave, time);
-            Evolution::new(&system, now, wave_vector_rate(gradient, now)).expect("determined")
+            KelvinEvolution::new(&system, now, wave_vector_rate(gradient, now)).expect("determined")
         };
         let modes = at(0.0).modes();
         assert!(modes.windows(2).all(|pair| pair[0].0.re >= pair[1].0.re));
         for (rate, mode) in &modes {
-            let image = &at(0.0).rates * nalgebra::DVector::from_column_slice(mode);
-            let reduced = at(0.0).reduced().norm();
+            let image = &at(0.0).rate_matrix * nalgebra::DVector::from_column_slice(mode);
+            let reduced = at(0.0).reduced_rate_matrix().norm();
             // Modes are admissible, and eigenvectors of the rate matrix up to the motion of the constraint.
             let along: Complex64 = mode.iter().take(2).zip(wave).map(|(v, k)| v * k).sum();
             assert!(along.norm() < 1e-12);
@@ -176,14 +178,22 @@ fn the_course_of_a_wave_obeys_its_evolution() {
         }
         let duration = 0.3 / flow.shear_rate;
         let start = &modes[0].1;
-        let found = course(&|_| Some(system.clone()), gradient, wave, start, duration, [3, 40])
-            .expect("determined");
+        let found = integrate_kelvin_wave(
+            &|_| Some(system.clone()),
+            gradient,
+            wave,
+            start,
+            duration,
+            [3, 40],
+        )
+        .expect("determined");
         let mut state = nalgebra::DVector::from_column_slice(start);
         let steps = 6000;
         let step = duration / f64::from(steps);
         for index in 0..steps {
             let now = f64::from(index) * step;
-            let [begin, middle, end] = [0.0, 0.5, 1.0].map(|part| at(now + part * step).rates);
+            let [begin, middle, end] =
+                [0.0, 0.5, 1.0].map(|part| at(now + part * step).rate_matrix);
             let complex = |x: f64| Complex64::new(x, 0.0);
             let first = &begin * &state;
             let second = &middle * (&state + &first * complex(0.5 * step));

@@ -10,34 +10,35 @@ use faer::{Mat, Par};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use rayon::prelude::*;
-use support::exact::{WideSystem, evaluate, roots};
-use support::planted::{C, Part, T, X, system};
-use support::states::{Random, VARIANTS, seeded, wild};
-use support::wide::WideComplex;
+use support::exact::{System256, evaluate_with_derivative, solve_roots};
+use support::real256::Complex256;
+use support::states::{RandomNumbers, sample_wide_range, seeded_generator};
+use support::system_entries::{C, DerivativeOperator, T, X, build_system};
+use testkit::flows::SQUARE_MODEL_CASES;
 use wellposed_analysis::pencil::Pencil;
 use wellposed_analysis::qz::Qz;
 
-type Matrix = DMatrix<Complex64>;
+type ComplexMatrix = DMatrix<Complex64>;
 
-fn zeros(n: usize) -> Matrix {
-    Matrix::from_element(n, n, Complex64::ZERO)
+fn zero_matrix(n: usize) -> ComplexMatrix {
+    ComplexMatrix::from_element(n, n, Complex64::ZERO)
 }
 
 /// Computes all eigenvalues and verifies that each is exact for a pencil close to the equilibrated one: the smallest
 /// perturbation relative to the norms that makes λ an eigenvalue is σ_min(L − λR)/(‖L‖ + |λ| ‖R‖) (D. J. Higham & N. J.
 /// Higham, SIAM Journal on Matrix Analysis and Applications 20, 1998, 493–512).
-fn eigenvalues(left: &Matrix, right: &Matrix) -> Vec<Complex64> {
+fn verified_eigenvalues(left: &ComplexMatrix, right: &ComplexMatrix) -> Vec<Complex64> {
     let qz = &mut Qz::default();
     qz.equilibrate(left.nrows(), |i, j| left[(i, j)], |i, j| right[(i, j)]);
-    let (found, error) = solved(qz, left.nrows());
+    let (found, error) = solve_with_backward_error(qz, left.nrows());
     assert!(error < 3e-15, "backward error {error:e} of {found:?}: {left} − λ {right}");
     found
 }
 
 /// Eigenvalues and largest backward error.
-fn solved(qz: &mut Qz, n: usize) -> (Vec<Complex64>, f64) {
-    let [left, right] = equilibrated(qz, n);
-    let unit = -f64::from(qz.rate());
+fn solve_with_backward_error(qz: &mut Qz, n: usize) -> (Vec<Complex64>, f64) {
+    let [left, right] = equilibrated_matrices(qz, n);
+    let unit = -f64::from(qz.rate_exponent());
     let found = qz.solve().expect("convergence").to_vec();
     let mut worst = 0.0f64;
     for value in &found {
@@ -51,12 +52,12 @@ fn solved(qz: &mut Qz, n: usize) -> (Vec<Complex64>, f64) {
     (found, worst)
 }
 
-fn equilibrated(qz: &Qz, n: usize) -> [Matrix; 2] {
-    [0, 1].map(|which| Matrix::from_fn(n, n, |i, j| qz.entry(i, j)[which]))
+fn equilibrated_matrices(qz: &Qz, n: usize) -> [ComplexMatrix; 2] {
+    [0, 1].map(|which| ComplexMatrix::from_fn(n, n, |i, j| qz.equilibrated_entries(i, j)[which]))
 }
 
 /// Eigenvalues by faer except exactly infinite ones; eigenvalues that are infinite only up to rounding are included.
-fn by_faer(left: &Matrix, right: &Matrix) -> Vec<Complex64> {
+fn faer_eigenvalues(left: &ComplexMatrix, right: &ComplexMatrix) -> Vec<Complex64> {
     let n = left.nrows();
     let [mut left, mut right] = [left, right].map(|m| Mat::from_fn(n, n, |i, j| m[(i, j)]));
     let (mut alpha, mut beta) = (Diag::zeros(n), Diag::zeros(n));
@@ -77,7 +78,7 @@ fn by_faer(left: &Matrix, right: &Matrix) -> Vec<Complex64> {
 }
 
 /// Largest distance from a wanted eigenvalue to the nearest computed one, relative to their moduli.
-fn distance(found: &[Complex64], wanted: &[Complex64]) -> f64 {
+fn max_relative_distance(found: &[Complex64], wanted: &[Complex64]) -> f64 {
     let nearest = |w: &Complex64| {
         let gap = |f: &Complex64| (f - w).norm() / w.norm().max(f.norm()).max(1e-300);
         found.iter().map(gap).fold(f64::INFINITY, f64::min)
@@ -85,13 +86,16 @@ fn distance(found: &[Complex64], wanted: &[Complex64]) -> f64 {
     wanted.iter().map(nearest).fold(0.0, f64::max)
 }
 
-fn random_matrix(random: &mut Random, n: usize) -> Matrix {
-    Matrix::from_fn(n, n, |_, _| Complex64::new(random.within(-1.0, 1.0), random.within(-1.0, 1.0)))
+fn random_matrix(random: &mut RandomNumbers, n: usize) -> ComplexMatrix {
+    ComplexMatrix::from_fn(n, n, |_, _| {
+        Complex64::new(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0))
+    })
 }
 
 /// Condition number of an exact root of a model's pencil: Σ |∂ς/∂entry| |entry| / |ς|.
-fn condition(exact: &WideSystem, wave: [f64; 2], root: WideComplex) -> f64 {
-    let slope = evaluate(&exact.at_wave(wave), root).1.modulus().to_f64();
+fn condition_number(exact: &System256, wave: [f64; 2], root: Complex256) -> f64 {
+    let slope =
+        evaluate_with_derivative(&exact.coefficients_at_wave(wave), root).1.modulus().to_f64();
     let cofactors = exact.cofactors(wave, root);
     let mut sum = 0.0;
     for (row, cofactors) in exact.entries.iter().zip(&cofactors) {
@@ -108,41 +112,46 @@ fn condition(exact: &WideSystem, wave: [f64; 2], root: WideComplex) -> f64 {
 /// Verifies the pencils of the models at random states and waves: small backward errors, as many finite eigenvalues as
 /// the exact polynomial has roots (up to 0.1 % of the states), and no more well-conditioned roots missed than by faer.
 #[test]
-fn pencils_of_all_models() {
-    const STATES: u64 = 21_000;
-    struct Outcome {
+fn model_pencils_have_small_backward_errors() {
+    const STATE_COUNT: u64 = 21_000;
+    struct PencilOutcome {
         error: f64,
-        right_count: bool,
+        has_exact_count: bool,
         /// Numbers of well-conditioned roots, of roots missed by QZ, and of roots missed by faer.
         roots: [usize; 3],
     }
-    let outcomes: Vec<Outcome> = (0..STATES)
+    let outcomes: Vec<PencilOutcome> = (0..STATE_COUNT)
         .into_par_iter()
         .map(|seed| {
-            let random = &mut seeded(0x9a00_0000 + seed);
-            let (kind, dilatancy) = VARIANTS[seed as usize % VARIANTS.len()];
-            let system = wild(random, kind, dilatancy).system;
+            let random = &mut seeded_generator(0x9a00_0000 + seed);
+            let (kind, dilatancy) = SQUARE_MODEL_CASES[seed as usize % SQUARE_MODEL_CASES.len()];
+            let system = sample_wide_range(random, kind, dilatancy).system;
             let (k, direction) =
-                (random.decades(1e-2, 1e8), random.within(0.0, std::f64::consts::TAU));
+                (random.log_uniform(1e-2, 1e8), random.uniform(0.0, std::f64::consts::TAU));
             let wave = [k * direction.cos(), k * direction.sin()];
             let mut pencil = Pencil::default();
             pencil.update(&system).expect("finite coefficients");
             let n = system.equations.len();
             let qz = &mut Qz::default();
             pencil.equilibrate(qz, k, direction);
-            let [left, right] = equilibrated(qz, n);
-            let unit = f64::from(qz.rate()).exp2();
-            let (found, error) = solved(qz, n);
-            let exact = WideSystem::of(&system);
-            let wanted = roots(&exact.at_wave(wave));
-            let mut outcome =
-                Outcome { error, right_count: found.len() == wanted.len(), roots: [0; 3] };
-            if seed < STATES / 5 {
-                let faer: Vec<_> = by_faer(&left, &right).iter().map(|z| z * unit).collect();
+            let [left, right] = equilibrated_matrices(qz, n);
+            let unit = f64::from(qz.rate_exponent()).exp2();
+            let (found, error) = solve_with_backward_error(qz, n);
+            let exact = System256::from_linearised(&system);
+            let wanted = solve_roots(&exact.coefficients_at_wave(wave));
+            let mut outcome = PencilOutcome {
+                error,
+                has_exact_count: found.len() == wanted.len(),
+                roots: [0; 3],
+            };
+            if seed < STATE_COUNT / 5 {
+                let faer: Vec<_> =
+                    faer_eigenvalues(&left, &right).iter().map(|z| z * unit).collect();
                 for root in wanted {
-                    if !root.is_zero() && condition(&exact, wave, root) < 1e6 {
-                        let root = root.to_c64() / pencil.scaled.rate;
-                        let misses = |found| usize::from(distance(found, &[root]) > 1e-6);
+                    if !root.is_zero() && condition_number(&exact, wave, root) < 1e6 {
+                        let root = root.to_c64() / pencil.scaled.rate_unit;
+                        let misses =
+                            |found| usize::from(max_relative_distance(found, &[root]) > 1e-6);
                         outcome.roots[0] += 1;
                         outcome.roots[1] += misses(&found);
                         outcome.roots[2] += misses(&faer);
@@ -153,31 +162,31 @@ fn pencils_of_all_models() {
         })
         .collect();
     let worst = outcomes.iter().map(|o| o.error).fold(0.0, f64::max);
-    let miscounted = outcomes.iter().filter(|o| !o.right_count).count();
+    let miscounted = outcomes.iter().filter(|o| !o.has_exact_count).count();
     let [all, missed, missed_by_faer] =
         [0, 1, 2].map(|which| outcomes.iter().map(|o| o.roots[which]).sum::<usize>());
     println!(
-        "{STATES} states: greatest backward error {worst:.1e}; {miscounted} with another number of \
+        "{STATE_COUNT} states: greatest backward error {worst:.1e}; {miscounted} with another number of \
          finite eigenvalues than roots; of {all} well-conditioned roots {missed} missed, \
          {missed_by_faer} by faer"
     );
     assert!(worst < 3e-15);
-    assert!(miscounted as u64 * 1000 <= STATES);
+    assert!(miscounted as u64 * 1000 <= STATE_COUNT);
     assert!(all > 500 && missed * 50 <= all && missed <= missed_by_faer);
 }
 
 /// Verifies dense random pencils of all sizes with regular R against faer.
 #[test]
-fn regular_random_pencils() {
+fn regular_random_pencils_agree_with_faer() {
     let worst = (0..10_000u64)
         .into_par_iter()
         .map(|seed| {
-            let random = &mut seeded(seed);
+            let random = &mut seeded_generator(seed);
             let n = 1 + seed as usize % 10;
             let [left, right] = [0; 2].map(|_| random_matrix(random, n));
-            let found = eigenvalues(&left, &right);
+            let found = verified_eigenvalues(&left, &right);
             assert_eq!(found.len(), n);
-            distance(&found, &by_faer(&left, &right))
+            max_relative_distance(&found, &faer_eigenvalues(&left, &right))
         })
         .collect::<Vec<f64>>();
     let far = worst.iter().filter(|d| **d > 1e-9).count();
@@ -188,11 +197,11 @@ fn regular_random_pencils() {
 /// Verifies R of any rank r against faer: exactly r finite eigenvalues if the rank shows in zero rows, otherwise the r
 /// eigenvalues of smallest modulus.
 #[test]
-fn singular_random_pencils() {
+fn singular_random_pencils_agree_with_faer() {
     for seed in 0..2_000 {
-        let random = &mut seeded(seed);
+        let random = &mut seeded_generator(seed);
         let n = 2 + seed as usize % 9;
-        let rank = (random.unit() * n as f64) as usize;
+        let rank = (random.unit_interval() * n as f64) as usize;
         let [left, mut structural, factor] = [0; 3].map(|_| random_matrix(random, n));
         structural.rows_mut(rank, n - rank).fill(Complex64::ZERO);
         for (right, exact) in [(factor * &structural, false), (structural, true)] {
@@ -201,9 +210,12 @@ fn singular_random_pencils() {
                 list.truncate(rank);
                 list
             };
-            let found = eigenvalues(&left, &right);
+            let found = verified_eigenvalues(&left, &right);
             assert!(found.len() == rank || (!exact && found.len() > rank), "seed {seed}");
-            let gap = distance(&by_modulus(found), &by_modulus(by_faer(&left, &right)));
+            let gap = max_relative_distance(
+                &by_modulus(found),
+                &by_modulus(faer_eigenvalues(&left, &right)),
+            );
             assert!(gap < 1e-4, "seed {seed}: {gap:e}");
         }
     }
@@ -212,113 +224,123 @@ fn singular_random_pencils() {
 /// Verifies constraints with multipliers, (K − λM, G; H, 0), whose infinite eigenvalues of index 2 remove two finite
 /// ones each; the finite eigenvalues are compared with the exact polynomial.
 #[test]
-fn index_two_pencils() {
+fn index_two_pencils_have_the_roots_of_the_exact_polynomial() {
     for seed in 0..500u64 {
-        let random = &mut seeded(seed);
+        let random = &mut seeded_generator(seed);
         let (n, constraints) = (4 + seed as usize % 4, 1 + seed as usize % 2);
         let inner = n - constraints;
-        let mut entries: Vec<(usize, usize, Part, f64)> = Vec::new();
+        let mut entries: Vec<(usize, usize, DerivativeOperator, f64)> = Vec::new();
         for i in 0..n {
             for j in 0..n {
                 if i < inner || j < inner {
-                    entries.push((i, j, C, random.within(-1.0, 1.0)));
-                    entries.push((i, j, X, random.within(-1.0, 1.0)));
+                    entries.push((i, j, C, random.uniform(-1.0, 1.0)));
+                    entries.push((i, j, X, random.uniform(-1.0, 1.0)));
                 }
                 if i < inner && j < inner {
-                    entries.push((i, j, T, random.within(-1.0, 1.0)));
+                    entries.push((i, j, T, random.uniform(-1.0, 1.0)));
                 }
             }
         }
-        let system = system(n, n, &entries);
-        let wanted: Vec<Complex64> = roots(&WideSystem::of(&system).at_wave([1.0, 0.0]))
-            .iter()
-            .map(|z| z.to_c64())
-            .collect();
-        let right = Matrix::from_fn(n, n, |i, j| system.a[(i, j)].value.into());
-        let left = Matrix::from_fn(n, n, |i, j| {
+        let system = build_system(n, n, &entries);
+        let wanted: Vec<Complex64> =
+            solve_roots(&System256::from_linearised(&system).coefficients_at_wave([1.0, 0.0]))
+                .iter()
+                .map(|z| z.to_c64())
+                .collect();
+        let right = ComplexMatrix::from_fn(n, n, |i, j| system.a[(i, j)].value.into());
+        let left = ComplexMatrix::from_fn(n, n, |i, j| {
             -Complex64::new(system.c[(i, j)].value, system.b[0][(i, j)].value)
         });
-        let found = eigenvalues(&left, &right);
+        let found = verified_eigenvalues(&left, &right);
         assert_eq!((found.len(), wanted.len()), (n - 2 * constraints, n - 2 * constraints));
-        assert!(distance(&found, &wanted) < 1e-9, "seed {seed}: {found:?} for {wanted:?}");
+        assert!(
+            max_relative_distance(&found, &wanted) < 1e-9,
+            "seed {seed}: {found:?} for {wanted:?}"
+        );
     }
 }
 
 #[test]
-fn without_finite_eigenvalues() {
-    let random = &mut seeded(5);
+fn pencils_without_finite_eigenvalues_return_none() {
+    let random = &mut seeded_generator(5);
     for n in 0..=10 {
-        assert!(eigenvalues(&random_matrix(random, n), &zeros(n)).is_empty());
-        assert!(eigenvalues(&zeros(n), &zeros(n)).is_empty());
+        assert!(verified_eigenvalues(&random_matrix(random, n), &zero_matrix(n)).is_empty());
+        assert!(verified_eigenvalues(&zero_matrix(n), &zero_matrix(n)).is_empty());
         // A nilpotent R: one infinite eigenvalue of index n.
-        let shift = Matrix::from_fn(n, n, |i, j| f64::from(u8::from(j == i + 1)).into());
-        assert!(eigenvalues(&Matrix::identity(n, n), &shift).is_empty());
-        assert!(eigenvalues(&zeros(n), &Matrix::identity(n, n)).iter().all(|z| z.norm() == 0.0));
+        let shift = ComplexMatrix::from_fn(n, n, |i, j| f64::from(u8::from(j == i + 1)).into());
+        assert!(verified_eigenvalues(&ComplexMatrix::identity(n, n), &shift).is_empty());
+        assert!(
+            verified_eigenvalues(&zero_matrix(n), &ComplexMatrix::identity(n, n))
+                .iter()
+                .all(|z| z.norm() == 0.0)
+        );
     }
 }
 
 #[test]
-fn diagonal_pencils_of_any_scale() {
+fn diagonal_pencils_are_solved_to_rounding_at_any_scale() {
     for seed in 0..1_000 {
-        let random = &mut seeded(seed);
+        let random = &mut seeded_generator(seed);
         let n = 1 + seed as usize % 10;
         let [left, right] =
-            [0; 2].map(|_| Vec::from_iter((0..n).map(|_| random.signed(1e-60, 1e60))));
+            [0; 2].map(|_| Vec::from_iter((0..n).map(|_| random.signed_log_uniform(1e-60, 1e60))));
         let diagonal =
-            |d: &[f64]| Matrix::from_fn(n, n, |i, j| if i == j { d[i] } else { 0.0 }.into());
-        let found = eigenvalues(&diagonal(&left), &diagonal(&right));
+            |d: &[f64]| ComplexMatrix::from_fn(n, n, |i, j| if i == j { d[i] } else { 0.0 }.into());
+        let found = verified_eigenvalues(&diagonal(&left), &diagonal(&right));
         let wanted: Vec<Complex64> =
             left.iter().zip(&right).map(|(l, r)| Complex64::from(l / r)).collect();
         assert_eq!(found.len(), n);
-        assert!(distance(&found, &wanted) < 1e-15, "{found:?} for {wanted:?}");
+        assert!(max_relative_distance(&found, &wanted) < 1e-15, "{found:?} for {wanted:?}");
     }
 }
 
 /// Verifies that extreme scales of rows, columns and units change eigenvalues by powers of two only, and that entries
 /// of extreme scales leave small backward errors.
 #[test]
-fn wild_scales() {
+fn extreme_scales_change_eigenvalues_by_powers_of_two() {
     for seed in 0..6_000 {
-        let random = &mut seeded(seed);
+        let random = &mut seeded_generator(seed);
         let n = 2 + seed as usize % 9;
         let [left, right] = [0; 2].map(|_| random_matrix(random, n));
-        let mut powers = || Vec::from_iter((0..n).map(|_| random.within(-90.0, 90.0).round()));
+        let mut powers = || Vec::from_iter((0..n).map(|_| random.uniform(-90.0, 90.0).round()));
         let (rows, columns) = (powers(), powers());
-        let scaled = |m: &Matrix, power: f64| {
-            Matrix::from_fn(n, n, |i, j| m[(i, j)] * (rows[i] + columns[j] + power).exp2())
+        let scaled = |m: &ComplexMatrix, power: f64| {
+            ComplexMatrix::from_fn(n, n, |i, j| m[(i, j)] * (rows[i] + columns[j] + power).exp2())
         };
-        let found = eigenvalues(&scaled(&left, 300.0), &scaled(&right, -300.0));
+        let found = verified_eigenvalues(&scaled(&left, 300.0), &scaled(&right, -300.0));
         let unit = Complex64::from(600f64.exp2());
-        let wanted: Vec<Complex64> = eigenvalues(&left, &right).iter().map(|z| z * unit).collect();
-        assert!(distance(&found, &wanted) < 1e-7, "seed {seed}");
+        let wanted: Vec<Complex64> =
+            verified_eigenvalues(&left, &right).iter().map(|z| z * unit).collect();
+        assert!(max_relative_distance(&found, &wanted) < 1e-7, "seed {seed}");
 
         let mut entry = |_, _| {
-            let sparse = random.chance(0.3);
-            let size = random.signed(1e-100, 1e100);
-            Complex64::from(if sparse { 0.0 } else { size }) * Complex64::cis(random.unit())
+            let sparse = random.bernoulli(0.3);
+            let size = random.signed_log_uniform(1e-100, 1e100);
+            Complex64::from(if sparse { 0.0 } else { size })
+                * Complex64::cis(random.unit_interval())
         };
-        let [left, right] = [0; 2].map(|_| Matrix::from_fn(n, n, &mut entry));
-        eigenvalues(&left, &right);
+        let [left, right] = [0; 2].map(|_| ComplexMatrix::from_fn(n, n, &mut entry));
+        verified_eigenvalues(&left, &right);
     }
 }
 
 /// Verifies Jordan blocks in any basis: eigenvalues move by ε^(1/n) at most.
 #[test]
-fn defective_pencils() {
+fn defective_eigenvalues_move_by_a_root_of_the_rounding() {
     for n in 2..=10 {
         for seed in 0..100 {
-            let random = &mut seeded(seed);
+            let random = &mut seeded_generator(seed);
             let value = if seed % 2 == 0 { Complex64::ZERO } else { Complex64::new(1.0, -2.0) };
-            let block = Matrix::from_fn(n, n, |i, j| match j.wrapping_sub(i) {
+            let block = ComplexMatrix::from_fn(n, n, |i, j| match j.wrapping_sub(i) {
                 0 => value,
                 1 => Complex64::ONE,
                 _ => Complex64::ZERO,
             });
             let [p, q] = [0; 2].map(|_| random_matrix(random, n).qr().q());
             for (left, right) in
-                [(block.clone(), Matrix::identity(n, n)), (&p * &block * &q, &p * &q)]
+                [(block.clone(), ComplexMatrix::identity(n, n)), (&p * &block * &q, &p * &q)]
             {
-                let found = eigenvalues(&left, &right);
+                let found = verified_eigenvalues(&left, &right);
                 assert_eq!(found.len(), n);
                 let bound = 4.0 * (1e-15f64).powf(1.0 / n as f64);
                 assert!(found.iter().all(|z| (z - value).norm() < bound), "{n}: {found:?}");
@@ -329,20 +351,21 @@ fn defective_pencils() {
 
 /// Verifies roots of unity: cyclic permutations, which a zero shift leaves unchanged.
 #[test]
-fn roots_of_unity() {
+fn cyclic_permutations_have_roots_of_unity() {
     for n in 1..=10 {
-        let cycle = Matrix::from_fn(n, n, |i, j| f64::from(u8::from(i == (j + 1) % n)).into());
-        let found = eigenvalues(&cycle, &Matrix::identity(n, n));
+        let cycle =
+            ComplexMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == (j + 1) % n)).into());
+        let found = verified_eigenvalues(&cycle, &ComplexMatrix::identity(n, n));
         let wanted: Vec<Complex64> =
             (0..n).map(|m| Complex64::cis(std::f64::consts::TAU * m as f64 / n as f64)).collect();
-        assert!(distance(&found, &wanted) < 1e-14, "{found:?}");
+        assert!(max_relative_distance(&found, &wanted) < 1e-14, "{found:?}");
     }
 }
 
 /// Verifies that non-finite entries return `None`, and that results do not depend on earlier use of the workspace.
 #[test]
-fn refusals_and_reuse() {
-    let random = &mut seeded(11);
+fn entries_that_are_not_finite_are_rejected_and_workspaces_reusable() {
+    let random = &mut seeded_generator(11);
     let qz = &mut Qz::default();
     for n in 1..=10 {
         let [left, right] = [0; 2].map(|_| random_matrix(random, n));
@@ -355,6 +378,6 @@ fn refusals_and_reuse() {
             }
         }
         qz.equilibrate(n, |i, j| left[(i, j)], |i, j| right[(i, j)]);
-        assert_eq!(qz.solve().expect("convergence"), eigenvalues(&left, &right));
+        assert_eq!(qz.solve().expect("convergence"), verified_eigenvalues(&left, &right));
     }
 }

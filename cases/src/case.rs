@@ -1,20 +1,20 @@
 //! A case: reading from a case file and writing as TOML.
 
-use super::check::{self, Check};
-use super::dynamics::{Dynamics, Grid, Picture, TimeFunction};
-use super::entries::{Entries, kind};
-use super::error::{CaseError, Place};
-use super::flat;
-use super::flow::{FlowRun, Initial};
-use super::forms::{FORMS, is_run_in_time};
-use super::keys::Parameter;
-use super::kind::{Kind, Medium};
-use super::map::{Map, Sweep};
-use super::material::{Material, check_dimensions, provide_dimensions};
-use super::place::Places;
-use super::schema::Scope;
-use super::section::Section;
-use super::value::Value;
+use super::check::{self, CheckOptions};
+use super::dynamics::{PlottedQuantity, SolidGrid, SolidRun, TimeFunction};
+use super::entries::{CaseEntries, find_model_kind};
+use super::error::{CaseError, SourcePosition};
+use super::flow::{FlowPerturbation, FlowRun};
+use super::key_positions::KeyPositions;
+use super::keys::SweepParameter;
+use super::kind::{MediumKind, ModelKind};
+use super::map::{MapAxes, ParameterSweep};
+use super::material::{Material, check_dimensions, set_default_dimensions};
+use super::scalar_keys;
+use super::schema::SchemaScope;
+use super::section::SectionReader;
+use super::section_schemas::{CASE_SCHEMAS, has_simulation};
+use super::value::CaseValue;
 use models::InputError;
 use models::flow::RotationKind;
 use std::fmt::Write;
@@ -23,13 +23,13 @@ use std::path::{Path, PathBuf};
 
 /// Maximum size of a case file, bytes. Larger files are refused unread, since parsing takes up to 70 times the file
 /// size in memory.
-pub const MAX_FILE: u64 = 16 << 20;
+pub const MAX_FILE_SIZE: u64 = 16 << 20;
 
 /// Purpose for which a case is read: any, or a time-domain simulation.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Use {
-    Any,
-    InTime,
+enum Purpose {
+    Analysis,
+    Simulation,
 }
 
 /// A case as stated in its case file, with default values filled in.
@@ -42,16 +42,16 @@ pub struct Case {
     /// Kind of model, yield set and numbers; in a case with regions the values common to all regions.
     pub material: Material,
     /// Section `[map]`: the sweep of `wellposed map`.
-    pub map: Option<Map>,
+    pub map: Option<MapAxes>,
     /// Section `[compare]`: kinds of model to be compared on the state of the case.
-    pub compare: Option<Vec<Kind>>,
+    pub compared_kinds: Option<Vec<ModelKind>>,
     /// Sections of a time-domain simulation of a solid, if present.
-    pub dynamics: Option<Dynamics>,
+    pub solid_run: Option<SolidRun>,
     /// Sections of a time-domain simulation of a flow, if present.
-    pub flow: Option<FlowRun>,
+    pub flow_run: Option<FlowRun>,
     /// Section `[check]`: waves and grids of `wellposed check`, if present.
-    pub check: Option<Check>,
-    source: Option<PathBuf>,
+    pub check_options: Option<CheckOptions>,
+    source_path: Option<PathBuf>,
 }
 
 /// Equality of content; positions in the file are ignored.
@@ -61,18 +61,18 @@ impl PartialEq for Case {
             && self.title == other.title
             && self.material == other.material
             && self.map == other.map
-            && self.compare == other.compare
-            && self.dynamics == other.dynamics
-            && self.flow == other.flow
-            && self.check == other.check
+            && self.compared_kinds == other.compared_kinds
+            && self.solid_run == other.solid_run
+            && self.flow_run == other.flow_run
+            && self.check_options == other.check_options
     }
 }
 
 /// Time-domain simulation of a case.
 #[derive(Clone, Copy, Debug)]
-pub enum InTime<'a> {
+pub enum TimeDomainRun<'a> {
     /// Simulation of a solid.
-    Solid(&'a Dynamics),
+    Solid(&'a SolidRun),
     /// Simulation of a flow.
     Flow(&'a FlowRun),
 }
@@ -83,37 +83,37 @@ impl Case {
     /// # Errors
     /// The file or an option is invalid; the error gives position, key, value found and values allowed.
     pub fn load(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
-        Self::load_for(path, sets, Use::Any)
+        Self::load_for_purpose(path, sets, Purpose::Analysis)
     }
 
     /// Reads the case file of a time-domain simulation.
     ///
     /// # Errors
     /// The case has no section `[grid]` (reported first), or an error of [`load`](Self::load).
-    pub fn load_in_time(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
-        Self::load_for(path, sets, Use::InTime)
+    pub fn load_simulation(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
+        Self::load_for_purpose(path, sets, Purpose::Simulation)
     }
 
-    fn load_for(path: &Path, sets: &[String], purpose: Use) -> Result<Self, CaseError> {
+    fn load_for_purpose(path: &Path, sets: &[String], purpose: Purpose) -> Result<Self, CaseError> {
         let unreadable = |cause: String| CaseError::Unreadable { path: path.to_owned(), cause };
         let mut bytes = Vec::new();
         std::fs::File::open(path)
-            .and_then(|file| file.take(MAX_FILE + 1).read_to_end(&mut bytes))
+            .and_then(|file| file.take(MAX_FILE_SIZE + 1).read_to_end(&mut bytes))
             .map_err(|error| unreadable(error.to_string()))?;
-        if bytes.len() as u64 > MAX_FILE {
+        if bytes.len() as u64 > MAX_FILE_SIZE {
             return Err(unreadable("larger than 16 MiB, so no case file".into()));
         }
         let file = path.display().to_string();
         match std::str::from_utf8(&bytes) {
             Ok(text) => {
-                let case = Self::parse_for(text, &file, sets, purpose)?;
-                Ok(Self { source: Some(path.to_owned()), ..case })
+                let case = Self::parse_for_purpose(text, &file, sets, purpose)?;
+                Ok(Self { source_path: Some(path.to_owned()), ..case })
             }
             Err(error) => {
                 let before = &bytes[..error.valid_up_to()];
                 let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
                 let cause = "a byte that is not UTF-8 text".to_owned();
-                Err(CaseError::Syntax { place: Place::Line { file, line }, cause })
+                Err(CaseError::Syntax { place: SourcePosition::Line { file, line }, cause })
             }
         }
     }
@@ -123,105 +123,131 @@ impl Case {
     /// # Errors
     /// The text or an option is invalid; the error gives position, key, value found and values allowed.
     pub fn parse(text: &str, file: &str, sets: &[String]) -> Result<Self, CaseError> {
-        Self::parse_for(text, file, sets, Use::Any)
+        Self::parse_for_purpose(text, file, sets, Purpose::Analysis)
     }
 
-    fn parse_for(text: &str, file: &str, sets: &[String], purpose: Use) -> Result<Self, CaseError> {
-        let mut entries = Entries::read(text, file, sets, &FORMS)?;
-        let kind = kind(entries.text("model.kind")?, "model.kind", &entries.places)?;
-        let is_in_time = is_run_in_time(&entries.structured(Scope::default()), kind)?;
-        if !is_in_time && purpose == Use::InTime {
-            return Err(no_grid(&entries.places, kind));
+    fn parse_for_purpose(
+        text: &str,
+        file: &str,
+        sets: &[String],
+        purpose: Purpose,
+    ) -> Result<Self, CaseError> {
+        let mut entries = CaseEntries::parse(text, file, sets, &CASE_SCHEMAS)?;
+        let kind =
+            find_model_kind(entries.require_text("model.kind")?, "model.kind", &entries.positions)?;
+        let is_in_time = has_simulation(&entries.structured_reader(SchemaScope::default()), kind)?;
+        if !is_in_time && purpose == Purpose::Simulation {
+            return Err(missing_grid_error(&entries.positions, kind));
         }
-        let rotation = kind.rotation_in_time().filter(|_| is_in_time);
+        let rotation = kind.simulation_rotation().filter(|_| is_in_time);
         let is_solid = is_in_time && rotation.is_none();
-        let read_grid = || Grid::read(&entries.structured(Scope::default()));
+        let read_grid = || SolidGrid::read(&entries.structured_reader(SchemaScope::default()));
         let grid = is_solid.then(read_grid).transpose()?;
         if let Some(grid) = &grid {
-            provide_dimensions(&mut entries, kind, grid.dimensions());
+            set_default_dimensions(&mut entries, kind, grid.dimensions());
         }
-        let compare = flat::compare(&entries)?;
-        let kinds: Vec<Kind> =
+        let compare = scalar_keys::read_compared_kinds(&entries)?;
+        let kinds: Vec<ModelKind> =
             [kind].into_iter().chain(compare.iter().flatten().copied()).collect();
-        let yields = flat::yield_set(&entries, kind, &[])?;
-        let media: Vec<Medium> = kinds.iter().map(|&kind| Medium { kind, yields }).collect();
-        let numbers = flat::numbers(&entries, &media)?;
-        let active = flat::active(&entries, media[0])?;
-        let map = Map::read(&entries, media[0], &numbers, active.is_some())?;
-        let title = match entries.get("title") {
-            Some(Value::Text(title)) => title.clone(),
+        let yields = scalar_keys::read_yield_set(&entries, kind, &[])?;
+        let media: Vec<MediumKind> =
+            kinds.iter().map(|&kind| MediumKind { kind, yield_set: yields }).collect();
+        let numbers = scalar_keys::read_numbers(&entries, &media)?;
+        let active = scalar_keys::read_active_conditions(&entries, media[0])?;
+        let map = MapAxes::read(&entries, media[0], &numbers, active.is_some())?;
+        let title = match entries.value("title") {
+            Some(CaseValue::Text(title)) => title.clone(),
             _ => String::new(),
         };
-        let name = flat::name(&entries, file)?;
-        let check = check::read(&entries.structured(Scope::default()))?;
-        let material = Material { kind, yields, active, numbers, places: entries.places.clone() };
+        let name = scalar_keys::read_name(&entries, file)?;
+        let check = check::read_check(&entries.structured_reader(SchemaScope::default()))?;
+        let material = Material {
+            kind,
+            yield_set: yields,
+            active_conditions: active,
+            numbers,
+            positions: entries.positions.clone(),
+        };
         let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-        let scope = |dimensions: usize| Scope {
+        let scope = |dimensions: usize| SchemaScope {
             kind: Some(kind),
             dimensions: Some(dimensions),
-            axes: Vec::new(),
+            face_axes: Vec::new(),
         };
-        let read_dynamics = |grid: Grid| {
+        let read_dynamics = |grid: SolidGrid| {
             let d = grid.dimensions();
-            check_dimensions(&entries.places, kind, material.numbers.dimensions, d)?;
-            let own = |region: &Section| material.of_region(&entries, region, d);
-            Dynamics::read(&entries.structured(scope(d)), grid, &material, own, folder)
+            check_dimensions(&entries.positions, kind, material.numbers.dimensions, d)?;
+            let own = |region: &SectionReader| material.override_for_region(&entries, region, d);
+            SolidRun::read(&entries.structured_reader(scope(d)), grid, &material, own, folder)
         };
         let dynamics = grid.map(read_dynamics).transpose()?;
-        let read_flow = |own| FlowRun::read(&entries.structured(scope(2)), own, folder);
+        let read_flow = |own| FlowRun::read(&entries.structured_reader(scope(2)), own, folder);
         let flow = rotation.map(read_flow).transpose()?;
         let source = None;
-        Ok(Self { name, title, material, map, compare, dynamics, flow, check, source })
+        Ok(Self {
+            name,
+            title,
+            material,
+            map,
+            compared_kinds: compare,
+            solid_run: dynamics,
+            flow_run: flow,
+            check_options: check,
+            source_path: source,
+        })
     }
 
     /// Returns the path of the file from which the case was loaded.
-    pub fn source(&self) -> Option<&Path> {
-        self.source.as_deref()
+    pub fn source_path(&self) -> Option<&Path> {
+        self.source_path.as_deref()
     }
 
     /// Returns the paths of the input files named by the case: sample tables and initial-field archives.
     pub fn input_files(&self) -> impl Iterator<Item = &Path> {
-        let parts = self.flow.iter().flat_map(|flow| &flow.initial);
+        let parts = self.flow_run.iter().flat_map(|flow| &flow.perturbation_terms);
         let archives = parts.filter_map(|part| match part {
-            Initial::File { path, .. } => Some(Path::new(path)),
+            FlowPerturbation::File { path, .. } => Some(Path::new(path)),
             _ => None,
         });
-        let tables = self.dynamics.iter().flat_map(Dynamics::times).filter_map(|time| match time {
-            TimeFunction::Table(samples) => samples.source(),
-            _ => None,
-        });
+        let tables =
+            self.solid_run.iter().flat_map(SolidRun::time_functions).filter_map(
+                |time| match time {
+                    TimeFunction::Table(samples) => samples.source_file(),
+                    _ => None,
+                },
+            );
         archives.chain(tables)
     }
 
     /// Returns the kind of model and the yield set of the case.
-    pub fn medium(&self) -> Medium {
+    pub fn medium(&self) -> MediumKind {
         self.material.medium()
     }
 
     /// Returns the value of the number `name`; `None` if the case has no such number.
-    pub fn get(&self, name: &str) -> Option<f64> {
-        self.material.get(name)
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.material.number(name)
     }
 
     /// Sets the number `parameter`, as a map sweep does.
-    pub fn set(&mut self, parameter: Parameter, value: f64) {
-        self.material.set(parameter, value);
+    pub fn set_number(&mut self, parameter: SweepParameter, value: f64) {
+        self.material.set_number(parameter, value);
     }
 
     /// Adds the position in the case file to an input error of a model.
-    pub fn locate(&self, error: InputError) -> CaseError {
-        self.material.locate(error)
+    pub fn locate_error(&self, error: InputError) -> CaseError {
+        self.material.locate_error(error)
     }
 
     /// Returns the section `[map]`.
     ///
     /// # Errors
     /// The case has no section `[map]`; the message says how to add one.
-    pub fn required_map(&self) -> Result<&Map, CaseError> {
+    pub fn require_map(&self) -> Result<&MapAxes, CaseError> {
         self.map.as_ref().ok_or_else(|| {
             let axis =
                 "{ parameter = \"model.friction_angle_deg\", from = 5, to = 60, points = 56 }";
-            self.material.places.error(
+            self.material.positions.error_at(
                 "map",
                 "missing",
                 format!("add a section [map] with x = {axis} and y"),
@@ -231,18 +257,18 @@ impl Case {
 
     /// Adds the position to an input error of a model at a point of the map. The value of a swept number is located at
     /// its axis in `[map]`, not at its own key.
-    pub fn locate_in_map(&self, error: InputError) -> CaseError {
+    pub fn locate_error_in_map(&self, error: InputError) -> CaseError {
         let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
-        let key = self.material.key_of(error.input);
-        let swept = |(_, sweep): &(&str, &Sweep)| sweep.parameter.key().name == key;
+        let key = self.material.case_key(error.input);
+        let swept = |(_, sweep): &(&str, &ParameterSweep)| sweep.parameter.key().name == key;
         match axes.into_iter().find(swept) {
             Some((axis, _)) => CaseError::Key {
-                place: self.material.places.of_axis(axis),
+                place: self.material.positions.locate_axis(axis),
                 key: key.to_owned(),
-                found: format!("found {}, a value of the sweep {axis}", error.found),
-                allowed: error.allowed,
+                found: format!("found {}, a value of the sweep {axis}", error.rejected_value),
+                allowed: error.allowed_values,
             },
-            None => self.locate(error),
+            None => self.locate_error(error),
         }
     }
 
@@ -250,20 +276,21 @@ impl Case {
     ///
     /// # Errors
     /// The case has no section `[grid]`; the message says how to add one.
-    pub fn in_time(&self) -> Result<InTime<'_>, CaseError> {
-        let flow = || self.flow.as_ref().map(InTime::Flow);
-        let found = self.dynamics.as_ref().map(InTime::Solid).or_else(flow);
-        found.ok_or_else(|| no_grid(&self.material.places, self.material.kind))
+    pub fn time_domain_run(&self) -> Result<TimeDomainRun<'_>, CaseError> {
+        let flow = || self.flow_run.as_ref().map(TimeDomainRun::Flow);
+        let found = self.solid_run.as_ref().map(TimeDomainRun::Solid).or_else(flow);
+        found.ok_or_else(|| missing_grid_error(&self.material.positions, self.material.kind))
     }
 
     /// Returns the case without plot options; cases equal after this call have equal results.
     pub fn without_plot_options(&self) -> Self {
         let mut case = self.clone();
-        if let Some(dynamics) = &mut case.dynamics {
-            (dynamics.output.picture, dynamics.output.contours) = (Picture::default(), None);
+        if let Some(dynamics) = &mut case.solid_run {
+            (dynamics.output.plotted_quantity, dynamics.output.contour_levels) =
+                (PlottedQuantity::default(), None);
         }
-        if let Some(flow) = &mut case.flow {
-            (flow.output.picture, flow.output.contours) = (None, None);
+        if let Some(flow) = &mut case.flow_run {
+            (flow.output.plotted_field, flow.output.contour_levels) = (None, None);
         }
         case
     }
@@ -277,9 +304,9 @@ impl Case {
         }
         let _ = writeln!(text, "name = {}", toml::Value::from(self.name.as_str()));
         let mut section = "";
-        let compared = self.compare.as_deref().unwrap_or_default();
-        for (key, value) in self.material.values(compared) {
-            let (own, name) = key.split();
+        let compared = self.compared_kinds.as_deref().unwrap_or_default();
+        for (key, value) in self.material.key_values(compared) {
+            let (own, name) = key.split_section();
             if own != section {
                 let _ = write!(text, "\n[{own}]\n");
                 section = own;
@@ -289,17 +316,17 @@ impl Case {
         if let Some(map) = &self.map {
             let _ = write!(text, "\n[map]\nx = {}\ny = {}\n", map.x, map.y);
         }
-        if let Some(kinds) = &self.compare {
+        if let Some(kinds) = &self.compared_kinds {
             let names = kinds.iter().map(|kind| kind.name().to_owned()).collect();
-            let _ = write!(text, "\n[compare]\nkinds = {}\n", Value::Texts(names));
+            let _ = write!(text, "\n[compare]\nkinds = {}\n", CaseValue::TextList(names));
         }
-        if let Some(dynamics) = &self.dynamics {
+        if let Some(dynamics) = &self.solid_run {
             text.push_str(&dynamics.to_toml());
         }
-        if let Some(flow) = &self.flow {
+        if let Some(flow) = &self.flow_run {
             text.push_str(&flow.to_toml());
         }
-        if let Some(check) = &self.check {
+        if let Some(check) = &self.check_options {
             text.push_str(&check.to_toml());
         }
         text
@@ -307,23 +334,23 @@ impl Case {
 }
 
 /// Returns the error of a missing section `[grid]`, with the remedy for the kind of model.
-fn no_grid(places: &Places, kind: Kind) -> CaseError {
+fn missing_grid_error(places: &KeyPositions, kind: ModelKind) -> CaseError {
     match kind {
-        Kind::Flow(flow) if flow.rotation() == RotationKind::Free => {
+        ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
             let found = format!("found {}", kind.name());
             let allowed = "another model: nothing determines the spin of this one, so that it \
                            cannot be run in time";
-            places.error("model.kind", found, allowed)
+            places.error_at("model.kind", found, allowed)
         }
-        Kind::Flow(_) => {
+        ModelKind::Flow(_) => {
             let allowed = "add a section [grid] with cells = [64, 64] and length = 0.1, [time] with \
                            duration, and [[initial]]";
-            places.error("grid", "missing", allowed)
+            places.error_at("grid", "missing", allowed)
         }
-        Kind::Solid(_) => {
+        ModelKind::Solid(_) => {
             let allowed = "add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] \
                            with duration";
-            places.error("grid", "missing", allowed)
+            places.error_at("grid", "missing", allowed)
         }
     }
 }

@@ -2,17 +2,17 @@
 
 use super::case::Case;
 use super::error::CaseError;
-use super::flow::UNIFORM;
+use super::flow::ZERO_IN_UNIFORM_FLOW;
 use super::keys::{Key, keys};
-use super::kind::{Kind, names};
-use super::value::Value;
+use super::kind::{ModelKind, join_names};
+use super::value::CaseValue;
 use models::InputError;
-use models::flow::state::{Background, Flow, Region, State};
+use models::flow::state::{Background, DeformingFlow, MaterialState, YieldRegion};
 use models::flow::{FlowKind, Model, RotationKind};
 
 /// Result of converting the state of a case to another kind of model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Converted {
+pub struct ConvertedCase {
     /// The case with all quantities used by the new kind of model.
     pub case: Case,
     /// Non-coaxiality of the state, degrees, if it was lost because the new kind of model is coaxial by definition.
@@ -22,22 +22,23 @@ pub struct Converted {
 /// Converts an angle from degrees to radians. Full turns are removed in degrees, where the reduction is exact: the sine
 /// of 1e308° is well-defined, whereas the sine of 1.7e306 rad is rounding noise. Angles below a full turn keep all
 /// bits.
-pub fn radians(degrees: f64) -> f64 {
+pub fn degrees_to_radians(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()
 }
 
 impl Case {
     /// Returns the same state for another kind of model; quantities not used by `kind` are dropped.
-    pub fn for_kind(&self, kind: Kind) -> Self {
-        let yields = self.material.yields.filter(|set| kind.yield_sets().contains(set));
+    pub fn convert_to_kind(&self, kind: ModelKind) -> Self {
+        let yields =
+            self.material.yield_set.filter(|set| kind.admissible_yield_sets().contains(set));
         let mut case = self.clone();
-        (case.material.kind, case.material.yields, case.compare) = (kind, yields, None);
+        (case.material.kind, case.material.yield_set, case.compared_kinds) = (kind, yields, None);
         if kind != self.material.kind {
-            (case.dynamics, case.flow) = (None, None);
+            (case.solid_run, case.flow_run) = (None, None);
         }
         let medium = case.medium();
         for key in keys().iter().filter(|key| !key.is_used_by(medium)) {
-            key.clear(&mut case.material.numbers);
+            key.reset_value(&mut case.material.numbers);
         }
         case
     }
@@ -47,34 +48,39 @@ impl Case {
     ///
     /// Without the replacement a kind without spin would be given a different, coaxial state. For the plastic
     /// potential, which is coaxial by definition, the lost non-coaxiality is returned for a warning.
-    pub fn for_kind_with(&self, kind: Kind, noncoaxiality_deg: Option<f64>) -> Converted {
-        let mut case = self.for_kind(kind);
+    pub fn convert_with_noncoaxiality(
+        &self,
+        kind: ModelKind,
+        noncoaxiality_deg: Option<f64>,
+    ) -> ConvertedCase {
+        let mut case = self.convert_to_kind(kind);
         let mut lost_noncoaxiality_deg = None;
         let state = self.material.numbers.background.noncoaxiality_deg.or(noncoaxiality_deg);
         let other = &mut case.material.numbers.background;
-        if matches!(kind, Kind::Flow(flow) if flow.is_coaxial()) && kind != self.material.kind {
+        if matches!(kind, ModelKind::Flow(flow) if flow.is_coaxial()) && kind != self.material.kind
+        {
             // Principal axes are defined modulo half a turn.
             lost_noncoaxiality_deg = state.filter(|delta| delta % 180.0 != 0.0);
             other.noncoaxiality_deg = Some(0.0);
         } else if self.material.numbers.background.spin.is_some() && other.spin.is_none() {
             other.noncoaxiality_deg = state;
         }
-        Converted { case, lost_noncoaxiality_deg }
+        ConvertedCase { case, lost_noncoaxiality_deg }
     }
 
     /// Converts the state of the flow to SI units and rad.
-    pub fn state(&self) -> State {
+    pub fn to_flow_state(&self) -> MaterialState {
         let given = &self.material.numbers.background;
-        State {
+        MaterialState {
             density: given.density,
             pressure: given.pressure,
             deviatoric_stress: given.deviatoric_stress,
             rotational_stress: given.rotational_stress,
-            stress_angle: radians(given.stress_angle_deg),
+            stress_angle: degrees_to_radians(given.stress_angle_deg),
             shear_rate: given.shear_rate,
             velocity: given.velocity,
             half_vorticity: given.half_vorticity,
-            noncoaxiality: given.noncoaxiality_deg.map(radians),
+            noncoaxiality: given.noncoaxiality_deg.map(degrees_to_radians),
             spin: given.spin,
             pressure_gradient: given.pressure_gradient,
             stress_angle_gradient: given.stress_angle_gradient_deg.map(f64::to_radians),
@@ -94,15 +100,15 @@ impl Case {
     ///
     /// # Errors
     /// A constant is out of range; the error gives its position in the case file.
-    pub fn model(&self) -> Result<Model, CaseError> {
-        self.flow_model().map_err(|error| self.locate(error))
+    pub fn build_located_model(&self) -> Result<Model, CaseError> {
+        self.build_model().map_err(|error| self.locate_error(error))
     }
 
     /// Builds the flow model with checked constants; errors carry no position in the case file.
     ///
     /// # Errors
     /// A constant is out of range, or the case describes a solid.
-    pub fn flow_model(&self) -> Result<Model, InputError> {
+    pub fn build_model(&self) -> Result<Model, InputError> {
         Model::new(self.flow_kind()?, &self.model_constants())
     }
 
@@ -111,11 +117,17 @@ impl Case {
     pub fn model_constants(&self) -> Vec<f64> {
         let mut constants = Vec::new();
         match self.material.kind {
-            Kind::Flow(flow) => {
-                self.material.numbers.model.in_order(flow.parameters(), &mut constants);
+            ModelKind::Flow(flow) => {
+                self.material
+                    .numbers
+                    .model_constants
+                    .collect_si_values(flow.parameters(), &mut constants);
             }
-            Kind::Solid(solid) => {
-                self.material.numbers.model.in_order(solid.parameters, &mut constants);
+            ModelKind::Solid(solid) => {
+                self.material
+                    .numbers
+                    .model_constants
+                    .collect_si_values(solid.parameters, &mut constants);
             }
         }
         constants
@@ -123,13 +135,13 @@ impl Case {
 
     fn flow_kind(&self) -> Result<FlowKind, InputError> {
         match self.material.kind {
-            Kind::Flow(flow) => Ok(flow),
-            Kind::Solid(_) => Err(InputError {
+            ModelKind::Flow(flow) => Ok(flow),
+            ModelKind::Solid(_) => Err(InputError {
                 input: "kind",
-                found: format!("{}, a solid", self.material.kind.name()),
-                allowed: format!(
+                rejected_value: format!("{}, a solid", self.material.kind.name()),
+                allowed_values: format!(
                     "this needs a flow ({}); for solids see wellposed dispersion and speeds",
-                    names(&Kind::flows())
+                    join_names(&ModelKind::flow_kinds())
                 ),
             }),
         }
@@ -138,11 +150,11 @@ impl Case {
     ///
     /// # Errors
     /// The model is a solid, or a flow without time-domain solver.
-    pub fn rotation_in_time(&self) -> Result<RotationKind, CaseError> {
-        self.material.kind.rotation_in_time().ok_or_else(|| {
+    pub fn simulation_rotation(&self) -> Result<RotationKind, CaseError> {
+        self.material.kind.simulation_rotation().ok_or_else(|| {
             let found = format!("found {}", self.material.kind.name());
             let allowed = "a flow whose stress angle is determined: nothing determines it here";
-            self.material.places.error("model.kind", found, allowed)
+            self.material.positions.error_at("model.kind", found, allowed)
         })
     }
 
@@ -150,14 +162,14 @@ impl Case {
     ///
     /// # Errors
     /// The state is not a uniform, fully deforming, isochoric flow in the co-moving frame.
-    pub fn mean_flow(&self) -> Result<Flow, CaseError> {
-        for name in UNIFORM {
-            let Some(value) =
-                Key::find(name).and_then(|key| key.field.load(&self.material.numbers))
+    pub fn solve_mean_flow(&self) -> Result<DeformingFlow, CaseError> {
+        for name in ZERO_IN_UNIFORM_FLOW {
+            let Some(value) = Key::find_by_name(name)
+                .and_then(|key| key.storage.load_value(&self.material.numbers))
             else {
                 continue;
             };
-            if matches!(value, Value::Number(0.0) | Value::Pair([0.0, 0.0])) {
+            if matches!(value, CaseValue::Number(0.0) | CaseValue::Pair([0.0, 0.0])) {
                 continue;
             }
             let allowed = match name {
@@ -165,31 +177,39 @@ impl Case {
                 "background.velocity" => "leave it out: the box moves with the mean flow",
                 _ => "leave it out: the flow that is run in time is uniform",
             };
-            return Err(self.material.places.error(name, format!("found {value}"), allowed));
+            return Err(self.material.positions.error_at(name, format!("found {value}"), allowed));
         }
-        let state = self.state();
-        let background = self.model()?.background(&state).map_err(|error| self.locate(error))?;
+        let state = self.to_flow_state();
+        let background = self
+            .build_located_model()?
+            .background(&state)
+            .map_err(|error| self.locate_error(error))?;
         let flow = match background {
             Background::FullyDeforming(flow) => flow,
-            Background::Elsewhere { region, stress } => {
-                let (q, r) = (stress.deviator.value, stress.rotational);
-                let on_yield = self.model()?.coulomb().yield_deviator(state.pressure).value;
+            Background::NotDeforming { region, stress } => {
+                let (q, r) = (stress.deviator.value, stress.rotational_stress);
+                let on_yield =
+                    self.build_located_model()?.coulomb().yield_deviator(state.pressure).value;
                 let is_on_yield = (q - on_yield).abs() <= 1e-9 * on_yield;
                 let (key, value) = match is_on_yield {
                     true => ("background.rotational_stress", r),
                     false => ("background.deviatoric_stress", q),
                 };
-                let place = if region == Region::OutsideYield { "outside" } else { "inside" };
+                let place = if region == YieldRegion::OutsideYield { "outside" } else { "inside" };
                 let found = format!("found {value:?}, {place} yield");
                 let allowed = "leave it out: what is run in time deforms, on yield";
-                return Err(self.material.places.error(key, found, allowed));
+                return Err(self.material.positions.error_at(key, found, allowed));
             }
         };
         let is_undecided = (2.0 * flow.rounded_noncoaxiality()).cos().sign().is_none();
         if flow.spin.is_some() && is_undecided {
             let found = format!("found |Δ| = {:?}°", flow.noncoaxiality.abs().to_degrees());
             let allowed = "another one: on the bound the spin determines no stress angle";
-            return Err(self.material.places.error("background.noncoaxiality_deg", found, allowed));
+            return Err(self.material.positions.error_at(
+                "background.noncoaxiality_deg",
+                found,
+                allowed,
+            ));
         }
         Ok(flow)
     }

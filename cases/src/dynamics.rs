@@ -6,7 +6,6 @@
 
 mod boundary;
 mod component;
-mod function;
 mod grid;
 mod initial;
 mod load;
@@ -19,89 +18,93 @@ mod shape;
 mod source;
 pub(crate) mod stress;
 mod time;
+mod time_function;
 
-pub use crate::receivers::{Interpolation, Receiver};
-pub use boundary::{Condition, Part, Side, SideCondition};
-pub use component::Component;
-pub use function::{Samples, TimeFunction};
-pub use grid::{Grid, MAX_CELLS};
-pub use initial::{Centre, Initial};
-pub use load::{Action, Load};
-pub use output::{Output, Picture, Recorded};
-pub use plane_pulse::{PlanePulse, Polarization};
-pub use profile::Profile;
-pub use region::{MAX_REGIONS, Region};
-pub use shape::Shape;
-pub use source::{Kernel, Source, SourceKind};
+pub use crate::receivers::{Interpolation, ReceiverPoint};
+pub use boundary::{BoundaryConditionKind, BoundaryFace, FaceCondition, FaceRectangle};
+pub use component::StateComponent;
+pub use grid::{MAX_CELLS, SolidGrid};
+pub use initial::{InitialStateTerm, PulseCentre};
+pub use load::{FaceLoad, LoadedArea};
+pub use output::{PlottedQuantity, RecordedQuantity, SolidOutput};
+pub use plane_pulse::{BodyWaveType, PlanePulseInput};
+pub use profile::LoadProfile;
+pub use region::{MAX_REGIONS, MaterialRegion};
+pub use shape::RegionShape;
+pub use source::{Kernel, PointSource, SourceKind};
 pub use stress::Gravity;
-pub use time::{COURANT, Correction, Ledger, Order, Precision, Scheme, Splitting, Time};
+pub use time::{
+    DEFAULT_COURANT_NUMBER, DimensionalSplitting, LedgerDetail, Precision, ReconstructionScheme,
+    ReturnMappingOrder, SchemeOptions, SolidTime,
+};
+pub use time_function::{Samples, TimeFunction};
 
 use crate::error::CaseError;
-use crate::kind::Kind;
+use crate::key_positions::KeyPositions;
+use crate::kind::ModelKind;
 use crate::material::Material;
-use crate::place::Places;
-use crate::schema::Form;
-use crate::section::Section;
-use boundary::periodic_sides;
+use crate::schema::TableSchema;
+use crate::section::SectionReader;
+use boundary::periodic_faces;
 use models::solid::parameters::Theory;
-use reader::Reader;
+use reader::SolidReader;
 use std::path::Path;
 
 /// Schemas of the time-domain sections of a solid, in the order of writing.
-pub(crate) const FORMS: &[&Form] = &[
-    &grid::FORM,
-    &time::TIME,
-    &time::SCHEME,
-    &region::FORM,
-    &boundary::FORM,
-    &load::FORM,
-    &source::FORM,
-    &initial::FORM,
-    &stress::INITIAL_STRESS,
-    &stress::GRAVITY,
-    &output::RECEIVER,
-    &output::OUTPUT,
+pub(crate) const SOLID_SCHEMAS: &[&TableSchema] = &[
+    &grid::SCHEMA,
+    &time::TIME_SCHEMA,
+    &time::SCHEME_SCHEMA,
+    &region::SCHEMA,
+    &boundary::SCHEMA,
+    &load::SCHEMA,
+    &source::SCHEMA,
+    &initial::SCHEMA,
+    &stress::INITIAL_STRESS_SCHEMA,
+    &stress::GRAVITY_SCHEMA,
+    &output::RECEIVER_SCHEMA,
+    &output::OUTPUT_SCHEMA,
 ];
 
 /// Sections of a time-domain simulation of a solid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Dynamics {
+pub struct SolidRun {
     /// Section `[grid]`: the grid of cells.
-    pub grid: Grid,
+    pub grid: SolidGrid,
     /// Section `[time]`: duration and Courant number.
-    pub time: Time,
+    pub time: SolidTime,
     /// Section `[scheme]`: options of the numerical scheme.
-    pub scheme: Scheme,
+    pub scheme: SchemeOptions,
     /// Regions of different media; if empty, the medium of the case fills the whole grid.
-    pub regions: Vec<Region>,
+    pub regions: Vec<MaterialRegion>,
     /// Boundary conditions. Faces without a condition are traction-free; where entries overlap, the last one applies.
-    pub sides: Vec<SideCondition>,
+    pub boundary_conditions: Vec<FaceCondition>,
     /// Boundary loads; superposed on each other and on the boundary conditions.
-    pub loads: Vec<Load>,
+    pub loads: Vec<FaceLoad>,
     /// Sources inside the grid.
-    pub sources: Vec<Source>,
+    pub sources: Vec<PointSource>,
     /// Parts of the initial state; parts are summed.
-    pub initial: Vec<Initial>,
+    pub initial_terms: Vec<InitialStateTerm>,
     /// Components of the uniform initial stress (Pa) and couple stress (N/m).
-    pub initial_stress: Vec<(Component, f64)>,
+    pub initial_stress: Vec<(StateComponent, f64)>,
     /// Section `[gravity]`, if present.
     pub gravity: Option<Gravity>,
     /// Receivers: points at which the state is recorded.
-    pub receivers: Vec<Receiver<Recorded>>,
+    pub receivers: Vec<ReceiverPoint<RecordedQuantity>>,
     /// Section `[output]`: ledger, snapshots and pictures.
-    pub output: Output,
-    places: Places,
+    pub output: SolidOutput,
+    positions: KeyPositions,
 }
 
-impl Dynamics {
+impl SolidRun {
     /// Returns all time functions: of loads, sources and initial pulses.
-    pub(crate) fn times(&self) -> impl Iterator<Item = &TimeFunction> {
-        let initial = self.initial.iter().filter_map(|part| match part {
-            Initial::PlanePulse(pulse) => Some(&pulse.time),
+    pub(crate) fn time_functions(&self) -> impl Iterator<Item = &TimeFunction> {
+        let initial = self.initial_terms.iter().filter_map(|part| match part {
+            InitialStateTerm::PlanePulse(pulse) => Some(&pulse.waveform),
             _ => None,
         });
-        let loads = self.loads.iter().map(|load| &load.time);
-        loads.chain(self.sources.iter().map(|source| &source.time)).chain(initial)
+        let loads = self.loads.iter().map(|load| &load.time_function);
+        loads.chain(self.sources.iter().map(|source| &source.time_function)).chain(initial)
     }
 
     /// Reads all sections in `root` except `[grid]`, for a case of material `material`; `material_of` reads the
@@ -110,42 +113,43 @@ impl Dynamics {
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.
     pub(crate) fn read(
-        root: &Section,
-        grid: Grid,
+        root: &SectionReader,
+        grid: SolidGrid,
         material: &Material,
-        material_of: impl Fn(&Section) -> Result<Material, CaseError>,
+        material_of: impl Fn(&SectionReader) -> Result<Material, CaseError>,
         folder: &Path,
     ) -> Result<Self, CaseError> {
         let theory = match material.kind {
-            Kind::Solid(solid) => solid.theory,
-            Kind::Flow(_) => Theory::Classical, // an error is reported with the grid of a flow
+            ModelKind::Solid(solid) => solid.theory,
+            ModelKind::Flow(_) => Theory::Classical, // an error is reported with the grid of a flow
         };
-        let components = Component::all(theory, grid.dimensions());
-        let reader = Reader { grid: &grid, theory, components, folder };
-        let regions = reader.regions(root, material_of)?;
-        let sides = reader.sides(root)?;
-        let periodic: Vec<Side> = periodic_sides(&sides).map(|(_, side)| side).collect();
-        let (loads, sources) = (reader.loads(root, &periodic)?, reader.sources(root)?);
+        let components = StateComponent::all_components(theory, grid.dimensions());
+        let reader =
+            SolidReader { grid: &grid, theory, state_components: components, case_folder: folder };
+        let regions = reader.read_regions(root, material_of)?;
+        let sides = reader.read_boundary_conditions(root)?;
+        let periodic: Vec<BoundaryFace> = periodic_faces(&sides).map(|(_, side)| side).collect();
+        let (loads, sources) = (reader.read_loads(root, &periodic)?, reader.read_sources(root)?);
         let yields = match regions.as_slice() {
-            [] => material.yields.is_some(),
-            regions => regions.iter().any(|region| region.material.yields.is_some()),
+            [] => material.yield_set.is_some(),
+            regions => regions.iter().any(|region| region.material.yield_set.is_some()),
         };
-        let output = reader.output(root, yields)?;
-        let time = Time::read(root)?;
+        let output = reader.read_output(root, yields)?;
+        let time = SolidTime::read(root)?;
         Ok(Self {
-            scheme: Scheme::read(root, time.courant, yields)?,
+            scheme: SchemeOptions::read(root, time.courant_number, yields)?,
             time,
             regions,
-            sides,
+            boundary_conditions: sides,
             loads,
             sources,
-            initial: reader.initial(root)?,
-            initial_stress: reader.initial_stress(root)?,
+            initial_terms: reader.read_initial_terms(root)?,
+            initial_stress: reader.read_initial_stress(root)?,
             gravity: Gravity::read(root)?,
-            receivers: reader.receivers(root, &output.integrals)?,
+            receivers: reader.read_receivers(root, &output.integrated_components)?,
             output,
             grid: grid.clone(),
-            places: root.places().clone(),
+            positions: root.positions().clone(),
         })
     }
 
@@ -154,49 +158,50 @@ impl Dynamics {
         let d = self.grid.dimensions();
         let mut text = self.grid.to_toml() + &self.time.to_toml() + &self.scheme.to_toml();
         text.extend(self.regions.iter().map(|region| region.to_toml(d)));
-        text.extend(self.sides.iter().map(SideCondition::to_toml));
+        text.extend(self.boundary_conditions.iter().map(FaceCondition::to_toml));
         text.extend(self.loads.iter().map(|load| load.to_toml(d)));
-        text.extend(self.sources.iter().map(Source::to_toml));
-        text.extend(self.initial.iter().map(|part| part.to_toml(d)));
+        text.extend(self.sources.iter().map(PointSource::to_toml));
+        text.extend(self.initial_terms.iter().map(|part| part.to_toml(d)));
         text += &stress::to_toml(&self.initial_stress);
         text.extend(self.gravity.iter().map(Gravity::to_toml));
-        text.extend(self.receivers.iter().map(Receiver::to_toml));
+        text.extend(self.receivers.iter().map(ReceiverPoint::to_toml));
         text + &self.output.to_toml()
     }
 
     /// Returns an error at a key of these sections, e.g. `load[0].amplitude`; list indices are counted from 0.
-    pub fn locate(
+    pub fn error_at(
         &self,
         path: &str,
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> CaseError {
-        self.places.error(path, found, allowed)
+        self.positions.error_at(path, found, allowed)
     }
     /// Computes the region index of each cell, an index into [`regions`](Self::regions), with the first axis fastest; 0
     /// in all cells without regions. A cell belongs to the region that contains the cell centre.
     ///
     /// # Errors
     /// Regions overlap, a cell is in no region, a region contains no cell, or memory allocation fails.
-    pub fn media_of_cells(&self) -> Result<Vec<u16>, CaseError> {
-        let count = self.grid.count();
+    pub fn compute_cell_media(&self) -> Result<Vec<u16>, CaseError> {
+        let count = self.grid.cell_count();
         let mut media = Vec::new();
         if media.try_reserve_exact(count).is_err() {
             let found = format!("no memory for {count} cells");
-            return Err(self.places.error("grid.cells", found, "ask for fewer"));
+            return Err(self.positions.error_at("grid.cells", found, "ask for fewer"));
         }
         if self.regions.is_empty() {
             media.resize(count, 0);
             return Ok(media);
         }
         let mut is_used = vec![false; self.regions.len()];
-        let rest = self.regions.iter().position(|region| region.shape == Shape::Rest);
+        let rest = self.regions.iter().position(|region| region.shape == RegionShape::Complement);
         let mut index = vec![0; self.grid.dimensions()];
-        let mut centre: Vec<f64> = (0..index.len()).map(|axis| self.grid.centre(axis, 0)).collect();
+        let mut centre: Vec<f64> =
+            (0..index.len()).map(|axis| self.grid.cell_centre(axis, 0)).collect();
         for _ in 0..count {
-            let medium = self.region_at(&centre)?.or(rest);
+            let medium = self.find_region(&centre)?.or(rest);
             let Some(medium) = medium else {
-                return Err(self.places.error(
+                return Err(self.positions.error_at(
                     "region",
                     format!("no region holds the cell at {centre:?}"),
                     "add [[region]] with shape = \"rest\", or make the regions larger",
@@ -206,14 +211,14 @@ impl Dynamics {
             media.push(medium as u16); // fits u16: at most MAX_REGIONS regions are read
             for axis in 0..index.len() {
                 index[axis] = (index[axis] + 1) % self.grid.cells[axis];
-                centre[axis] = self.grid.centre(axis, index[axis]);
+                centre[axis] = self.grid.cell_centre(axis, index[axis]);
                 if index[axis] > 0 {
                     break;
                 }
             }
         }
         match is_used.iter().position(|is_used| !is_used) {
-            Some(unused) => Err(self.places.error(
+            Some(unused) => Err(self.positions.error_at(
                 &format!("region[{unused}]"),
                 "no cell has its centre in it",
                 "make it larger than a cell, move it into the grid, or leave it out",
@@ -222,17 +227,18 @@ impl Dynamics {
         }
     }
 
-    /// Finds the region other than [`Shape::Rest`] that contains a point; `None` if there is no such region.
-    fn region_at(&self, x: &[f64]) -> Result<Option<usize>, CaseError> {
+    /// Finds the region other than [`RegionShape::Complement`] that contains a point; `None` if there is no such
+    /// region.
+    fn find_region(&self, x: &[f64]) -> Result<Option<usize>, CaseError> {
         let mut holders =
             (0..self.regions.len()).filter(|&region| self.regions[region].shape.contains(x));
         let first = holders.next();
         match (first, holders.next()) {
             (Some(first), Some(second)) => {
-                let place = self.places.of(&format!("region[{first}]"));
+                let place = self.positions.locate(&format!("region[{first}]"));
                 let found = format!("overlaps region[{first}] ({place}) in the cell at {x:?}");
                 let allowed = "give every cell to one region: move or shrink one of the two";
-                Err(self.places.error(&format!("region[{second}]"), found, allowed))
+                Err(self.positions.error_at(&format!("region[{second}]"), found, allowed))
             }
             _ => Ok(first),
         }

@@ -1,13 +1,13 @@
 //! Parsing of TOML text and `--set` options to values by key with positions.
 
-use super::error::{CaseError, Place, escape};
-use super::keys::{Field, Key, keys};
-use super::kind::{Kind, Medium};
-use super::node::{Node, Refused, Table, segment};
-use super::place::{Places, is_inside};
-use super::schema::{Forms, Scope};
-use super::section::Section;
-use super::value::{Value, describe, nearest, suggestion};
+use super::error::{CaseError, SourcePosition, escape};
+use super::key_positions::{KeyPositions, is_inside};
+use super::keys::{Key, KeyStorage, keys};
+use super::kind::{MediumKind, ModelKind};
+use super::node::{Node, NodeTable, OptionError, format_segment};
+use super::schema::{CaseSchemas, SchemaScope};
+use super::section::SectionReader;
+use super::value::{CaseValue, describe_value, find_similar_name, format_suggestion};
 use models::registry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
@@ -18,93 +18,102 @@ const MAX_TABLES: usize = 100_000;
 const MAX_KEYS: usize = 500_000;
 
 /// Parsed values of a case by key, before their interpretation.
-pub(super) struct Entries<'a> {
-    values: BTreeMap<&'static str, Value>,
+pub(super) struct CaseEntries<'a> {
+    scalar_values: BTreeMap<&'static str, CaseValue>,
     /// Content of the structured sections: time-domain sections and `[check]`.
-    structured: Table<'a>,
+    structured_sections: NodeTable<'a>,
     /// Schemas of the structured sections.
-    forms: &'static Forms,
-    pub(super) places: Places,
+    schemas: &'static CaseSchemas,
+    pub(super) positions: KeyPositions,
 }
 
-impl<'a> Entries<'a> {
+impl<'a> CaseEntries<'a> {
     /// Parses the text of a case file, then applies the `--set` options; of several options for one key the last one
     /// applies.
-    pub(super) fn read(
+    pub(super) fn parse(
         text: &'a str,
         file: &str,
         sets: &'a [String],
-        forms: &'static Forms,
+        forms: &'static CaseSchemas,
     ) -> Result<Self, CaseError> {
-        check_size(text, file)?;
+        check_entry_counts(text, file)?;
         let document = DeTable::parse(text).map_err(|error| {
-            let line = lines(text)(error.span().map_or(0, |span| span.start));
+            let line = build_line_index(text)(error.span().map_or(0, |span| span.start));
             let content = text.lines().nth(line - 1).unwrap_or_default().trim();
             CaseError::Syntax {
-                place: Place::Line { file: file.to_owned(), line },
+                place: SourcePosition::Line { file: file.to_owned(), line },
                 cause: format!("{} in '{}'", escape(error.message()), escape(content)),
             }
         })?;
 
         let mut found = Vec::new();
-        collect("", document.get_ref(), &mut found);
+        collect_entries("", document.get_ref(), &mut found);
         found.sort_by_key(|entry| entry.offset);
 
-        let mut places = Places::new(file);
-        let mut structured = Table::default();
+        let mut places = KeyPositions::new(file);
+        let mut structured = NodeTable::default();
         let mut parts: Vec<(String, usize)> = Vec::new();
         for entry in &found {
             parts.push((entry.name.clone(), entry.offset));
-            if forms.has(&entry.name) {
-                let node = Node::read(entry.value, &entry.name, &mut |name, offset| {
+            if forms.has_section(&entry.name) {
+                let node = Node::from_toml(entry.value, &entry.name, &mut |name, offset| {
                     parts.push((name, offset));
                 });
                 structured.insert(&entry.name, node);
             }
         }
-        let line = lines(text);
+        let line = build_line_index(text);
         for (name, offset) in parts {
             places.add_line(name, line(offset));
         }
-        let mut entries = Self { values: BTreeMap::new(), structured, forms, places };
+        let mut entries = Self {
+            scalar_values: BTreeMap::new(),
+            structured_sections: structured,
+            schemas: forms,
+            positions: places,
+        };
         let mut unknown = None;
-        for Found { name, value, .. } in &found {
-            match Key::find(name) {
+        for DocumentEntry { name, value, .. } in &found {
+            match Key::find_by_name(name) {
                 Some(key) => entries.insert(key, value)?,
-                None if forms.has(name) => {}
+                None if forms.has_section(name) => {}
                 None if !is_section(name) => {
-                    unknown.get_or_insert_with(|| (name.clone(), entries.places.of(name)));
+                    unknown.get_or_insert_with(|| (name.clone(), entries.positions.locate(name)));
                 }
                 None if value.as_table().is_none() => {
                     let allowed = format!("expected a section [{name}]");
-                    return Err(entries.places.error(name, describe(value), allowed));
+                    return Err(entries.positions.error_at(name, describe_value(value), allowed));
                 }
                 None => {}
             }
         }
         for set in sets {
-            let name = entries.set(set)?;
-            unknown = unknown.or(name.map(|name| (name, Place::Option(set.clone()))));
+            let name = entries.apply_option(set)?;
+            unknown = unknown.or(name.map(|name| (name, SourcePosition::Option(set.clone()))));
         }
         // Reported last: the allowed keys depend on the kind of model.
         match unknown {
-            Some((name, place)) => Err(entries.unknown(&name, &name, place)),
+            Some((name, place)) => Err(entries.unknown_key_error(&name, &name, place)),
             None => Ok(entries),
         }
     }
 
     fn insert(&mut self, key: &'static Key, value: &DeValue) -> Result<(), CaseError> {
-        let read = read_value(key, value).ok_or_else(|| {
-            self.places.error(key.name, format!("found {}", describe(value)), allowed(key))
+        let read = parse_key_value(key, value).ok_or_else(|| {
+            self.positions.error_at(
+                key.name,
+                format!("found {}", describe_value(value)),
+                describe_allowed_values(key),
+            )
         })?;
-        self.values.insert(key.name, read);
+        self.scalar_values.insert(key.name, read);
         Ok(())
     }
 
     /// Applies an option `--set key=value`; returns the key if it is unknown.
-    fn set(&mut self, set: &'a str) -> Result<Option<String>, CaseError> {
+    fn apply_option(&mut self, set: &'a str) -> Result<Option<String>, CaseError> {
         let refused = |key: &str, found: &str, allowed: String| {
-            let (place, key) = (Place::Option(set.to_owned()), escape(key));
+            let (place, key) = (SourcePosition::Option(set.to_owned()), escape(key));
             Err(CaseError::Key { place, key, found: found.to_owned(), allowed })
         };
         let Some((name, text)) = set.split_once('=') else {
@@ -114,22 +123,22 @@ impl<'a> Entries<'a> {
         if name.is_empty() {
             return refused(set, "no key before '='", "write --set section.key=value".into());
         }
-        let Some(key) = Key::find(name) else {
-            if self.forms.has(name.split(['.', '[']).next().unwrap_or_default()) {
-                return self.set_structured(set, name, text).map(|()| None);
+        let Some(key) = Key::find_by_name(name) else {
+            if self.schemas.has_section(name.split(['.', '[']).next().unwrap_or_default()) {
+                return self.apply_structured_option(set, name, text).map(|()| None);
             }
             if is_section(name) {
-                let inside = names_inside(name, |_| true).join(", ");
+                let inside = list_section_keys(name, |_| true).join(", ");
                 return refused(name, "a section", format!("name a key inside it: {inside}"));
             }
             return Ok(Some(name.to_owned()));
         };
-        self.places.add_option(key.name.to_owned(), set);
+        self.positions.add_option(key.name.to_owned(), set);
         // Quotes around a text are optional, since shells remove them.
         let bare = || DeValue::String(text.into());
         let value = match DeValue::parse(text) {
             Ok(value) if value.get_ref().is_str() => value.into_inner(),
-            _ if matches!(key.field, Field::Text) => bare(),
+            _ if matches!(key.storage, KeyStorage::Text) => bare(),
             Ok(value) => value.into_inner(),
             Err(_) => bare(),
         };
@@ -138,75 +147,95 @@ impl<'a> Entries<'a> {
     }
 
     /// Applies an option `--set` for a key of a structured section.
-    fn set_structured(&mut self, set: &str, name: &str, text: &'a str) -> Result<(), CaseError> {
+    fn apply_structured_option(
+        &mut self,
+        set: &str,
+        name: &str,
+        text: &'a str,
+    ) -> Result<(), CaseError> {
         // Quotes around a text are optional, since shells remove them.
         let value = DeValue::parse(text).map(|value| value.into_inner());
         let value = value.unwrap_or_else(|_| DeValue::String(text.into()));
         // All parts of the value are located at the option.
-        let node = Node::read(&value, name, &mut |_, _| {});
-        let key = self.structured.set(name, node).map_err(|Refused { key, found, allowed }| {
-            let (place, key) = (Place::Option(set.to_owned()), escape(&key));
-            CaseError::Key { place, key, found, allowed }
-        })?;
-        self.places.forget(&key);
-        self.places.add_option(key, set);
+        let node = Node::from_toml(&value, name, &mut |_, _| {});
+        let key = self.structured_sections.insert_at_key(name, node).map_err(
+            |OptionError { key, found, allowed }| {
+                let (place, key) = (SourcePosition::Option(set.to_owned()), escape(&key));
+                CaseError::Key { place, key, found, allowed }
+            },
+        )?;
+        self.positions.remove_key(&key);
+        self.positions.add_option(key, set);
         Ok(())
     }
 
     /// Returns the reader of the root table of the structured sections.
-    pub(super) fn structured(&self, scope: Scope) -> Section<'_> {
-        Section::root(&self.structured, &self.places, scope)
+    pub(super) fn structured_reader(&self, scope: SchemaScope) -> SectionReader<'_> {
+        SectionReader::from_root(&self.structured_sections, &self.positions, scope)
     }
 
     /// Supplies a derived value for a key that is not given.
-    pub(super) fn provide(&mut self, key: &'static str, value: Value) {
-        self.values.entry(key).or_insert(value);
+    pub(super) fn set_default(&mut self, key: &'static str, value: CaseValue) {
+        self.scalar_values.entry(key).or_insert(value);
     }
 
     /// Builds the values of a region: the values of the case, overridden by the tables `model` and `yield` of the
     /// region. A table that names another kind than the case inherits no values of its section.
-    pub(super) fn of_region(&self, region: &Section) -> Result<Entries<'static>, CaseError> {
-        let (structured, places) = (Table::default(), self.places.clone());
-        let mut own = Entries { values: BTreeMap::new(), structured, forms: self.forms, places };
+    pub(super) fn to_region_entries(
+        &self,
+        region: &SectionReader,
+    ) -> Result<CaseEntries<'static>, CaseError> {
+        let (structured, places) = (NodeTable::default(), self.positions.clone());
+        let mut own = CaseEntries {
+            scalar_values: BTreeMap::new(),
+            structured_sections: structured,
+            schemas: self.schemas,
+            positions: places,
+        };
         let mut given = Vec::new();
         for (section, kind_key) in [("model", "model.kind"), ("yield", "yield.kind")] {
-            let table = region.table(section)?;
+            let table = region.open_table(section)?;
             let kind = table.as_ref().and_then(|table| table.node("kind"));
             let is_alone = kind.is_some_and(|node| {
-                node.text().as_deref() != self.get(kind_key).and_then(Value::text)
+                node.as_text().as_deref() != self.value(kind_key).and_then(CaseValue::as_text)
             });
             for key in keys().iter().filter(|key| is_inside(key.name, section)) {
                 if is_alone {
-                    own.places.add_alias(key.name, region.key(key.name));
-                } else if let Some(value) = self.get(key.name) {
-                    own.values.insert(key.name, value.clone());
+                    own.positions.add_alias(key.name, region.full_key(key.name));
+                } else if let Some(value) = self.value(key.name) {
+                    own.scalar_values.insert(key.name, value.clone());
                 }
             }
             if let Some(table) = table {
-                own.places.add_alias(section, region.key(section));
+                own.positions.add_alias(section, region.full_key(section));
                 given.push((section, table));
             }
         }
         let mut unknown = None;
         for (section, table) in &given {
             for (name, node) in table.entries() {
-                let name = format!("{section}.{}", segment(name));
-                let Some(key) = Key::find(&name) else {
+                let name = format!("{section}.{}", format_segment(name));
+                let Some(key) = Key::find_by_name(&name) else {
                     unknown.get_or_insert(name);
                     continue;
                 };
-                own.places.add_alias(key.name, region.key(key.name));
-                let Some(value) = node.value().and_then(|value| read_value(key, value)) else {
-                    let found = format!("found {}", node.words());
-                    return Err(own.places.error(key.name, found, allowed(key)));
+                own.positions.add_alias(key.name, region.full_key(key.name));
+                let Some(value) = node.as_value().and_then(|value| parse_key_value(key, value))
+                else {
+                    let found = format!("found {}", node.describe());
+                    return Err(own.positions.error_at(
+                        key.name,
+                        found,
+                        describe_allowed_values(key),
+                    ));
                 };
-                own.values.insert(key.name, value);
+                own.scalar_values.insert(key.name, value);
             }
         }
         match unknown {
             Some(name) => {
-                let key = region.key(&name);
-                Err(own.unknown(&name, &key, self.places.of(&key)))
+                let key = region.full_key(&name);
+                Err(own.unknown_key_error(&name, &key, self.positions.locate(&key)))
             }
             None => Ok(own),
         }
@@ -214,95 +243,106 @@ impl<'a> Entries<'a> {
 
     /// Returns whether a region inherits the value of `key` from the case.
     pub(super) fn is_inherited(&self, key: &str) -> bool {
-        !self.places.has_alias(key)
+        !self.positions.has_alias(key)
     }
 
     /// Removes the inherited values that the medium of a region does not use.
-    pub(super) fn keep_inherited(&mut self, is_used: impl Fn(&str) -> bool) {
-        let places = &self.places;
-        self.values.retain(|key, _| places.has_alias(key) || is_used(key));
+    pub(super) fn remove_unused_inherited(&mut self, is_used: impl Fn(&str) -> bool) {
+        let places = &self.positions;
+        self.scalar_values.retain(|key, _| places.has_alias(key) || is_used(key));
     }
 
     /// Builds the error of an unknown key, with a suggestion and the allowed keys; `shown_as` is the key printed in the
     /// message.
-    fn unknown(&self, name: &str, shown_as: &str, place: Place) -> CaseError {
-        let text = |key: &str| self.get(key).and_then(Value::text);
-        let kind = text("model.kind").and_then(Kind::from_name);
-        let yields = text("yield.kind").and_then(registry::yield_set);
-        let is_usable = |key: &Key| kind.is_none_or(|kind| key.is_used_by(Medium { kind, yields }));
+    fn unknown_key_error(&self, name: &str, shown_as: &str, place: SourcePosition) -> CaseError {
+        let text = |key: &str| self.value(key).and_then(CaseValue::as_text);
+        let kind = text("model.kind").and_then(ModelKind::from_name);
+        let yields = text("yield.kind").and_then(registry::find_yield_set);
+        let is_usable = |key: &Key| {
+            kind.is_none_or(|kind| key.is_used_by(MediumKind { kind, yield_set: yields }))
+        };
         let (mut section, last) = name.rsplit_once('.').unwrap_or(("", name));
         while !section.is_empty() && !is_section(section) {
             section = section.rsplit_once('.').map_or("", |(outer, _)| outer);
         }
-        let mut siblings = names_inside(section, is_usable);
+        let mut siblings = list_section_keys(section, is_usable);
         if section.is_empty() {
-            siblings.push(self.forms.check.header());
-            let in_time = kind.map_or_else(|| self.forms.solids.to_vec(), self.forms.in_time);
+            siblings.push(self.schemas.check.header());
+            let in_time =
+                kind.map_or_else(|| self.schemas.solids.to_vec(), self.schemas.simulation);
             siblings.extend(in_time.iter().map(|form| form.header()));
         }
         let bare = siblings.iter().map(|sibling| sibling.trim_matches(['[', ']']));
         // Suggest the key of the same name in another section, else the most similar name in this section.
-        let misplaced = keys().iter().find(|key| is_usable(key) && key.split().1 == last);
-        let meant = misplaced.map(|key| key.name).or_else(|| nearest(last, bare));
-        let allowed = format!("{}allowed here: {}", suggestion(meant), siblings.join(", "));
+        let misplaced = keys().iter().find(|key| is_usable(key) && key.split_section().1 == last);
+        let meant = misplaced.map(|key| key.name).or_else(|| find_similar_name(last, bare));
+        let allowed = format!("{}allowed here: {}", format_suggestion(meant), siblings.join(", "));
         CaseError::Key { place, key: escape(shown_as), found: "unknown key".into(), allowed }
     }
 
     /// Returns the value of a key, if given.
-    pub(super) fn get(&self, key: &str) -> Option<&Value> {
-        self.values.get(key)
+    pub(super) fn value(&self, key: &str) -> Option<&CaseValue> {
+        self.scalar_values.get(key)
     }
 
     /// Returns whether a section is in the file or was set by an option.
     pub(super) fn has_section(&self, section: &str) -> bool {
-        self.places.has_line(section) || self.values.keys().any(|key| is_inside(key, section))
+        self.positions.has_line(section)
+            || self.scalar_values.keys().any(|key| is_inside(key, section))
     }
 
     /// Returns the value of a required key.
-    pub(super) fn require(&self, key: &'static str) -> Result<&Value, CaseError> {
-        self.get(key).ok_or_else(|| {
-            let row = Key::find(key);
+    pub(super) fn require_value(&self, key: &'static str) -> Result<&CaseValue, CaseError> {
+        self.value(key).ok_or_else(|| {
+            let row = Key::find_by_name(key);
             let section = key.rsplit_once('.').map_or("", |(section, _)| section);
             let allowed = row.map_or(String::new(), |row| {
-                let name = row.split().1;
+                let name = row.split_section().1;
                 match self.has_section(section) {
                     true => {
-                        format!("add {name} to {}: {}", self.places.title(section), allowed(row))
+                        format!(
+                            "add {name} to {}: {}",
+                            self.positions.section_title(section),
+                            describe_allowed_values(row)
+                        )
                     }
-                    false => format!("add a section [{section}] with {name}: {}", allowed(row)),
+                    false => format!(
+                        "add a section [{section}] with {name}: {}",
+                        describe_allowed_values(row)
+                    ),
                 }
             });
-            self.places.error(key, "missing", allowed)
+            self.positions.error_at(key, "missing", allowed)
         })
     }
 
     /// Returns the text of a required key.
-    pub(super) fn text(&self, key: &'static str) -> Result<&str, CaseError> {
-        match self.require(key)? {
-            Value::Text(text) => Ok(text),
+    pub(super) fn require_text(&self, key: &'static str) -> Result<&str, CaseError> {
+        match self.require_value(key)? {
+            CaseValue::Text(text) => Ok(text),
             _ => Ok(""), // unreachable: the key table declares the key as text
         }
     }
 
     /// Returns the number of a required key.
-    pub(super) fn number(&self, key: &'static str) -> Result<f64, CaseError> {
-        match self.require(key)? {
-            Value::Number(number) => Ok(*number),
-            Value::Count(count) => Ok(*count as f64),
+    pub(super) fn require_number(&self, key: &'static str) -> Result<f64, CaseError> {
+        match self.require_value(key)? {
+            CaseValue::Number(number) => Ok(*number),
+            CaseValue::Count(count) => Ok(*count as f64),
             _ => Ok(0.0), // unreachable: the key table declares the key as a number
         }
     }
 }
 
 /// Describes the allowed values of a key, for messages.
-pub(super) fn allowed(key: &Key) -> String {
+pub(super) fn describe_allowed_values(key: &Key) -> String {
     let unit = if key.unit.is_empty() { String::new() } else { format!(" in {}", key.unit) };
-    let words = key.field.value_type().words(&Scope::default());
+    let words = key.storage.value_type().describe(&SchemaScope::default());
     format!("expected {words}{unit} ({})", key.meaning)
 }
 
 /// Checks the number of keys and tables before parsing: each takes over a kilobyte in the parser.
-fn check_size(text: &str, file: &str) -> Result<(), CaseError> {
+fn check_entry_counts(text: &str, file: &str) -> Result<(), CaseError> {
     let count = |byte: u8| text.bytes().filter(|own| *own == byte).count();
     // Lines with a comma are rows of nested lists, not headers.
     let is_header = |line: &&str| line.trim_start().starts_with('[') && !line.contains(',');
@@ -319,28 +359,32 @@ fn check_size(text: &str, file: &str) -> Result<(), CaseError> {
 }
 
 /// Returns a function from a byte offset in the text to its line number, from 1.
-fn lines(text: &str) -> impl Fn(usize) -> usize {
+fn build_line_index(text: &str) -> impl Fn(usize) -> usize {
     let ends: Vec<usize> = text.match_indices('\n').map(|(offset, _)| offset).collect();
     move |offset| 1 + ends.partition_point(|&end| end < offset)
 }
 
-struct Found<'d, 'a> {
+struct DocumentEntry<'d, 'a> {
     name: String,
     value: &'d DeValue<'a>,
     offset: usize,
 }
 
 /// Collects the entries of a table and of the sections inside it, with dotted names.
-fn collect<'d, 'a>(prefix: &str, table: &'d DeTable<'a>, found: &mut Vec<Found<'d, 'a>>) {
+fn collect_entries<'d, 'a>(
+    prefix: &str,
+    table: &'d DeTable<'a>,
+    found: &mut Vec<DocumentEntry<'d, 'a>>,
+) {
     for (key, value) in table {
         // A quoted key "model.kind" is a single name with a dot, not a key of a section.
-        let segment = segment(key.get_ref());
+        let segment = format_segment(key.get_ref());
         let name = if prefix.is_empty() { segment } else { format!("{prefix}.{segment}") };
         let value = value.get_ref();
         if let (Some(inner), true) = (value.as_table(), is_section(&name)) {
-            collect(&name, inner, found);
+            collect_entries(&name, inner, found);
         }
-        found.push(Found { name, value, offset: key.span().start });
+        found.push(DocumentEntry { name, value, offset: key.span().start });
     }
 }
 
@@ -349,7 +393,7 @@ fn is_section(name: &str) -> bool {
 }
 
 /// Returns the usable keys directly inside a section; subsections in brackets.
-fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> {
+fn list_section_keys(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> {
     let mut names = Vec::new();
     for key in keys().iter().filter(|key| is_usable(key)) {
         let rest = match section {
@@ -367,16 +411,20 @@ fn names_inside(section: &str, is_usable: impl Fn(&Key) -> bool) -> Vec<String> 
 }
 
 /// Converts a TOML value to the type of the key; `None` if the value has another type.
-fn read_value(key: &Key, value: &DeValue) -> Option<Value> {
-    key.field.value_type().parse(value, &Scope::default())
+fn parse_key_value(key: &Key, value: &DeValue) -> Option<CaseValue> {
+    key.storage.value_type().parse_value(value, &SchemaScope::default())
 }
 
 /// Finds the kind of model `name`; an error refers to `key`.
-pub(super) fn kind(name: &str, key: &str, places: &Places) -> Result<Kind, CaseError> {
-    Kind::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = Kind::all().into_iter().map(Kind::name).collect();
-        let meant = suggestion(nearest(name, names.iter().copied()));
+pub(super) fn find_model_kind(
+    name: &str,
+    key: &str,
+    places: &KeyPositions,
+) -> Result<ModelKind, CaseError> {
+    ModelKind::from_name(name).ok_or_else(|| {
+        let names: Vec<&str> = ModelKind::all_kinds().into_iter().map(ModelKind::name).collect();
+        let meant = format_suggestion(find_similar_name(name, names.iter().copied()));
         let found = format!("found '{}'", escape(name));
-        places.error(key, found, format!("{meant}allowed: {}", names.join(", ")))
+        places.error_at(key, found, format!("{meant}allowed: {}", names.join(", ")))
     })
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 /// Position in the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum SourcePosition {
     /// A line of a case file.
     Line {
         /// Path of the file as given.
@@ -18,7 +18,7 @@ pub enum Place {
     Option(String),
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for SourcePosition {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Line { file, line } => write!(formatter, "{file}:{line}"),
@@ -43,7 +43,7 @@ pub enum CaseError {
     #[error("{place}: {cause}; write 'key = value' or '[section]', each key once")]
     Syntax {
         /// Position of the error.
-        place: Place,
+        place: SourcePosition,
         /// Message of the parser, with the text of the line.
         cause: String,
     },
@@ -51,7 +51,7 @@ pub enum CaseError {
     #[error("{place}: {key}: {found}; {allowed}")]
     Key {
         /// Position of the key.
-        place: Place,
+        place: SourcePosition,
         /// Key with its section.
         key: String,
         /// Value found.
@@ -63,16 +63,17 @@ pub enum CaseError {
 
 /// Escapes control characters of user text and truncates it to 80 characters, for one-line messages.
 pub(super) fn escape(text: &str) -> String {
-    const LONGEST: usize = 80;
-    let mut short: String = text.chars().take(LONGEST).flat_map(escape_control).collect();
-    if text.chars().nth(LONGEST).is_some() {
+    const MAX_CHARACTERS: usize = 80;
+    let mut short: String =
+        text.chars().take(MAX_CHARACTERS).flat_map(escape_control_character).collect();
+    if text.chars().nth(MAX_CHARACTERS).is_some() {
         short.push('…');
     }
     short
 }
 
 /// Escapes a control character; returns other characters unchanged.
-fn escape_control(c: char) -> impl Iterator<Item = char> {
+fn escape_control_character(c: char) -> impl Iterator<Item = char> {
     let control = c.is_control();
     control.then(|| c.escape_default()).into_iter().flatten().chain((!control).then_some(c))
 }

@@ -8,22 +8,22 @@ mod initial;
 mod output;
 mod reader;
 
-pub use grid::{Grid, MAX_POINTS, MIN_POINTS, Time};
-pub use initial::{Disturbed, Initial, Wave};
-pub use output::{Output, Quantity};
+pub use grid::{FlowGrid, FlowTime, MAX_GRID_POINTS, MIN_POINTS_PER_AXIS};
+pub use initial::{FlowPerturbation, HarmonicPerturbation, PerturbedField};
+pub use output::{FlowOutput, FlowQuantity};
 
 use crate::error::CaseError;
-use crate::kind::Kind;
-use crate::place::Places;
-use crate::receivers::Receiver;
-use crate::schema::Form;
-use crate::section::Section;
+use crate::key_positions::KeyPositions;
+use crate::kind::ModelKind;
+use crate::receivers::ReceiverPoint;
+use crate::schema::TableSchema;
+use crate::section::SectionReader;
 use models::flow::RotationKind;
-use reader::Reader;
+use reader::FlowReader;
 use std::path::Path;
 
 /// Keys of the state that must be 0, since the mean flow is uniform and the box moves with it.
-pub const UNIFORM: [&str; 9] = [
+pub const ZERO_IN_UNIFORM_FLOW: [&str; 9] = [
     "model.dilatancy_angle_deg",
     "background.velocity",
     "background.pressure_gradient",
@@ -36,15 +36,21 @@ pub const UNIFORM: [&str; 9] = [
 ];
 
 /// Schemas of the sections, in the order of writing; the last schema is for coaxial flows only.
-pub(crate) const FORMS: [&Form; 6] =
-    [&grid::GRID, &grid::TIME, &initial::FORM, &output::RECEIVER, &output::OUTPUT, &grid::LIMITS];
+pub(crate) const FLOW_SCHEMAS: [&TableSchema; 6] = [
+    &grid::GRID_SCHEMA,
+    &grid::TIME_SCHEMA,
+    &initial::SCHEMA,
+    &output::RECEIVER_SCHEMA,
+    &output::OUTPUT_SCHEMA,
+    &grid::LIMITS_SCHEMA,
+];
 
 /// Returns the schemas of the sections of a kind of flow; empty if the kind has no time-domain solver.
-pub(crate) fn forms(kind: Kind) -> Vec<&'static Form> {
-    match kind.rotation_in_time() {
+pub(crate) fn schemas_for_kind(kind: ModelKind) -> Vec<&'static TableSchema> {
+    match kind.simulation_rotation() {
         None => Vec::new(),
-        Some(RotationKind::None) => FORMS.to_vec(),
-        Some(_) => FORMS[..5].to_vec(),
+        Some(RotationKind::None) => FLOW_SCHEMAS.to_vec(),
+        Some(_) => FLOW_SCHEMAS[..5].to_vec(),
     }
 }
 
@@ -55,19 +61,19 @@ pub struct FlowRun {
     /// [`RotationKind::Free`].
     pub rotation: RotationKind,
     /// Section `[grid]`: the periodic box.
-    pub grid: Grid,
+    pub grid: FlowGrid,
     /// Section `[time]`: duration and tolerances.
-    pub time: Time,
+    pub time: FlowTime,
     /// Lower limit of the shear rate Q_D relative to the mean flow, at which a simulation stops (plastic potential
     /// only).
-    pub least_shear_rate: f64,
+    pub min_shear_rate: f64,
     /// Parts of the initial perturbation, which are summed; at least one.
-    pub initial: Vec<Initial>,
+    pub perturbation_terms: Vec<FlowPerturbation>,
     /// Receivers: points of the box at which fields are recorded.
-    pub receivers: Vec<Receiver<Quantity>>,
+    pub receivers: Vec<ReceiverPoint<FlowQuantity>>,
     /// Section `[output]`: ledger, snapshots and pictures.
-    pub output: Output,
-    places: Places,
+    pub output: FlowOutput,
+    positions: KeyPositions,
 }
 
 impl FlowRun {
@@ -76,21 +82,21 @@ impl FlowRun {
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.
     pub(crate) fn read(
-        root: &Section,
+        root: &SectionReader,
         rotation: RotationKind,
         folder: &Path,
     ) -> Result<Self, CaseError> {
-        let grid = Grid::read(root)?;
-        let reader = Reader { rotation, grid, folder };
+        let grid = FlowGrid::read(root)?;
+        let reader = FlowReader { rotation, grid, case_folder: folder };
         Ok(Self {
             rotation,
             grid,
-            time: Time::read(root)?,
-            least_shear_rate: grid::least_shear_rate(root)?,
-            initial: reader.initial(root)?,
-            receivers: reader.receivers(root)?,
-            output: reader.output(root)?,
-            places: root.places().clone(),
+            time: FlowTime::read(root)?,
+            min_shear_rate: grid::read_min_shear_rate(root)?,
+            perturbation_terms: reader.read_perturbations(root)?,
+            receivers: reader.read_receivers(root)?,
+            output: reader.read_output(root)?,
+            positions: root.positions().clone(),
         })
     }
 
@@ -98,25 +104,25 @@ impl FlowRun {
     pub(crate) fn to_toml(&self) -> String {
         let mut text = self.grid.to_toml() + &self.time.to_toml();
         if self.rotation == RotationKind::None {
-            text += &grid::limits_to_toml(self.least_shear_rate);
+            text += &grid::limits_to_toml(self.min_shear_rate);
         }
-        text.extend(self.initial.iter().map(initial::to_toml));
-        text.extend(self.receivers.iter().map(Receiver::<Quantity>::to_toml));
+        text.extend(self.perturbation_terms.iter().map(initial::to_toml));
+        text.extend(self.receivers.iter().map(ReceiverPoint::<FlowQuantity>::to_toml));
         text + &self.output.to_toml()
     }
 
     /// Returns this simulation on another grid.
-    pub fn on(&self, grid: Grid) -> Self {
+    pub fn with_grid(&self, grid: FlowGrid) -> Self {
         Self { grid, ..self.clone() }
     }
 
     /// Returns an error at a key of these sections, e.g. `initial[0].amplitude`; list indices are counted from 0.
-    pub fn locate(
+    pub fn error_at(
         &self,
         path: &str,
         found: impl Into<String>,
         allowed: impl Into<String>,
     ) -> CaseError {
-        self.places.error(path, found, allowed)
+        self.positions.error_at(path, found, allowed)
     }
 }

@@ -6,11 +6,11 @@ pub use models::solid::SolidKind as Solid;
 pub use models::yield_set::YieldSetKind as Yield;
 
 /// Name in case files of the absent yield set, for a region that stays elastic.
-pub(crate) const NO_YIELD: &str = "none";
+pub(crate) const NO_YIELD_NAME: &str = "none";
 
 /// A kind of model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum ModelKind {
     /// A flow of granular material.
     Flow(Flow),
     /// An elastic or elastoplastic solid.
@@ -19,19 +19,19 @@ pub enum Kind {
 
 /// A medium: kind of model and yield set, which determine the keys of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Medium {
+pub struct MediumKind {
     /// Kind of model.
-    pub kind: Kind,
+    pub kind: ModelKind,
     /// Yield set; `None` in flows and elastic solids.
-    pub yields: Option<Yield>,
+    pub yield_set: Option<Yield>,
 }
 
-impl Medium {
+impl MediumKind {
     /// Returns all media: every kind without a yield set and with every admissible yield set.
-    pub fn all() -> impl Iterator<Item = Self> {
-        Kind::all().into_iter().flat_map(|kind| {
-            let sets = kind.yield_sets().into_iter().map(Some);
-            [None].into_iter().chain(sets).map(move |yields| Self { kind, yields })
+    pub fn all_media() -> impl Iterator<Item = Self> {
+        ModelKind::all_kinds().into_iter().flat_map(|kind| {
+            let sets = kind.admissible_yield_sets().into_iter().map(Some);
+            [None].into_iter().chain(sets).map(move |yields| Self { kind, yield_set: yields })
         })
     }
 
@@ -39,24 +39,24 @@ impl Medium {
     ///
     /// # Errors
     /// The kind of model does not admit the yield set.
-    pub fn new(kind: Kind, yields: Option<Yield>) -> Result<Self, NoSuchMedium> {
-        match yields.filter(|set| !kind.yield_sets().contains(set)) {
-            Some(set) => Err(NoSuchMedium { kind, set }),
-            None => Ok(Self { kind, yields }),
+    pub fn new(kind: ModelKind, yields: Option<Yield>) -> Result<Self, YieldSetError> {
+        match yields.filter(|set| !kind.admissible_yield_sets().contains(set)) {
+            Some(set) => Err(YieldSetError { kind, set }),
+            None => Ok(Self { kind, yield_set: yields }),
         }
     }
 
     /// Returns the names of the yield conditions that a case may declare active.
-    pub fn condition_names(self) -> Vec<&'static str> {
-        match (self.kind, self.yields) {
-            (Kind::Solid(solid), Some(set)) => set.conditions_for(solid.theory),
+    pub fn yield_condition_names(self) -> Vec<&'static str> {
+        match (self.kind, self.yield_set) {
+            (ModelKind::Solid(solid), Some(set)) => set.conditions_for(solid.theory),
             _ => Vec::new(),
         }
     }
 
     /// Returns the name for titles and legends.
     pub fn title(self) -> String {
-        match self.yields {
+        match self.yield_set {
             None => self.kind.title().into(),
             Some(set) => format!("{}, {}", self.kind.title(), set.title),
         }
@@ -69,47 +69,47 @@ impl Medium {
     "{} cannot yield by {}; allowed: {}",
     kind.name(),
     set.name,
-    match kind.yield_sets().as_slice() {
+    match kind.admissible_yield_sets().as_slice() {
         [] => "no yield set, flows have their own".to_owned(),
         sets => sets.iter().map(|set| set.name).collect::<Vec<_>>().join(", "),
     }
 )]
-pub struct NoSuchMedium {
+pub struct YieldSetError {
     /// Kind of model.
-    pub kind: Kind,
+    pub kind: ModelKind,
     /// Yield set.
     pub set: Yield,
 }
 
-impl From<Kind> for Medium {
-    fn from(kind: Kind) -> Self {
-        Self { kind, yields: None }
+impl From<ModelKind> for MediumKind {
+    fn from(kind: ModelKind) -> Self {
+        Self { kind, yield_set: None }
     }
 }
 
-impl Kind {
+impl ModelKind {
     /// Returns the yield sets admitted by the kind of model.
-    pub fn yield_sets(self) -> Vec<Yield> {
+    pub fn admissible_yield_sets(self) -> Vec<Yield> {
         match self {
             Self::Flow(_) => Vec::new(),
             Self::Solid(solid) => {
-                registry::yield_sets().into_iter().filter(|set| set.admits(solid)).collect()
+                registry::yield_sets().into_iter().filter(|set| set.is_compatible(solid)).collect()
             }
         }
     }
 
     /// Returns all kinds of model, flows first, in the order of listings.
-    pub fn all() -> Vec<Self> {
-        Self::flows().into_iter().chain(Self::solids()).collect()
+    pub fn all_kinds() -> Vec<Self> {
+        Self::flow_kinds().into_iter().chain(Self::solid_kinds()).collect()
     }
 
     /// Returns all kinds of flows.
-    pub fn flows() -> Vec<Self> {
+    pub fn flow_kinds() -> Vec<Self> {
         registry::flows().into_iter().map(Self::Flow).collect()
     }
 
     /// Returns all kinds of solids.
-    pub fn solids() -> Vec<Self> {
+    pub fn solid_kinds() -> Vec<Self> {
         registry::solids().into_iter().map(Self::Solid).collect()
     }
 
@@ -132,7 +132,7 @@ impl Kind {
     /// Returns the kind of material rotation of a flow with a time-domain solver; it determines which field evolves
     /// with the velocity and the equation of the stress angle. `None` for solids and for flows with undetermined
     /// rotation.
-    pub fn rotation_in_time(self) -> Option<RotationKind> {
+    pub fn simulation_rotation(self) -> Option<RotationKind> {
         match self {
             Self::Flow(flow) => Some(flow.rotation()).filter(|own| *own != RotationKind::Free),
             Self::Solid(_) => None,
@@ -141,11 +141,11 @@ impl Kind {
 
     /// Finds the kind of model `name`.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::all().into_iter().find(|kind| kind.name() == name)
+        Self::all_kinds().into_iter().find(|kind| kind.name() == name)
     }
 }
 
 /// Joins the names of `kinds` with commas.
-pub fn names(kinds: &[Kind]) -> String {
+pub fn join_names(kinds: &[ModelKind]) -> String {
     kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
 }

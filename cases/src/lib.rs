@@ -2,10 +2,10 @@
 //!
 //! [`Case`] is a case as stated in its file, overridden by options, with defaults filled in; it can be written as TOML.
 //! Rows of [`keys()`] are the scalar keys, which a map can sweep; they include the constants of the registered models.
-//! A structured section is a [`schema::Form`] of items with type, unit, range, default and meaning. Reader, writer, the
-//! templates of `wellposed new` ([`template`]), the reference page ([`reference()`]) and the JSON Schema
-//! ([`json_schema()`]) are derived from these schemas. An error gives file, line and key, the value found and the
-//! values allowed. [`CASES`] has the texts of the bundled cases.
+//! A structured section is a [`schema::TableSchema`] of keys with type, unit, range, default and meaning. Reader, writer,
+//! the templates of `wellposed new` ([`template`]), the reference page ([`generate_reference()`]) and the JSON Schema
+//! ([`generate_json_schema()`]) are derived from these schemas. An error gives file, line and key, the value found and
+//! the values allowed. [`CASES`] has the texts of the bundled cases.
 //!
 //! The crate depends on the models, but not on analysis, solvers or reports.
 #![deny(missing_docs)]
@@ -18,10 +18,9 @@ mod convert;
 pub mod dynamics;
 mod entries;
 mod error;
-mod flat;
 pub mod flow;
-mod forms;
 mod json_schema;
+mod key_positions;
 mod keys;
 mod kind;
 mod map;
@@ -29,28 +28,29 @@ mod material;
 mod named_enum;
 mod node;
 mod numbers;
-mod place;
-mod position;
+mod position_checks;
 mod receivers;
 mod reference;
+mod scalar_keys;
 pub mod schema;
 mod section;
+mod section_schemas;
 pub mod template;
 mod types;
 mod value;
 
 pub use bundled::CASES;
-pub use case::{Case, InTime, MAX_FILE};
-pub use check::Check;
-pub use convert::{Converted, radians};
-pub use dynamics::Dynamics;
-pub use error::{CaseError, Place};
+pub use case::{Case, MAX_FILE_SIZE, TimeDomainRun};
+pub use check::CheckOptions;
+pub use convert::{ConvertedCase, degrees_to_radians};
+pub use dynamics::SolidRun;
+pub use error::{CaseError, SourcePosition};
 pub use flow::FlowRun;
-pub use forms::all_forms;
-pub use json_schema::json_schema;
-pub use keys::{Key, Parameter, Presence, keys};
-pub use kind::{Kind, Medium, NoSuchMedium, Solid, Yield, names};
-pub use map::{MAX_POINTS, Map, Sweep};
+pub use json_schema::generate_json_schema;
+pub use keys::{Key, Presence, SweepParameter, keys};
+pub use kind::{MediumKind, ModelKind, Solid, Yield, YieldSetError, join_names};
+pub use map::{MAX_MAP_POINTS, MapAxes, ParameterSweep};
 pub use material::Material;
-pub use numbers::{BackgroundNumbers, Constants, Numbers, StressNumbers, Wave};
-pub use reference::reference;
+pub use numbers::{BackgroundNumbers, CaseNumbers, ConstantValues, StressNumbers, WaveNumbers};
+pub use reference::generate_reference;
+pub use section_schemas::all_schemas;

@@ -1,29 +1,30 @@
 //! Material of a case or of a region.
 
-use super::entries::{Entries, kind};
+use super::entries::{CaseEntries, find_model_kind};
 use super::error::CaseError;
-use super::flat;
-use super::keys::{Key, Parameter, keys};
-use super::kind::{Kind, Medium, NO_YIELD, Yield, names};
-use super::numbers::Numbers;
-use super::place::Places;
-use super::section::Section;
-use super::value::Value;
+use super::key_positions::KeyPositions;
+use super::keys::{Key, SweepParameter, keys};
+use super::kind::{MediumKind, ModelKind, NO_YIELD_NAME, Yield, join_names};
+use super::numbers::CaseNumbers;
+use super::scalar_keys;
+use super::section::SectionReader;
+use super::value::CaseValue;
 use models::InputError;
 
 /// Kind of model, yield set and numbers of a medium, with the positions of their keys in the case file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Kind of model.
-    pub kind: Kind,
+    pub kind: ModelKind,
     /// Yield set; `None` in flows and elastic solids.
-    pub yields: Option<Yield>,
-    /// Active yield conditions, as indices into [`Medium::condition_names`]; `None` if they follow from the stress.
-    pub active: Option<Vec<usize>>,
+    pub yield_set: Option<Yield>,
+    /// Active yield conditions, as indices into [`MediumKind::yield_condition_names`]; `None` if they follow from the
+    /// stress.
+    pub active_conditions: Option<Vec<usize>>,
     /// Numbers in SI units, angles in degrees.
-    pub numbers: Numbers,
+    pub numbers: CaseNumbers,
     /// Positions of the keys in the case file; ignored in comparisons.
-    pub(super) places: Places,
+    pub(super) positions: KeyPositions,
 }
 
 impl Material {
@@ -31,81 +32,97 @@ impl Material {
     ///
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.
-    pub(super) fn of_region(
+    pub(super) fn override_for_region(
         &self,
-        entries: &Entries,
-        region: &Section,
+        entries: &CaseEntries,
+        region: &SectionReader,
         dimensions: usize,
     ) -> Result<Self, CaseError> {
-        const KIND: &str = "model.kind";
-        let mut entries = entries.of_region(region)?;
-        let kind = kind(entries.text(KIND)?, KIND, &entries.places)?;
-        let Kind::Solid(_) = kind else {
-            let allowed = format!("solids alone: {}", names(&Kind::solids()));
-            return Err(entries.places.error(
-                KIND,
+        const MODEL_KIND_KEY: &str = "model.kind";
+        let mut entries = entries.to_region_entries(region)?;
+        let kind = find_model_kind(
+            entries.require_text(MODEL_KIND_KEY)?,
+            MODEL_KIND_KEY,
+            &entries.positions,
+        )?;
+        let ModelKind::Solid(_) = kind else {
+            let allowed = format!("solids alone: {}", join_names(&ModelKind::solid_kinds()));
+            return Err(entries.positions.error_at(
+                MODEL_KIND_KEY,
                 format!("found {}, a flow", kind.name()),
                 allowed,
             ));
         };
-        if let Some(set) = self.yields.filter(|set| !kind.yield_sets().contains(set))
+        if let Some(set) = self.yield_set.filter(|set| !kind.admissible_yield_sets().contains(set))
             && entries.is_inherited("yield.kind")
         {
-            let names: Vec<&str> = kind.yield_sets().iter().map(|set| set.name).collect();
-            return Err(entries.places.error(
-                KIND,
+            let names: Vec<&str> =
+                kind.admissible_yield_sets().iter().map(|set| set.name).collect();
+            return Err(entries.positions.error_at(
+                MODEL_KIND_KEY,
                 format!("found {}, which cannot yield by {}", kind.name(), set.name),
                 format!("add yield = {{ kind = ... }} with one of none, {}", names.join(", ")),
             ));
         }
-        provide_dimensions(&mut entries, kind, dimensions);
-        let yields = flat::yield_set(&entries, kind, &[NO_YIELD])?;
-        let medium = Medium { kind, yields };
+        set_default_dimensions(&mut entries, kind, dimensions);
+        let yields = scalar_keys::read_yield_set(&entries, kind, &[NO_YIELD_NAME])?;
+        let medium = MediumKind { kind, yield_set: yields };
         if kind != self.kind {
             // Values for keys used by the kind of the case but not by the kind of the region are not inherited.
-            entries.keep_inherited(|name| {
-                Key::find(name).is_some_and(|key| key.is_used_by(medium) && key.field.is_kept())
+            entries.remove_unused_inherited(|name| {
+                Key::find_by_name(name)
+                    .is_some_and(|key| key.is_used_by(medium) && key.storage.is_stored())
             });
         }
-        let mut numbers = flat::numbers(&entries, &[medium])?;
-        check_dimensions(&entries.places, kind, numbers.dimensions, dimensions)?;
-        let active = flat::active(&entries, medium)?;
+        let mut numbers = scalar_keys::read_numbers(&entries, &[medium])?;
+        check_dimensions(&entries.positions, kind, numbers.dimensions, dimensions)?;
+        let active = scalar_keys::read_active_conditions(&entries, medium)?;
         (numbers.stress, numbers.wave) = (self.numbers.stress, self.numbers.wave);
         for key in keys().iter().filter(|key| !key.is_used_by(medium)) {
-            key.clear(&mut numbers);
+            key.reset_value(&mut numbers);
         }
-        Ok(Self { kind, yields, active, numbers, places: entries.places })
+        Ok(Self {
+            kind,
+            yield_set: yields,
+            active_conditions: active,
+            numbers,
+            positions: entries.positions,
+        })
     }
 
     /// Returns the kind of model and the yield set.
-    pub fn medium(&self) -> Medium {
-        Medium { kind: self.kind, yields: self.yields }
+    pub fn medium(&self) -> MediumKind {
+        MediumKind { kind: self.kind, yield_set: self.yield_set }
     }
 
     /// Returns the value of the number `name`; `None` if absent.
-    pub fn get(&self, name: &str) -> Option<f64> {
-        Parameter::find(name)?.get(&self.numbers)
+    pub fn number(&self, name: &str) -> Option<f64> {
+        SweepParameter::find_by_name(name)?.value(&self.numbers)
     }
 
     /// Sets the number `parameter`, as a map sweep does.
-    pub fn set(&mut self, parameter: Parameter, value: f64) {
-        parameter.set(&mut self.numbers, value);
+    pub fn set_number(&mut self, parameter: SweepParameter, value: f64) {
+        parameter.set_value(&mut self.numbers, value);
     }
 
     /// Adds the position in the case file to an input error of a model.
-    pub fn locate(&self, error: InputError) -> CaseError {
-        let key = self.key_of(error.input);
-        self.places.error(key, format!("found {}", error.found), error.allowed)
+    pub fn locate_error(&self, error: InputError) -> CaseError {
+        let key = self.case_key(error.input);
+        self.positions.error_at(
+            key,
+            format!("found {}", error.rejected_value),
+            error.allowed_values,
+        )
     }
 
     /// Returns the case key of an input of the model, yield set or state; other names are returned unchanged.
-    pub(super) fn key_of(&self, input: &'static str) -> &'static str {
-        const SECTIONS: [&str; 4] = ["model", "background", "yield", "stress"];
+    pub(super) fn case_key(&self, input: &'static str) -> &'static str {
+        const INPUT_SECTIONS: [&str; 4] = ["model", "background", "yield", "stress"];
         let medium = self.medium();
         let is_input = |key: &&Key| {
-            let (section, name) = key.split();
+            let (section, name) = key.split_section();
             let name = name.strip_suffix("_deg").unwrap_or(name);
-            SECTIONS.contains(&section) && name == input
+            INPUT_SECTIONS.contains(&section) && name == input
         };
         let all = || keys().iter().filter(is_input);
         let found = all().find(|key| key.is_used_by(medium)).or_else(|| all().next());
@@ -113,21 +130,26 @@ impl Material {
     }
 
     /// Returns the keys used by this medium or by the kinds `compared`, with their values.
-    pub(super) fn values(&self, compared: &[Kind]) -> impl Iterator<Item = (&'static Key, Value)> {
+    pub(super) fn key_values(
+        &self,
+        compared: &[ModelKind],
+    ) -> impl Iterator<Item = (&'static Key, CaseValue)> {
         keys().iter().filter_map(|key| {
             let value = match key.name {
-                "model.kind" => Some(Value::Text(self.kind.name().to_owned())),
-                "yield.kind" => self.yields.map(|set| Value::Text(set.name.to_owned())),
-                "yield.active" => self.active.as_ref().map(|active| {
-                    let names = self.medium().condition_names();
-                    Value::Texts(active.iter().map(|&index| names[index].to_owned()).collect())
+                "model.kind" => Some(CaseValue::Text(self.kind.name().to_owned())),
+                "yield.kind" => self.yield_set.map(|set| CaseValue::Text(set.name.to_owned())),
+                "yield.active" => self.active_conditions.as_ref().map(|active| {
+                    let names = self.medium().yield_condition_names();
+                    CaseValue::TextList(
+                        active.iter().map(|&index| names[index].to_owned()).collect(),
+                    )
                 }),
                 // `yield.active` replaces the section `[stress]`.
-                name if name.starts_with("stress.") && self.active.is_some() => None,
+                name if name.starts_with("stress.") && self.active_conditions.is_some() => None,
                 _ if key.is_used_by(self.medium())
                     || compared.iter().any(|&kind| key.is_used_by(kind)) =>
                 {
-                    key.field.load(&self.numbers)
+                    key.storage.load_value(&self.numbers)
                 }
                 _ => None,
             };
@@ -137,30 +159,34 @@ impl Material {
 }
 
 /// Supplies the dimensions of a solid from the grid if they are not given.
-pub(super) fn provide_dimensions(entries: &mut Entries, kind: Kind, of_grid: usize) {
-    const KEY: &str = "model.dimensions";
-    if Key::find(KEY).is_some_and(|key| key.is_used_by(kind)) {
-        entries.provide(KEY, Value::Count(of_grid));
+pub(super) fn set_default_dimensions(
+    entries: &mut CaseEntries,
+    kind: ModelKind,
+    grid_dimensions: usize,
+) {
+    const DIMENSIONS_KEY: &str = "model.dimensions";
+    if Key::find_by_name(DIMENSIONS_KEY).is_some_and(|key| key.is_used_by(kind)) {
+        entries.set_default(DIMENSIONS_KEY, CaseValue::Count(grid_dimensions));
     }
 }
 
 /// Checks that a solid has as many dimensions as the grid.
 pub(super) fn check_dimensions(
-    places: &Places,
-    kind: Kind,
+    positions: &KeyPositions,
+    kind: ModelKind,
     dimensions: usize,
-    of_grid: usize,
+    grid_dimensions: usize,
 ) -> Result<(), CaseError> {
-    let d = of_grid;
-    if matches!(kind, Kind::Solid(solid) if solid.is_plane) {
+    let d = grid_dimensions;
+    if matches!(kind, ModelKind::Solid(solid) if solid.is_plane) {
         let found = format!("found {} in a grid of {d} dimensions", kind.name());
         let allowed = "it is a solid in plane strain: grid.cells must have 2 entries";
-        return if d == 2 { Ok(()) } else { Err(places.error("model.kind", found, allowed)) };
+        return if d == 2 { Ok(()) } else { Err(positions.error_at("model.kind", found, allowed)) };
     }
     if dimensions != d {
         let found = format!("found {dimensions} in a grid of {d} dimensions");
         let allowed = format!("give as many as entries of grid.cells, {d}, or leave it out");
-        return Err(places.error("model.dimensions", found, allowed));
+        return Err(positions.error_at("model.dimensions", found, allowed));
     }
     Ok(())
 }

@@ -1,10 +1,10 @@
-//! Macro for enumerations of the allowed words of a key.
+//! Macro for enumerations of the allowed names of a key.
 
 /// Defines an enumeration whose variants have names in case files; the first variant is the default.
 macro_rules! named_enum {
     ($(#[$doc:meta])* $name:ident {
-        $(#[$first_doc:meta])* $first:ident = $first_word:literal
-        $(, $(#[$other_doc:meta])* $other:ident = $other_word:literal)*
+        $(#[$first_doc:meta])* $first:ident = $first_name:literal
+        $(, $(#[$other_doc:meta])* $other:ident = $other_name:literal)*
     }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,8 +21,8 @@ macro_rules! named_enum {
             /// Returns the name of the variant in case files.
             pub const fn name(self) -> &'static str {
                 match self {
-                    Self::$first => $first_word,
-                    $(Self::$other => $other_word),*
+                    Self::$first => $first_name,
+                    $(Self::$other => $other_name),*
                 }
             }
         }

@@ -5,13 +5,13 @@ use models::common::parameter::{Parameter as Constant, Presence};
 /// Scalar numbers of a case as given in its file: SI units, angles in degrees, `None` for an absent key without
 /// default.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Numbers {
+pub struct CaseNumbers {
     /// Constants of the model.
-    pub model: Constants,
+    pub model_constants: ConstantValues,
     /// Number of dimensions of a solid; 0 if the kind of model fixes it.
     pub dimensions: usize,
     /// Constants of the yield set.
-    pub yields: Constants,
+    pub yield_constants: ConstantValues,
     /// Plastic multiplier rate Λ of the background state of a yielding solid, 1/s.
     pub plastic_rate: f64,
     /// Stress of a yielding solid, section `[stress]`.
@@ -19,49 +19,49 @@ pub struct Numbers {
     /// Local state of a flow, section `[background]`.
     pub background: BackgroundNumbers,
     /// Wave vector at which roots are listed, section `[wave]`.
-    pub wave: Wave,
+    pub wave: WaveNumbers,
 }
 
 /// Values of constants by name, in the units of a case file.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Constants(Vec<(&'static str, f64)>);
+pub struct ConstantValues(Vec<(&'static str, f64)>);
 
-impl Constants {
+impl ConstantValues {
     /// Returns the value of the constant `name`, if set.
-    pub fn get(&self, name: &str) -> Option<f64> {
-        self.place(name).ok().map(|place| self.0[place].1)
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.search_name(name).ok().map(|place| self.0[place].1)
     }
 
     /// Sets the constant `name`.
-    pub fn set(&mut self, name: &'static str, value: f64) {
-        match self.place(name) {
+    pub fn set_value(&mut self, name: &'static str, value: f64) {
+        match self.search_name(name) {
             Ok(place) => self.0[place].1 = value,
             Err(place) => self.0.insert(place, (name, value)),
         }
     }
 
     /// Finds a name by binary search: its index, or the insertion index as error.
-    fn place(&self, name: &str) -> Result<usize, usize> {
+    fn search_name(&self, name: &str) -> Result<usize, usize> {
         self.0.binary_search_by(|(own, _)| (*own).cmp(name))
     }
 
     /// Resets a constant to the default of `presence`; removes it if there is no default.
     pub(super) fn reset(&mut self, name: &'static str, presence: Presence) {
         match presence {
-            Presence::Default(value) => self.set(name, value),
+            Presence::Default(value) => self.set_value(name, value),
             _ => self.0.retain(|(own, _)| *own != name),
         }
     }
 
     /// Lists the values of the constants of a model in the order of its registry entry, in SI units and rad; NaN for
     /// absent constants.
-    pub fn in_order<'a>(
+    pub fn collect_si_values<'a>(
         &self,
         parameters: impl IntoIterator<Item = &'a Constant>,
         values: &mut Vec<f64>,
     ) {
         values.clear();
-        let value = |own: &Constant| own.to_si(self.get(own.name).unwrap_or(f64::NAN));
+        let value = |own: &Constant| own.to_si(self.value(own.name).unwrap_or(f64::NAN));
         values.extend(parameters.into_iter().map(value));
     }
 }
@@ -107,13 +107,13 @@ pub struct BackgroundNumbers {
 
 /// Section `[wave]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wave {
+pub struct WaveNumbers {
     /// Wave number k, 1/m; positive.
-    pub number: f64,
+    pub wave_number: f64,
     /// Direction ψ_K of the wave vector, degrees anticlockwise from x₁.
     pub direction_deg: f64,
     /// Elevation of the wave vector above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
     /// Largest wave number of dispersion curves, 1/m; 0 for an automatic value.
-    pub greatest_number: f64,
+    pub max_wave_number: f64,
 }

@@ -2,70 +2,74 @@
 
 use super::error::CaseError;
 use super::named_enum::named_enum;
-use super::position::check_inside;
-use super::section::{Resolved, Section, joined};
-use super::value::{count, list};
-use crate::schema::{Condition, Form, Item, Length, Type};
+use super::position_checks::check_position;
+use super::section::{SectionReader, TableWriter, join_with_commas};
+use super::value::{parse_count, parse_list};
+use crate::schema::{KeyCondition, KeySchema, ListLength, TableSchema, ValueType};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// Maximum number of points of one entry.
-const MAX_POINTS: usize = 10_000;
+const MAX_POINTS_PER_ENTRY: usize = 10_000;
 
 /// Maximum number of points of all entries.
 const MAX_RECEIVERS: usize = 100_000;
 
-const LINE: &[Condition] = &[Condition::Present("from")];
+const LINE_CONDITION: &[KeyCondition] = &[KeyCondition::Present("from")];
 
 /// Key `name` of a receiver.
-pub(super) const NAME: Item = Item::optional(
+pub(super) const NAME_KEY: KeySchema = KeySchema::new_optional(
     "name",
-    Type::Name,
+    ValueType::Name,
     "",
     "\"surface\"",
     "names the record; of a line name-1, name-2, …, of a grid name-1-1, name-2-1, …; default r1, r2, …",
 )
-.note("letters, digits, '-', '_' and '.'");
+.with_note("letters, digits, '-', '_' and '.'");
 
 /// Builds the key `at` of a point; `note` describes the point in messages.
-pub(super) const fn at(note: &'static str, example: &'static str, meaning: &'static str) -> Item {
-    Item::required("at", Type::Numbers(Length::Axes), "m", example, meaning)
-        .note(note)
-        .when(&[Condition::Absent("from")])
+pub(super) const fn new_position_key(
+    note: &'static str,
+    example: &'static str,
+    meaning: &'static str,
+) -> KeySchema {
+    KeySchema::new_required("at", ValueType::Numbers(ListLength::GridAxes), "m", example, meaning)
+        .with_note(note)
+        .with_conditions(&[KeyCondition::Absent("from")])
 }
 
 /// Key `from`: first point of a line or grid of receivers.
-pub(super) const FROM: Item = Item::optional(
+pub(super) const FIRST_POINT_KEY: KeySchema = KeySchema::new_optional(
     "from",
-    Type::Numbers(Length::Axes),
+    ValueType::Numbers(ListLength::GridAxes),
     "m",
     "[0.0, 0.0]",
     "in place of at: the first point of a line or grid of points",
 )
-.note("the first point");
+.with_note("the first point");
 
 /// Key `to`: last point of a line of receivers, or list of the other corners of a grid.
-pub(super) const TO: Item = Item::required(
+pub(super) const LAST_POINT_KEY: KeySchema = KeySchema::new_required(
     "to",
-    Type::Points,
+    ValueType::PointList,
     "m",
     "[0.05, 0.0]",
     "the last point of the line; of a grid a list of the corners beside the first one",
 )
-.note("the last point of a line")
-.remark(", or for a grid a list of such corners")
-.when(LINE);
+.with_note("the last point of a line")
+.with_remark(", or for a grid a list of such corners")
+.with_conditions(LINE_CONDITION);
 
 /// Key `count`: number of points of a line, or along each edge of a grid.
-pub(super) const COUNT: Item = Item::required(
+pub(super) const POINT_COUNT_KEY: KeySchema = KeySchema::new_required(
     "count",
-    Type::Divisions,
+    ValueType::PointCounts,
     "",
     "5",
     "points of the line, both ends among them; of a grid a list of the points along each edge",
 )
-.note("points of the line, both ends among them")
-.when(LINE);
+.with_note("points of the line, both ends among them")
+.with_conditions(LINE_CONDITION);
 
 named_enum! {
     /// Interpolation of recorded fields between cells.
@@ -79,82 +83,91 @@ named_enum! {
 
 /// A receiver: a point at which the fields `F` of a solid or flow are recorded.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Receiver<F> {
+pub struct ReceiverPoint<F> {
     /// Name of the record; unique.
     pub name: String,
     /// Position, m; inside the grid.
-    pub at: Vec<f64>,
+    pub position: Vec<f64>,
     /// Interpolation between cells.
     pub interpolation: Interpolation,
     /// Recorded fields.
     pub fields: Vec<F>,
 }
 
-impl<F: Display> Receiver<F> {
+impl<F: Display> ReceiverPoint<F> {
     /// Builds the table of the entry, without the keys that only solids have.
-    pub(super) fn resolved(&self) -> Resolved {
-        Resolved::default()
-            .text("name", &self.name)
-            .number("at", &self.at)
-            .texts("fields", &self.fields)
+    pub(super) fn to_table(&self) -> TableWriter {
+        TableWriter::default()
+            .with_text("name", &self.name)
+            .with_number("at", &self.position)
+            .with_text_list("fields", &self.fields)
     }
 }
 
 /// Domain in which receivers are placed.
-pub(super) struct Domain<'a> {
+pub(super) struct ReceiverDomain<'a> {
     /// Schema of the entries.
-    pub(super) form: &'static Form,
+    pub(super) schema: &'static TableSchema,
     /// Lower and upper bound along each axis, m.
-    pub(super) extents: Vec<[f64; 2]>,
+    pub(super) bounds: Vec<[f64; 2]>,
     /// Name of the domain in messages.
-    pub(super) whole: &'a str,
+    pub(super) name: &'a str,
     /// Whether receivers have the key `interpolation`.
-    pub(super) interpolates: bool,
+    pub(super) has_interpolation: bool,
 }
 
-/// Reads the receivers, which record fields among `all`; `find` finds a field by name. A line or grid called `name` has
-/// the receivers `name-1`, `name-2`, … or `name-1-1`, `name-2-1`, …
+/// Reads the receivers, which record fields among `recorded_fields`; `find_field` finds a field by name. A line or grid
+/// called `name` has the receivers `name-1`, `name-2`, … or `name-1-1`, `name-2-1`, …
 ///
 /// # Errors
 /// A key is unknown or missing, or a value is invalid.
-pub(super) fn receivers<F: Clone + PartialEq + Display>(
-    root: &Section,
-    all: &[F],
-    find: impl Fn(&str) -> Option<F>,
-    domain: &Domain,
-) -> Result<Vec<Receiver<F>>, CaseError> {
-    let words: Vec<String> = all.iter().map(F::to_string).collect();
+pub(super) fn read_receivers<F: Clone + PartialEq + Display>(
+    root: &SectionReader,
+    recorded_fields: &[F],
+    find_field: impl Fn(&str) -> Option<F>,
+    domain: &ReceiverDomain,
+) -> Result<Vec<ReceiverPoint<F>>, CaseError> {
+    let words: Vec<String> = recorded_fields.iter().map(F::to_string).collect();
     let mut receivers = Vec::new();
     let mut taken: BTreeMap<String, usize> = BTreeMap::new();
-    for (index, section) in root.list(domain.form)?.into_iter().enumerate() {
-        let name: Option<String> = section.optional("name")?;
+    for (index, section) in root.open_list(domain.schema)?.into_iter().enumerate() {
+        let name: Option<String> = section.read_optional("name")?;
         let name = name.unwrap_or_else(|| format!("r{}", index + 1));
-        let points = points(&section, domain)?;
+        let points = compute_points(&section, domain)?;
         let count = receivers.len() + points.len();
         if count > MAX_RECEIVERS {
             let found = format!("{count} points with those of this entry");
-            return Err(root.error("receiver", found, format!("at most {MAX_RECEIVERS} in all")));
+            return Err(root.error_at(
+                "receiver",
+                found,
+                format!("at most {MAX_RECEIVERS} in all"),
+            ));
         }
-        let interpolation = match domain.interpolates {
+        let interpolation = match domain.has_interpolation {
             true => section
-                .optional_choice("interpolation", Interpolation::ALL, Interpolation::name)?
+                .read_optional_choice("interpolation", Interpolation::ALL, Interpolation::name)?
                 .unwrap_or_default(),
             false => Interpolation::Nearest,
         };
-        let fields = section.different("fields", &words, &find)?;
+        let fields = section.read_distinct_list("fields", &words, &find_field)?;
         if fields.as_ref().is_some_and(Vec::is_empty) {
-            let allowed = format!("name at least one of {}", joined(&words));
-            return Err(section.error("fields", "an empty list", allowed));
+            let allowed = format!("name at least one of {}", join_with_commas(&words));
+            return Err(section.error_at("fields", "an empty list", allowed));
         }
-        let fields = fields.unwrap_or_else(|| all.to_vec());
+        let fields = fields.unwrap_or_else(|| recorded_fields.to_vec());
         for (suffix, at) in points {
             let name = format!("{name}{suffix}");
             if let Some(first) = taken.insert(name.clone(), index) {
-                let place = root.place(&format!("receiver[{first}]"));
+                let place = root.locate(&format!("receiver[{first}]"));
                 let found = format!("found '{name}', the name of receiver[{first}] ({place})");
-                return Err(section.error("name", found, "give each receiver its own name"));
+                return Err(section.error_at("name", found, "give each receiver its own name"));
             }
-            receivers.push(Receiver { name, at, interpolation, fields: fields.clone() });
+            receivers.push(ReceiverPoint {
+                name,
+                position: at,
+                interpolation,
+                fields: fields.clone(),
+            });
         }
         section.finish()?;
     }
@@ -162,55 +175,64 @@ pub(super) fn receivers<F: Clone + PartialEq + Display>(
 }
 
 /// Clamps a point to the grid bounds, which it may exceed by rounding.
-fn onto_the_grid(at: &mut [f64], extents: &[[f64; 2]]) {
+fn clamp_to_bounds(at: &mut [f64], extents: &[[f64; 2]]) {
     at.iter_mut().zip(extents).for_each(|(x, [first, last])| *x = x.clamp(*first, *last));
 }
 
 /// Computes the points of an entry, with the suffixes of their names.
-fn points(section: &Section, domain: &Domain) -> Result<Vec<(String, Vec<f64>)>, CaseError> {
-    let d = domain.extents.len();
+fn compute_points(
+    section: &SectionReader,
+    domain: &ReceiverDomain,
+) -> Result<Vec<(String, Vec<f64>)>, CaseError> {
+    let d = domain.bounds.len();
     let axes: Vec<usize> = (0..d).collect();
-    let is_inside = |section: &Section, key: &str, at: &[f64]| {
-        check_inside(section, key, at, &axes, &domain.extents, domain.whole)
+    let is_inside = |section: &SectionReader, key: &str, at: &[f64]| {
+        check_position(section, key, at, &axes, &domain.bounds, domain.name)
     };
-    let from: Option<Vec<f64>> = section.optional("from")?;
+    let from: Option<Vec<f64>> = section.read_optional("from")?;
     let Some(from) = from else {
         for key in ["to", "count"] {
-            if section.has(key) {
+            if section.has_key(key) {
                 let allowed = "add from, the first point of a line or grid, or give at, a point";
-                return Err(section.error(key, "found without from", allowed));
+                return Err(section.error_at(key, "found without from", allowed));
             }
         }
-        let mut at: Vec<f64> = section.required("at")?;
+        let mut at: Vec<f64> = section.read_required("at")?;
         is_inside(section, "at", &at)?;
-        onto_the_grid(&mut at, &domain.extents);
+        clamp_to_bounds(&mut at, &domain.bounds);
         return Ok(vec![(String::new(), at)]);
     };
-    if section.has("at") {
+    if section.has_key("at") {
         let allowed = "give one of the two, a point or a line or grid of points";
-        return Err(section.error("at", "found beside from", allowed));
+        return Err(section.error_at("at", "found beside from", allowed));
     }
-    let to: Vec<Vec<f64>> = section.required("to")?;
+    let to: Vec<Vec<f64>> = section.read_required("to")?;
     let counts: Vec<usize> = match to.len() {
-        1 => section.required("count")?,
+        1 => section.read_required("count")?,
         n => {
             let expected = format!(
                 "a list of {n} whole numbers of at least 2 (points along each edge of the grid)"
             );
-            section.required_as("count", &expected, |value| {
-                let counts = list(value, n, count)?;
+            section.read_required_with("count", &expected, |value| {
+                let counts = parse_list(value, n, parse_count)?;
                 counts.iter().all(|count| *count >= 2).then_some(counts)
             })?
         }
     };
     if counts.len() != to.len() {
-        return Err(section.wrong("count"));
+        return Err(section.invalid_value_error("count"));
     }
     let total = counts.iter().try_fold(1usize, |total, &count| total.checked_mul(count));
-    let Some(total) = total.filter(|total| *total <= MAX_POINTS) else {
-        let found =
-            format!("found {}", joined(&counts.iter().map(usize::to_string).collect::<Vec<_>>()));
-        return Err(section.error("count", found, format!("at most {MAX_POINTS} points in all")));
+    let Some(total) = total.filter(|total| *total <= MAX_POINTS_PER_ENTRY) else {
+        let found = format!(
+            "found {}",
+            join_with_commas(&counts.iter().map(usize::to_string).collect::<Vec<_>>())
+        );
+        return Err(section.error_at(
+            "count",
+            found,
+            format!("at most {MAX_POINTS_PER_ENTRY} points in all"),
+        ));
     };
     let mut points = Vec::with_capacity(total);
     for index in 0..total {
@@ -229,7 +251,7 @@ fn points(section: &Section, domain: &Domain) -> Result<Vec<(String, Vec<f64>)>,
         }
         let key = if index == 0 { "from" } else { "to" };
         is_inside(section, key, &at)?;
-        onto_the_grid(&mut at, &domain.extents);
+        clamp_to_bounds(&mut at, &domain.bounds);
         points.push((suffix, at));
     }
     Ok(points)

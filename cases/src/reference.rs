@@ -1,14 +1,17 @@
 //! Generator of the reference page of case files from the schema.
 
 use super::keys::{Key, Presence, keys};
-use super::kind::Kind;
+use super::kind::ModelKind;
 use crate::dynamics::stress;
-use crate::forms::all_forms;
-use crate::schema::{Condition, Form, Item, Layout, Length, Need, Order, Range, Scope, Type};
-use crate::types::MAX_NAME;
+use crate::schema::{
+    AllowedRange, CountConstraint, KeyCondition, KeyPresence, ListLength, SchemaScope, TableLayout,
+    TableSchema, ValueType,
+};
+use crate::section_schemas::all_schemas;
+use crate::types::MAX_NAME_LENGTH;
 use std::fmt::Write;
 
-const HEAD: &str = "\
+const PAGE_HEADER: &str = "\
 # Reference of case files
 
 Made by `wellposed schema --markdown` from the schema that also reads the files; `wellposed schema` prints it as
@@ -20,7 +23,7 @@ load[0].amplitude=2` one in a list, counted from 0.
 ";
 
 /// Introductory text for each section of scalar keys.
-const SECTIONS: [(&str, &str); 8] = [
+const SECTION_INTRODUCTIONS: [(&str, &str); 8] = [
     ("", "Before the first section"),
     ("model", "The kind of model and its constants"),
     ("background", "The state of a flow"),
@@ -32,9 +35,9 @@ const SECTIONS: [(&str, &str); 8] = [
 ];
 
 /// Generates the reference page in Markdown.
-pub fn reference() -> String {
-    let mut page = HEAD.to_owned();
-    for (section, meaning) in SECTIONS {
+pub fn generate_reference() -> String {
+    let mut page = PAGE_HEADER.to_owned();
+    for (section, meaning) in SECTION_INTRODUCTIONS {
         let title = match section {
             "" => "Title and name".to_owned(),
             "map.x" => "`[map]`".to_owned(),
@@ -44,22 +47,22 @@ pub fn reference() -> String {
         page.push_str(
             "\n| key | value | unit | default | meaning | of |\n|---|---|---|---|---|---|\n",
         );
-        for key in keys().iter().filter(|key| is_in(key, section)) {
-            page.push_str(&row_of_key(key));
+        for key in keys().iter().filter(|key| is_in_section(key, section)) {
+            page.push_str(&format_key_row(key));
         }
     }
-    for (title, forms) in all_forms() {
+    for (title, forms) in all_schemas() {
         match title {
             "check" => page.push_str("\n## Check\n"),
             _ => {
                 let _ = write!(page, "\n## {}{}\n", title[..1].to_uppercase(), &title[1..]);
             }
         }
-        let mut tables: Vec<&'static Form> = Vec::new();
+        let mut tables: Vec<&'static TableSchema> = Vec::new();
         for form in forms {
-            add_form(&mut page, form);
-            for (_, item) in form.items() {
-                if let Type::Table(inner) = item.value
+            append_table(&mut page, form);
+            for (_, item) in form.keys() {
+                if let ValueType::Table(inner) = item.value_type
                     && !tables.iter().any(|own| std::ptr::eq(*own, inner) || own.name == inner.name)
                 {
                     tables.push(inner);
@@ -67,64 +70,64 @@ pub fn reference() -> String {
             }
         }
         for form in tables {
-            add_form(&mut page, form);
+            append_table(&mut page, form);
         }
     }
     page
 }
 
-fn is_in(key: &Key, section: &str) -> bool {
+fn is_in_section(key: &Key, section: &str) -> bool {
     // Both axes of a map have the same keys; they are listed once.
-    key.split().0 == section || (section == "map.x" && key.split().0 == "map.y")
+    key.split_section().0 == section || (section == "map.x" && key.split_section().0 == "map.y")
 }
 
-fn row(cells: &[&str]) -> String {
+fn format_row(cells: &[&str]) -> String {
     let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
     format!("| {} |\n", cells.join(" | "))
 }
 
-fn code(text: &str) -> String {
+fn format_code(text: &str) -> String {
     format!("`{text}`")
 }
 
-fn row_of_key(key: &Key) -> String {
-    let (section, name) = key.split();
+fn format_key_row(key: &Key) -> String {
+    let (section, name) = key.split_section();
     let name = match section.strip_prefix("map.") {
         Some(axis) => format!("{axis}.{name}"),
         None => name.to_owned(),
     };
-    let words = key.words().filter(|words| words.len() <= MAX_WORDS);
+    let words = key.allowed_names().filter(|words| words.len() <= MAX_LISTED_NAMES);
     let value = match words {
-        Some(words) if matches!(key.value_type(), Type::Texts) => {
-            format!("list of {}", listed(&words))
+        Some(words) if matches!(key.value_type(), ValueType::TextList) => {
+            format!("list of {}", format_name_list(&words))
         }
-        Some(words) => listed(&words),
+        Some(words) => format_name_list(&words),
         None => match key.value_type() {
-            Type::Number(_) => described_range(key.range),
-            other => described(&other),
+            ValueType::Number(_) => describe_range(key.range),
+            other => describe_type(&other),
         },
     };
-    let default = match (key.presence, key.example()) {
+    let default = match (key.presence, key.example_value()) {
         (Presence::Required(_), _) => "*required*".to_owned(),
-        (Presence::Default(_), Some(value)) => code(&value),
+        (Presence::Default(_), Some(value)) => format_code(&value),
         _ => String::new(),
     };
-    row(&[&code(&name), &value, key.unit, &default, key.meaning, &owners(key)])
+    format_row(&[&format_code(&name), &value, key.unit, &default, key.meaning, &format_users(key)])
 }
 
 /// Lists the kinds of model and the yield sets that use a key, as text.
-fn owners(key: &Key) -> String {
-    let all = Kind::all();
+fn format_users(key: &Key) -> String {
+    let all = ModelKind::all_kinds();
     let own: Vec<&str> =
-        all.iter().filter(|kind| key.is_for(**kind)).map(|own| own.name()).collect();
-    let names = |kinds: Vec<Kind>| kinds.into_iter().map(Kind::name).collect::<Vec<_>>();
+        all.iter().filter(|kind| key.is_used_by_kind(**kind)).map(|own| own.name()).collect();
+    let names = |kinds: Vec<ModelKind>| kinds.into_iter().map(ModelKind::name).collect::<Vec<_>>();
     let kinds = match &own {
         own if own.len() == all.len() => "all".to_owned(),
-        own if *own == names(Kind::flows()) => "flows".to_owned(),
-        own if *own == names(Kind::solids()) => "solids".to_owned(),
+        own if *own == names(ModelKind::flow_kinds()) => "flows".to_owned(),
+        own if *own == names(ModelKind::solid_kinds()) => "solids".to_owned(),
         own => own.join(", "),
     };
-    let sets = key.set_names();
+    let sets = key.yield_set_names();
     match sets.len() {
         0 => kinds,
         count if count == models::registry::yield_sets().len() => format!("{kinds} that yield"),
@@ -132,29 +135,30 @@ fn owners(key: &Key) -> String {
     }
 }
 
-fn add_form(page: &mut String, form: &'static Form) {
+fn append_table(page: &mut String, form: &'static TableSchema) {
     let mut letters = form.meaning.chars();
     let first = letters.next().map_or(String::new(), |letter| letter.to_uppercase().collect());
     let _ = write!(page, "\n### `{}`\n\n{first}{}.\n", form.header(), letters.as_str());
-    if form.is_required && form.layout != Layout::Braces {
+    if form.is_required && form.layout != TableLayout::InlineTable {
         page.push_str("A run in time must have it.\n");
     }
     if form.groups.is_empty() {
-        add_stresses(page);
+        append_stress_table(page);
         return;
     }
     page.push_str(
         "\n| key | value | unit | default | meaning | where |\n|---|---|---|---|---|---|\n",
     );
-    for (when, item) in form.items() {
-        let default = match item.need {
-            Need::Required(_) => "*required*".to_owned(),
-            Need::Default(value) => code(value),
-            Need::Optional(_) => String::new(),
+    for (when, item) in form.keys() {
+        let default = match item.presence {
+            KeyPresence::Required(_) => "*required*".to_owned(),
+            KeyPresence::Default(value) => format_code(value),
+            KeyPresence::Optional(_) => String::new(),
         };
-        let conditions: Vec<String> = when.iter().chain(item.when).map(condition).collect();
-        let (name, value) = (code(item.name), value_of(item));
-        page.push_str(&row(&[
+        let conditions: Vec<String> =
+            when.iter().chain(item.conditions).map(format_condition).collect();
+        let (name, value) = (format_code(item.name), describe_type(&item.value_type));
+        page.push_str(&format_row(&[
             &name,
             &value,
             item.unit,
@@ -166,101 +170,97 @@ fn add_form(page: &mut String, form: &'static Form) {
 }
 
 /// Adds the table of the section whose keys are stress components.
-fn add_stresses(page: &mut String) {
+fn append_stress_table(page: &mut String) {
     page.push_str("\n| key | value | unit |\n|---|---|---|\n");
-    for component in stress::all() {
-        let unit = stress::unit(component);
-        page.push_str(&row(&[&code(&component.to_string()), "number", unit]));
+    for component in stress::stress_components() {
+        let unit = stress::stress_unit(component);
+        page.push_str(&format_row(&[&format_code(&component.to_string()), "number", unit]));
     }
 }
 
-fn condition(condition: &Condition) -> String {
+fn format_condition(condition: &KeyCondition) -> String {
     match condition {
-        Condition::Is(key, words) => format!("`{key}` is {}", words.join(", ")),
-        Condition::Present(key) => format!("with `{key}`"),
-        Condition::Absent(key) => format!("without `{key}`"),
-        Condition::Plane => "plane strain".into(),
-        Condition::Space => "space".into(),
+        KeyCondition::HasValue(key, words) => format!("`{key}` is {}", words.join(", ")),
+        KeyCondition::Present(key) => format!("with `{key}`"),
+        KeyCondition::Absent(key) => format!("without `{key}`"),
+        KeyCondition::PlaneStrain => "plane strain".into(),
+        KeyCondition::Space => "space".into(),
     }
 }
 
-/// Maximum number of words listed in a table cell.
-const MAX_WORDS: usize = 12;
+/// Maximum number of names listed in a table cell.
+const MAX_LISTED_NAMES: usize = 12;
 
-fn listed(words: &[String]) -> String {
-    words.iter().map(|word| code(word)).collect::<Vec<_>>().join(", ")
+fn format_name_list(words: &[String]) -> String {
+    words.iter().map(|word| format_code(word)).collect::<Vec<_>>().join(", ")
 }
 
-fn value_of(item: &Item) -> String {
-    described(&item.value)
-}
-
-fn described_range(range: Range) -> String {
+fn describe_range(range: AllowedRange) -> String {
     match range {
-        Range::Finite => "number".into(),
-        Range::Positive => "number > 0".into(),
-        Range::NotNegative => "number ≥ 0".into(),
-        Range::UpTo(most) => format!("0 < number ≤ {most}"),
-        Range::Below(limit) => format!("0 < number < {limit}"),
-        Range::NotNegativeBelow(limit) => format!("0 ≤ number < {limit}"),
+        AllowedRange::Finite => "number".into(),
+        AllowedRange::Positive => "number > 0".into(),
+        AllowedRange::NotNegative => "number ≥ 0".into(),
+        AllowedRange::PositiveUpTo(most) => format!("0 < number ≤ {most}"),
+        AllowedRange::PositiveBelow(limit) => format!("0 < number < {limit}"),
+        AllowedRange::NotNegativeBelow(limit) => format!("0 ≤ number < {limit}"),
     }
 }
 
-fn described_length(length: Length) -> &'static str {
+fn describe_length(length: ListLength) -> &'static str {
     match length {
-        Length::Two => "two numbers",
-        Length::Axes => "a number for each axis",
-        Length::SideAxes => "a number for each axis of the side",
-        Length::Spins => "a number, in space three",
+        ListLength::Two => "two numbers",
+        ListLength::GridAxes => "a number for each axis",
+        ListLength::FaceAxes => "a number for each axis of the side",
+        ListLength::SpinComponents => "a number, in space three",
     }
 }
 
 /// Describes a type for a table cell.
-fn described(value: &Type) -> String {
+fn describe_type(value: &ValueType) -> String {
     match *value {
-        Type::Text => "text".into(),
-        Type::Texts => "list of texts".into(),
-        Type::Name => {
-            format!("text of at most {MAX_NAME} letters, digits, `-`, `_`, `.`")
+        ValueType::Text => "text".into(),
+        ValueType::TextList => "list of texts".into(),
+        ValueType::Name => {
+            format!("text of at most {MAX_NAME_LENGTH} letters, digits, `-`, `_`, `.`")
         }
-        Type::Hexadecimal => "eight hexadecimal digits".into(),
-        Type::Truth => "`true`, `false`".into(),
-        Type::Number(range) => described_range(range),
-        Type::Whole(least) => format!("whole number ≥ {least}"),
-        Type::Axis => "axis: 1, 2 or in space 3".into(),
-        Type::AxisOfSpace => "axis: 1, 2 or 3".into(),
-        Type::Pair => "`[x1, x2]`".into(),
-        Type::Matrix => "`[[a11, a12], [a21, a22]]`".into(),
-        Type::Numbers(length) => described_length(length).into(),
-        Type::PerAxis(_) => "number > 0, or one for each axis".into(),
-        Type::Direction => "a number for each axis, not all 0".into(),
-        Type::List(0, range) => format!("list of any length: {}", described_range(range)),
-        Type::List(_, range) => format!("list: {}", described_range(range)),
-        Type::Counts { length: [few, many], least, order } => {
+        ValueType::Hexadecimal => "eight hexadecimal digits".into(),
+        ValueType::Boolean => "`true`, `false`".into(),
+        ValueType::Number(range) => describe_range(range),
+        ValueType::WholeNumber(least) => format!("whole number ≥ {least}"),
+        ValueType::Axis => "axis: 1, 2 or in space 3".into(),
+        ValueType::SpaceAxis => "axis: 1, 2 or 3".into(),
+        ValueType::Pair => "`[x1, x2]`".into(),
+        ValueType::Matrix => "`[[a11, a12], [a21, a22]]`".into(),
+        ValueType::Numbers(length) => describe_length(length).into(),
+        ValueType::PerAxis(_) => "number > 0, or one for each axis".into(),
+        ValueType::Direction => "a number for each axis, not all 0".into(),
+        ValueType::NumberList(0, range) => format!("list of any length: {}", describe_range(range)),
+        ValueType::NumberList(_, range) => format!("list: {}", describe_range(range)),
+        ValueType::CountList { length: [few, many], minimum: least, order } => {
             let length = if few == many { few.to_string() } else { format!("{few} to {many}") };
             let order = match order {
-                Order::Any => "",
-                Order::Even => " even",
-                Order::Ascending => " ascending",
+                CountConstraint::Unconstrained => "",
+                CountConstraint::Even => " even",
+                CountConstraint::Ascending => " ascending",
             };
             format!("{length}{order} whole numbers ≥ {least}")
         }
-        Type::Mode => "two whole numbers, not both 0".into(),
-        Type::Tensor => "a row of numbers for each axis".into(),
-        Type::Samples([pair, _]) => format!("list of pairs `{pair}`"),
-        Type::Points => "point, or list of points".into(),
-        Type::Divisions => "whole number ≥ 2, or list of such".into(),
-        Type::OneOf(words) | Type::AnyOf(words) => {
-            let all = words(&Scope::default());
-            let is_list = matches!(value, Type::AnyOf(_));
-            match (all.len() <= MAX_WORDS, is_list) {
-                (true, false) => listed(&all),
-                (true, true) => format!("list of {}", listed(&all)),
-                (false, false) => format!("a name, as {}", code(&all[0])),
-                (false, true) => format!("list of names, as {}", code(&all[0])),
+        ValueType::ModeNumbers => "two whole numbers, not both 0".into(),
+        ValueType::Tensor => "a row of numbers for each axis".into(),
+        ValueType::Samples([pair, _]) => format!("list of pairs `{pair}`"),
+        ValueType::PointList => "point, or list of points".into(),
+        ValueType::PointCounts => "whole number ≥ 2, or list of such".into(),
+        ValueType::OneOf(words) | ValueType::AnyOf(words) => {
+            let all = words(&SchemaScope::default());
+            let is_list = matches!(value, ValueType::AnyOf(_));
+            match (all.len() <= MAX_LISTED_NAMES, is_list) {
+                (true, false) => format_name_list(&all),
+                (true, true) => format!("list of {}", format_name_list(&all)),
+                (false, false) => format!("a name, as {}", format_code(&all[0])),
+                (false, true) => format!("list of names, as {}", format_code(&all[0])),
             }
         }
-        Type::Table(form) => format!("table, see `{}`", form.header()),
-        Type::Part(section) => format!("table with keys of `[{section}]`"),
+        ValueType::Table(form) => format!("table, see `{}`", form.header()),
+        ValueType::SectionKeys(section) => format!("table with keys of `[{section}]`"),
     }
 }

@@ -1,20 +1,21 @@
 //! Schema of the structured sections, e.g. grids, loads, sources and receivers.
 //!
-//! Each table of a case is a [`Form`], each of its keys an [`Item`] with type, unit, meaning and default. The reader of
-//! a section, the templates of `wellposed new`, the reference page and the JSON Schema are derived from it. To add a
-//! key to a section, add an [`Item`] to its form, a field, and lines in `read` and `to_toml` of the same file. Relations between keys are checked by code next to the form.
+//! Each table of a case is a [`TableSchema`], each of its keys a [`KeySchema`] with type, unit, meaning and default.
+//! The reader of a section, the templates of `wellposed new`, the reference page and the JSON Schema are derived from
+//! it. To add a key to a section, add a [`KeySchema`] to its table schema, a field, and lines in `read` and `to_toml` of
+//! the same file. Relations between keys are checked by code next to the table schema.
 //! Constants and states, which can be swept, are rows of [`keys`](crate::keys()).
 
-use crate::kind::Kind;
-pub use models::common::range::Range;
+use crate::kind::ModelKind;
+pub use models::common::range::AllowedRange;
 
 /// Schema of a table: the keys that the table may contain.
 #[derive(Debug)]
-pub struct Form {
+pub struct TableSchema {
     /// Name of the section, or of the key whose value is the table.
     pub name: &'static str,
     /// Notation of the table.
-    pub layout: Layout,
+    pub layout: TableLayout,
     /// Meaning of the table, in one line.
     pub meaning: &'static str,
     /// Whether a time-domain simulation requires the table.
@@ -22,53 +23,53 @@ pub struct Form {
     /// Remedy for messages if the table is missing.
     pub(crate) remedy: &'static str,
     /// Keys of the table, in the order of the reference page.
-    pub groups: &'static [Group],
+    pub groups: &'static [KeyGroup],
 }
 
 /// Notation of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Layout {
+pub enum TableLayout {
     /// Section `[name]`.
     Section,
     /// List of sections `[[name]]`.
     List,
     /// Inline table `name = { … }`.
-    Braces,
+    InlineTable,
 }
 
 /// Keys of a table that are allowed under common conditions.
 #[derive(Debug)]
-pub struct Group {
+pub struct KeyGroup {
     /// Conditions, all of which must hold.
-    pub when: &'static [Condition],
+    pub conditions: &'static [KeyCondition],
     /// Keys of the group.
-    pub items: &'static [Item],
+    pub keys: &'static [KeySchema],
 }
 
 /// A key of a table.
 #[derive(Clone, Copy, Debug)]
-pub struct Item {
+pub struct KeySchema {
     /// Name inside the table.
     pub name: &'static str,
     /// Type and range.
-    pub value: Type,
+    pub value_type: ValueType,
     /// Unit; empty for texts and dimensionless numbers.
     pub unit: &'static str,
     /// Whether the key is required or optional, and its default.
-    pub need: Need,
+    pub presence: KeyPresence,
     /// Meaning of the key, in one line.
     pub meaning: &'static str,
     /// Note in messages, printed in parentheses.
-    pub(crate) note: &'static str,
+    pub(crate) message_note: &'static str,
     /// Remark at the end of messages.
-    pub(crate) remark: &'static str,
+    pub(crate) message_remark: &'static str,
     /// Conditions in addition to the conditions of the group.
-    pub when: &'static [Condition],
+    pub conditions: &'static [KeyCondition],
 }
 
 /// Requirement of a key: required, with a default, or optional. Values are TOML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Need {
+pub enum KeyPresence {
     /// Required, with an example.
     Required(&'static str),
     /// Optional with this default.
@@ -79,100 +80,100 @@ pub enum Need {
 
 /// Condition under which a key is allowed in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Condition {
+pub enum KeyCondition {
     /// Another key has one of these values.
-    Is(&'static str, &'static [&'static str]),
+    HasValue(&'static str, &'static [&'static str]),
     /// Another key is present.
     Present(&'static str),
     /// Another key is absent.
     Absent(&'static str),
     /// The grid has two dimensions.
-    Plane,
+    PlaneStrain,
     /// The grid has three dimensions.
     Space,
 }
 
 /// Known properties of the case to which a table belongs.
 #[derive(Clone, Debug, Default)]
-pub struct Scope {
+pub struct SchemaScope {
     /// Kind of model; `None` if unknown.
-    pub kind: Option<Kind>,
+    pub kind: Option<ModelKind>,
     /// Number of dimensions of the grid; `None` if unknown.
     pub dimensions: Option<usize>,
     /// Tangential axes of the face to which a table refers, numbered from 0.
-    pub(crate) axes: Vec<usize>,
+    pub(crate) face_axes: Vec<usize>,
 }
 
-/// Function that lists the allowed words of a key in a scope.
-pub type Words = fn(&Scope) -> Vec<String>;
+/// Function that lists the allowed names of a key in a scope.
+pub type AllowedNames = fn(&SchemaScope) -> Vec<String>;
 
 /// Type and range of a value.
 #[derive(Clone, Copy, Debug)]
-pub enum Type {
+pub enum ValueType {
     /// Text in one line.
     Text,
     /// A list of texts.
-    Texts,
+    TextList,
     /// Text of letters, digits, `-`, `_` and `.`.
     Name,
     /// Eight hexadecimal digits.
     Hexadecimal,
     /// True or false.
-    Truth,
+    Boolean,
     /// A number.
-    Number(Range),
+    Number(AllowedRange),
     /// A whole number with this minimum.
-    Whole(u64),
+    WholeNumber(u64),
     /// An axis number from 1 to the number of dimensions of the grid.
     Axis,
     /// An axis number from 1 to 3.
-    AxisOfSpace,
+    SpaceAxis,
     /// Two numbers.
     Pair,
     /// Two rows of two numbers.
     Matrix,
     /// A list of numbers; brackets are optional around a single number.
-    Numbers(Length),
+    Numbers(ListLength),
     /// A positive number for all axes, or one positive number for each axis.
-    PerAxis(Length),
+    PerAxis(ListLength),
     /// A number for each axis, not all 0.
     Direction,
     /// A list with a minimum length of numbers in a range.
-    List(usize, Range),
+    NumberList(usize, AllowedRange),
     /// A list of whole numbers.
-    Counts {
+    CountList {
         /// Minimum and maximum length of the list.
         length: [usize; 2],
         /// Minimum of the numbers.
-        least: usize,
+        minimum: usize,
         /// Additional property of the numbers.
-        order: Order,
+        order: CountConstraint,
     },
     /// Two whole numbers, not both 0.
-    Mode,
+    ModeNumbers,
     /// A square matrix with a row for each axis.
     Tensor,
     /// Samples: at least two pairs of the two named quantities; the first quantity strictly increases.
     Samples([&'static str; 2]),
     /// A point, or a list of points.
-    Points,
+    PointList,
     /// A whole number of at least 2, or a list of whole numbers of at least 2.
-    Divisions,
-    /// One of the allowed words.
-    OneOf(Words),
+    PointCounts,
+    /// One of the allowed names.
+    OneOf(AllowedNames),
     /// A list of allowed words without repetition.
-    AnyOf(Words),
+    AnyOf(AllowedNames),
     /// An inline table.
-    Table(&'static Form),
+    Table(&'static TableSchema),
     /// An inline table with keys of this section of the case.
-    Part(&'static str),
+    SectionKeys(&'static str),
 }
 
 /// Additional property of the numbers in a list of whole numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
+pub enum CountConstraint {
     /// No property.
-    Any,
+    Unconstrained,
     /// All numbers are even.
     Even,
     /// The numbers are strictly ascending.
@@ -181,172 +182,187 @@ pub enum Order {
 
 /// Length of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Length {
+pub enum ListLength {
     /// Two items.
     Two,
     /// One item for each axis of the grid.
-    Axes,
+    GridAxes,
     /// One item for each tangential axis of a face.
-    SideAxes,
+    FaceAxes,
     /// One item for each spin: 1 in plane strain, 3 in space.
-    Spins,
+    SpinComponents,
 }
 
-impl Form {
+impl TableSchema {
     /// Builds the schema of a section that may occur once.
-    pub(crate) const fn section(
+    pub(crate) const fn new_section(
         name: &'static str,
         meaning: &'static str,
-        groups: &'static [Group],
+        groups: &'static [KeyGroup],
     ) -> Self {
-        let (layout, is_required, remedy) = (Layout::Section, false, "");
+        let (layout, is_required, remedy) = (TableLayout::Section, false, "");
         Self { name, layout, meaning, is_required, remedy, groups }
     }
 
     /// Builds the schema of a list of sections.
-    pub(crate) const fn list(
+    pub(crate) const fn new_list(
         name: &'static str,
         meaning: &'static str,
-        groups: &'static [Group],
+        groups: &'static [KeyGroup],
     ) -> Self {
-        Self { layout: Layout::List, ..Self::section(name, meaning, groups) }
+        Self { layout: TableLayout::List, ..Self::new_section(name, meaning, groups) }
     }
 
     /// Builds the schema of an inline table.
-    pub(crate) const fn braces(
+    pub(crate) const fn new_inline_table(
         name: &'static str,
         meaning: &'static str,
-        groups: &'static [Group],
+        groups: &'static [KeyGroup],
     ) -> Self {
-        Self { layout: Layout::Braces, ..Self::section(name, meaning, groups) }
+        Self { layout: TableLayout::InlineTable, ..Self::new_section(name, meaning, groups) }
     }
 
     /// Marks the table as required in time-domain simulations; `remedy` is printed if it is missing.
-    pub(crate) const fn required(self, remedy: &'static str) -> Self {
+    pub(crate) const fn with_remedy(self, remedy: &'static str) -> Self {
         Self { is_required: true, remedy, ..self }
     }
 
     /// Returns the header of the table as written in a case file.
     pub fn header(&self) -> String {
         match self.layout {
-            Layout::Section => format!("[{}]", self.name),
-            Layout::List => format!("[[{}]]", self.name),
-            Layout::Braces => format!("{} = {{ … }}", self.name),
+            TableLayout::Section => format!("[{}]", self.name),
+            TableLayout::List => format!("[[{}]]", self.name),
+            TableLayout::InlineTable => format!("{} = {{ … }}", self.name),
         }
     }
 
     /// Returns all keys with the conditions of their groups; a name may occur several times.
-    pub fn items(&self) -> impl Iterator<Item = (&'static [Condition], &'static Item)> {
-        self.groups.iter().flat_map(|group| group.items.iter().map(|item| (group.when, item)))
+    pub fn keys(&self) -> impl Iterator<Item = (&'static [KeyCondition], &'static KeySchema)> {
+        self.groups.iter().flat_map(|group| group.keys.iter().map(|item| (group.conditions, item)))
     }
 
     /// Returns the keys all of whose conditions hold.
-    pub(crate) fn applicable(
+    pub(crate) fn applicable_keys(
         &self,
-        holds: impl Fn(&Condition) -> bool,
-    ) -> impl Iterator<Item = &'static Item> {
-        let holds = move |(when, item): &(&[Condition], &'static Item)| {
-            when.iter().chain(item.when).all(&holds)
+        holds: impl Fn(&KeyCondition) -> bool,
+    ) -> impl Iterator<Item = &'static KeySchema> {
+        let holds = move |(when, item): &(&[KeyCondition], &'static KeySchema)| {
+            when.iter().chain(item.conditions).all(&holds)
         };
-        self.items().filter(holds).map(|(_, item)| item)
+        self.keys().filter(holds).map(|(_, item)| item)
     }
 
-    /// Returns the discriminator, i.e. the key whose value determines the other keys allowed, with its words.
-    pub fn discriminator(&self) -> Option<(&'static Item, Vec<String>)> {
-        let key = self.items().flat_map(|(when, item)| when.iter().chain(item.when)).find_map(
-            |condition| match condition {
-                Condition::Is(key, _) => Some(*key),
+    /// Returns the discriminator, i.e. the key whose value determines the other keys allowed, with its names.
+    pub fn discriminator(&self) -> Option<(&'static KeySchema, Vec<String>)> {
+        let key = self
+            .keys()
+            .flat_map(|(when, item)| when.iter().chain(item.conditions))
+            .find_map(|condition| match condition {
+                KeyCondition::HasValue(key, _) => Some(*key),
                 _ => None,
-            },
-        )?;
-        let (_, item) = self.items().find(|(_, item)| item.name == key)?;
-        match item.value {
-            Type::OneOf(words) => Some((item, words(&Scope::default()))),
+            })?;
+        let (_, item) = self.keys().find(|(_, item)| item.name == key)?;
+        match item.value_type {
+            ValueType::OneOf(words) => Some((item, words(&SchemaScope::default()))),
             _ => None,
         }
     }
 }
 
-impl Group {
+impl KeyGroup {
     /// Builds a group of keys without conditions.
-    pub(crate) const fn always(items: &'static [Item]) -> Self {
-        Self { when: &[], items }
+    pub(crate) const fn new(items: &'static [KeySchema]) -> Self {
+        Self { conditions: &[], keys: items }
     }
 
     /// Builds a group of keys that are allowed under conditions.
-    pub(crate) const fn when(when: &'static [Condition], items: &'static [Item]) -> Self {
-        Self { when, items }
+    pub(crate) const fn with_conditions(
+        conditions: &'static [KeyCondition],
+        items: &'static [KeySchema],
+    ) -> Self {
+        Self { conditions, keys: items }
     }
 }
 
-impl Item {
+impl KeySchema {
     const fn new(
         name: &'static str,
-        value: Type,
+        value: ValueType,
         unit: &'static str,
-        need: Need,
+        need: KeyPresence,
         meaning: &'static str,
     ) -> Self {
-        Self { name, value, unit, need, meaning, note: "", remark: "", when: &[] }
+        Self {
+            name,
+            value_type: value,
+            unit,
+            presence: need,
+            meaning,
+            message_note: "",
+            message_remark: "",
+            conditions: &[],
+        }
     }
 
     /// Builds a required key, with an example.
-    pub(crate) const fn required(
+    pub(crate) const fn new_required(
         name: &'static str,
-        value: Type,
+        value: ValueType,
         unit: &'static str,
         example: &'static str,
         meaning: &'static str,
     ) -> Self {
-        Self::new(name, value, unit, Need::Required(example), meaning)
+        Self::new(name, value, unit, KeyPresence::Required(example), meaning)
     }
 
     /// Builds a key with a default.
-    pub(crate) const fn with_default(
+    pub(crate) const fn new_with_default(
         name: &'static str,
-        value: Type,
+        value: ValueType,
         unit: &'static str,
         default: &'static str,
         meaning: &'static str,
     ) -> Self {
-        Self::new(name, value, unit, Need::Default(default), meaning)
+        Self::new(name, value, unit, KeyPresence::Default(default), meaning)
     }
 
     /// Builds an optional key without default, with an example; the meaning describes its absence.
-    pub(crate) const fn optional(
+    pub(crate) const fn new_optional(
         name: &'static str,
-        value: Type,
+        value: ValueType,
         unit: &'static str,
         example: &'static str,
         meaning: &'static str,
     ) -> Self {
-        Self::new(name, value, unit, Need::Optional(example), meaning)
+        Self::new(name, value, unit, KeyPresence::Optional(example), meaning)
     }
 
     /// Adds a note for messages, printed in parentheses.
-    pub(crate) const fn note(self, note: &'static str) -> Self {
-        Self { note, ..self }
+    pub(crate) const fn with_note(self, with_note: &'static str) -> Self {
+        Self { message_note: with_note, ..self }
     }
 
     /// Adds a remark for the end of messages.
-    pub(crate) const fn remark(self, remark: &'static str) -> Self {
-        Self { remark, ..self }
+    pub(crate) const fn with_remark(self, with_remark: &'static str) -> Self {
+        Self { message_remark: with_remark, ..self }
     }
 
     /// Sets the conditions in addition to the conditions of the group.
-    pub(crate) const fn when(self, when: &'static [Condition]) -> Self {
-        Self { when, ..self }
+    pub(crate) const fn with_conditions(self, conditions: &'static [KeyCondition]) -> Self {
+        Self { conditions, ..self }
     }
 
     /// Returns the default or the example, as TOML.
-    pub fn example(&self) -> &'static str {
-        match self.need {
-            Need::Required(value) | Need::Default(value) | Need::Optional(value) => value,
+    pub fn example_value(&self) -> &'static str {
+        match self.presence {
+            KeyPresence::Required(value)
+            | KeyPresence::Default(value)
+            | KeyPresence::Optional(value) => value,
         }
     }
 }
 
-impl Scope {
+impl SchemaScope {
     /// Returns the number of dimensions; 2 if unknown.
     pub fn dimensions(&self) -> usize {
         self.dimensions.unwrap_or(2)
@@ -355,20 +371,20 @@ impl Scope {
 
 /// Schemas of the structured sections of a case.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Forms {
+pub(crate) struct CaseSchemas {
     /// Time-domain sections of solids, in the order of writing.
-    pub(crate) solids: &'static [&'static Form],
+    pub(crate) solids: &'static [&'static TableSchema],
     /// Time-domain sections of flows.
-    pub(crate) flows: &'static [&'static Form],
+    pub(crate) flows: &'static [&'static TableSchema],
     /// The section `[check]`.
-    pub(crate) check: &'static Form,
+    pub(crate) check: &'static TableSchema,
     /// Function from a kind of model to the schemas of its time-domain sections.
-    pub(crate) in_time: fn(Kind) -> Vec<&'static Form>,
+    pub(crate) simulation: fn(ModelKind) -> Vec<&'static TableSchema>,
 }
 
-impl Forms {
+impl CaseSchemas {
     /// Returns whether `section` is a structured section.
-    pub(crate) fn has(&self, section: &str) -> bool {
+    pub(crate) fn has_section(&self, section: &str) -> bool {
         let mut all = self.solids.iter().chain(self.flows).chain([&self.check]);
         all.any(|form| form.name == section)
     }

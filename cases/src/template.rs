@@ -1,28 +1,28 @@
 //! Generator of the commented case templates of `wellposed new` from the schema.
 
-mod blocks;
+mod section_templates;
 
 use super::keys::{Key, Presence, keys};
-use super::kind::{Kind, Medium};
+use super::kind::{MediumKind, ModelKind};
 use super::{check, flow};
-use crate::forms::forms_in_time;
-use blocks::{Blocks, Start, comment};
+use crate::section_schemas::simulation_schemas;
+use section_templates::{ExampleSection, SectionTemplates, format_comment};
 use std::fmt::Write;
 
 /// Purpose of a template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
+pub enum TemplateKind {
     /// Analysis of one state: `point`, `map`, `dispersion`, `speeds`.
-    State,
+    SingleState,
     /// Time-domain simulation: `run`.
-    Run,
+    Simulation,
 }
 
 /// Columns of the comments: in templates of states, and in time-domain sections.
-const COLUMNS: [usize; 2] = [48, 29];
+const COMMENT_COLUMNS: [usize; 2] = [48, 29];
 
 /// Example time-domain simulation of a solid in plane strain.
-const SOLID: &[Start] = &[
+const EXAMPLE_SOLID_RUN: &[ExampleSection] = &[
     ("grid", &[("cells", "[200, 100]"), ("spacing", "1.0"), ("origin", "[-100.0, -100.0]")]),
     ("time", &[("duration", "0.05")]),
     ("scheme", &[]),
@@ -55,7 +55,7 @@ const SOLID: &[Start] = &[
 ];
 
 /// Example time-domain simulation of a flow.
-const FLOW: &[Start] = &[
+const EXAMPLE_FLOW_RUN: &[ExampleSection] = &[
     ("grid", &[("cells", "[64, 64]"), ("length", "0.1")]),
     ("time", &[("duration", "1e-3")]),
     (
@@ -75,12 +75,12 @@ const FLOW: &[Start] = &[
 ];
 
 /// Section `[compare]`, with kinds of model whose keys all flows have.
-const COMPARE: &str = "\
+const COMPARE_COMMENT: &str = "\
 # compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # for point: models side by side on this state
 ";
 
 /// Redundant keys of a state: derived from other keys, and checked where given.
-const CHECKED: [&str; 5] = [
+const DERIVED_KEYS: [&str; 5] = [
     "background.deviatoric_stress",
     "background.velocity_gradient",
     "background.acceleration",
@@ -89,46 +89,47 @@ const CHECKED: [&str; 5] = [
 ];
 
 /// Generates the template of a case of one state: all keys used by the medium, with unit and meaning.
-pub fn text(medium: impl Into<Medium>) -> String {
-    text_for(medium.into(), Purpose::State)
+pub fn generate_state_template(medium: impl Into<MediumKind>) -> String {
+    generate_template(medium.into(), TemplateKind::SingleState)
 }
 
 /// Generates the template of a case for a purpose.
-pub fn text_for(medium: Medium, purpose: Purpose) -> String {
-    let mut text = head(medium, purpose);
+pub fn generate_template(medium: MediumKind, purpose: TemplateKind) -> String {
+    let mut text = format_header(medium, purpose);
     write_keys(&mut text, medium, purpose);
     let kind = medium.kind;
-    let sets = kind.yield_sets();
-    if medium.yields.is_none() && !sets.is_empty() {
+    let sets = kind.admissible_yield_sets();
+    if medium.yield_set.is_none() && !sets.is_empty() {
         let names: Vec<&str> = sets.iter().map(|set| set.name).collect();
         let _ = write!(
             text,
             "\n# A solid that yields: wellposed new {}{} --yield SET, SET one of\n# {}.\n",
             kind.name(),
-            if purpose == Purpose::Run { " --run" } else { "" },
+            if purpose == TemplateKind::Simulation { " --run" } else { "" },
             names.join(", ")
         );
     }
-    if purpose == Purpose::Run {
-        let mut blocks = Blocks::new(kind, COLUMNS[1]);
-        let start = if let Kind::Solid(_) = kind { SOLID } else { FLOW };
-        for form in forms_in_time(kind) {
-            blocks.add(form, start);
+    if purpose == TemplateKind::Simulation {
+        let mut blocks = SectionTemplates::new(kind, COMMENT_COLUMNS[1]);
+        let start =
+            if let ModelKind::Solid(_) = kind { EXAMPLE_SOLID_RUN } else { EXAMPLE_FLOW_RUN };
+        for form in simulation_schemas(kind) {
+            blocks.add_section(form, start);
         }
         return text + "\n" + &blocks.into_text();
     }
-    if let Kind::Solid(_) = kind {
-        let mut blocks = Blocks::new(kind, COLUMNS[0]);
-        blocks.add(&check::FORM, &[("check", &[])]);
+    if let ModelKind::Solid(_) = kind {
+        let mut blocks = SectionTemplates::new(kind, COMMENT_COLUMNS[0]);
+        blocks.add_section(&check::SCHEMA, &[("check", &[])]);
         text = text + "\n" + &blocks.into_text();
     }
-    text + &map(medium)
+    text + &format_map_section(medium)
 }
 
 /// Generates the head of a template, before the first constant.
-fn head(medium: Medium, purpose: Purpose) -> String {
+fn format_header(medium: MediumKind, purpose: TemplateKind) -> String {
     let kind = medium.kind;
-    let is_flow = matches!(kind, Kind::Flow(_));
+    let is_flow = matches!(kind, ModelKind::Flow(_));
     format!(
         "\
 # {what}. SI units; angles in degrees, anticlockwise from x₁.
@@ -144,18 +145,18 @@ title = \"{title}: a first case\"
 kind = \"{name}\"
 ",
         what = match purpose {
-            Purpose::State => "One state of one material",
-            Purpose::Run if is_flow => "A flow in time",
-            Purpose::Run => "A dynamic problem in plane strain",
+            TemplateKind::SingleState => "One state of one material",
+            TemplateKind::Simulation if is_flow => "A flow in time",
+            TemplateKind::Simulation => "A dynamic problem in plane strain",
         },
         verbs = match kind {
-            _ if purpose == Purpose::Run =>
+            _ if purpose == TemplateKind::Simulation =>
                 "# wellposed run FILE    fields, records of receivers, ledger of energy",
-            Kind::Flow(_) => {
+            ModelKind::Flow(_) => {
                 "# wellposed point FILE    everything about this state
 # wellposed map FILE      verdict over the two parameters of [map]"
             }
-            Kind::Solid(_) => {
+            ModelKind::Solid(_) => {
                 "# wellposed dispersion FILE    frequencies and speeds of waves against wave number
 # wellposed speeds FILE        characteristic speeds against direction
 # wellposed check FILE         frequencies of the analysis held against those of the solver
@@ -165,30 +166,31 @@ kind = \"{name}\"
         },
         title = medium.title(),
         name = kind.name(),
-        compare = if is_flow && purpose == Purpose::State { COMPARE } else { "" },
+        compare =
+            if is_flow && purpose == TemplateKind::SingleState { COMPARE_COMMENT } else { "" },
     )
 }
 
 /// Returns the value of a key in a template; `None` if the template omits the key.
-fn value_for(key: &Key, medium: Medium, purpose: Purpose) -> Option<String> {
-    let value = key.example_for(medium)?;
-    let (section, name) = key.split();
-    let has_active = !medium.condition_names().is_empty();
+fn template_value(key: &Key, medium: MediumKind, purpose: TemplateKind) -> Option<String> {
+    let value = key.example_value_for(medium)?;
+    let (section, name) = key.split_section();
+    let has_active = !medium.yield_condition_names().is_empty();
     // Either `yield.active` or the section `[stress]` is written, not both.
     if section == "stress" && has_active {
         return None;
     }
-    let is_plane = purpose == Purpose::Run || has_active;
+    let is_plane = purpose == TemplateKind::Simulation || has_active;
     if key.name == "model.dimensions" && is_plane {
         return Some("2".into());
     }
-    if purpose == Purpose::State {
+    if purpose == TemplateKind::SingleState {
         return Some(value);
     }
-    if let Kind::Flow(_) = medium.kind {
+    if let ModelKind::Flow(_) = medium.kind {
         let is_shown = ["model", "background"].contains(&section)
-            && !flow::UNIFORM.contains(&key.name)
-            && !CHECKED.contains(&key.name);
+            && !flow::ZERO_IN_UNIFORM_FLOW.contains(&key.name)
+            && !DERIVED_KEYS.contains(&key.name);
         return is_shown.then_some(value);
     }
     // A time-domain simulation needs no state; the example is ideally plastic with an associated flow rule.
@@ -196,23 +198,23 @@ fn value_for(key: &Key, medium: Medium, purpose: Purpose) -> Option<String> {
         return None;
     }
     let friction = key.name.replace("dilatancy", "friction");
-    let of_friction = || Key::find(&friction).and_then(|key| key.example_for(medium));
+    let of_friction = || Key::find_by_name(&friction).and_then(|key| key.example_value_for(medium));
     Some(if name.ends_with("dilatancy") { of_friction().unwrap_or(value) } else { value })
 }
 
 /// Writes the sections of scalar keys.
-fn write_keys(text: &mut String, medium: Medium, purpose: Purpose) {
+fn write_keys(text: &mut String, medium: MediumKind, purpose: TemplateKind) {
     let mut section = "model";
     for key in keys().iter().filter(|key| key.is_used_by(medium)) {
-        let Some(value) = value_for(key, medium, purpose) else { continue };
-        let (own, name) = key.split();
+        let Some(value) = template_value(key, medium, purpose) else { continue };
+        let (own, name) = key.split_section();
         if own != section {
             let _ = write!(text, "\n[{own}]\n");
             section = own;
-            if let ("yield", Some(set)) = (own, medium.yields) {
+            if let ("yield", Some(set)) = (own, medium.yield_set) {
                 let _ = writeln!(text, "kind = \"{}\"", set.name);
-                let conditions = medium.condition_names();
-                if let (Some(first), Purpose::State) = (conditions.first(), purpose) {
+                let conditions = medium.yield_condition_names();
+                if let (Some(first), TemplateKind::SingleState) = (conditions.first(), purpose) {
                     let _ = writeln!(
                         text,
                         "# Any of {}; or else a section [stress] with pressure, deviatoric_stress,\n\
@@ -225,19 +227,19 @@ fn write_keys(text: &mut String, medium: Medium, purpose: Purpose) {
         }
         let is_required = matches!(key.presence_for(medium), Presence::Required(_));
         let mark = if is_required { "" } else { "# " };
-        let comment = comment(key.unit, key.meaning);
+        let comment = format_comment(key.unit, key.meaning);
         let _ = writeln!(text, "{:<46}  # {comment}", format!("{mark}{name} = {value}"));
     }
 }
 
 /// Generates the section `[map]`.
-fn map(medium: Medium) -> String {
-    let [x, y] = example_map(medium);
+fn format_map_section(medium: MediumKind) -> String {
+    let [x, y] = choose_example_axes(medium);
     format!("\n[map]\nx = {x}\ny = {y}\n")
 }
 
 /// Returns example axes of a map.
-fn example_map(medium: Medium) -> [String; 2] {
+fn choose_example_axes(medium: MediumKind) -> [String; 2] {
     let axis = |parameter: &str, from: f64, to: f64, points: usize| {
         format!(
             "{{ parameter = \"{parameter}\", from = {from:?}, to = {to:?}, points = {points} }}"
@@ -256,8 +258,8 @@ fn example_map(medium: Medium) -> [String; 2] {
         let (name, value) = constants.filter_map(example).next().unwrap_or(("wave.number", 1.0));
         axis(name, 0.5 * value, 1.5 * value, 11)
     };
-    match (medium.kind, medium.yields, named("dilatancy"), named("friction")) {
-        (Kind::Flow(_), ..) => [
+    match (medium.kind, medium.yield_set, named("dilatancy"), named("friction")) {
+        (ModelKind::Flow(_), ..) => [
             axis("model.dilatancy_angle_deg", 0.0, 25.0, 26),
             axis("model.friction_angle_deg", 30.0, 60.0, 31),
         ],

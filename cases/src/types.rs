@@ -1,30 +1,32 @@
 //! Parsing of values by type, and descriptions of types for messages.
 
-use crate::schema::{Item, Length, Order, Range, Scope, Type};
-use crate::value::{self, Value, list};
+use crate::schema::{AllowedRange, CountConstraint, KeySchema, ListLength, SchemaScope, ValueType};
+use crate::value::{self, CaseValue, parse_list};
 use std::fmt::Write;
 use toml::de::DeValue;
 
 /// Describes a number in a range, for messages.
-fn number_in_words(range: Range) -> String {
+fn describe_number(range: AllowedRange) -> String {
     match range {
-        Range::Finite => "a finite number".into(),
-        Range::Positive => "a positive number".into(),
-        Range::NotNegative => "a number of at least 0".into(),
-        Range::UpTo(most) => format!("a number above 0 and at most {most}"),
-        Range::Below(limit) => format!("a number between 0 and {limit}"),
-        Range::NotNegativeBelow(limit) => format!("a number of at least 0 and below {limit}"),
+        AllowedRange::Finite => "a finite number".into(),
+        AllowedRange::Positive => "a positive number".into(),
+        AllowedRange::NotNegative => "a number of at least 0".into(),
+        AllowedRange::PositiveUpTo(most) => format!("a number above 0 and at most {most}"),
+        AllowedRange::PositiveBelow(limit) => format!("a number between 0 and {limit}"),
+        AllowedRange::NotNegativeBelow(limit) => {
+            format!("a number of at least 0 and below {limit}")
+        }
     }
 }
 
-impl Length {
+impl ListLength {
     /// Returns the number of items in a scope.
-    pub(crate) fn count(self, scope: &Scope) -> usize {
+    pub(crate) fn item_count(self, scope: &SchemaScope) -> usize {
         match self {
             Self::Two => 2,
-            Self::Axes => scope.dimensions(),
-            Self::SideAxes => scope.axes.len(),
-            Self::Spins => {
+            Self::GridAxes => scope.dimensions(),
+            Self::FaceAxes => scope.face_axes.len(),
+            Self::SpinComponents => {
                 if scope.dimensions() == 2 {
                     1
                 } else {
@@ -36,48 +38,53 @@ impl Length {
 }
 
 /// Maximum length of the names of cases and receivers, characters; names occur in file names and archive entries.
-pub(crate) const MAX_NAME: usize = 255;
+pub(crate) const MAX_NAME_LENGTH: usize = 255;
 
 /// Returns whether a text has more characters than a name may have.
-pub(crate) fn is_too_long(name: &str) -> bool {
-    name.chars().nth(MAX_NAME).is_some()
+pub(crate) fn is_name_too_long(name: &str) -> bool {
+    name.chars().nth(MAX_NAME_LENGTH).is_some()
 }
 
-impl Type {
+impl ValueType {
     /// Describes the type, for messages.
-    pub(crate) fn words(&self, scope: &Scope) -> String {
+    pub(crate) fn describe(&self, scope: &SchemaScope) -> String {
         match *self {
             Self::Text => "text in quotes".into(),
-            Self::Name => format!("text in quotes, at most {MAX_NAME} characters"),
-            Self::Texts => "a list of texts in brackets".into(),
+            Self::Name => format!("text in quotes, at most {MAX_NAME_LENGTH} characters"),
+            Self::TextList => "a list of texts in brackets".into(),
             Self::Hexadecimal => "eight hexadecimal digits in quotes".into(),
-            Self::Truth => "true or false".into(),
-            Self::Number(range) => number_in_words(range),
-            Self::Whole(least) => format!("a whole number of at least {least}"),
+            Self::Boolean => "true or false".into(),
+            Self::Number(range) => describe_number(range),
+            Self::WholeNumber(least) => format!("a whole number of at least {least}"),
             Self::Axis => format!("a whole number from 1 to {}", scope.dimensions()),
-            Self::AxisOfSpace => "1, 2 or 3".into(),
+            Self::SpaceAxis => "1, 2 or 3".into(),
             Self::Pair => "a pair of finite numbers [x1, x2]".into(),
             Self::Matrix => "a matrix of finite numbers [[a11, a12], [a21, a22]]".into(),
-            Self::Numbers(length) => match length.count(scope) {
+            Self::Numbers(length) => match length.item_count(scope) {
                 1 => "a finite number".into(),
                 count => format!("a list of {count} finite numbers"),
             },
             Self::PerAxis(length) => {
-                format!("a positive number or a list of {} positive numbers", length.count(scope))
+                format!(
+                    "a positive number or a list of {} positive numbers",
+                    length.item_count(scope)
+                )
             }
             Self::Direction => format!("a list of {} numbers, not all 0", scope.dimensions()),
-            Self::List(_, Range::Positive) => "a list of positive numbers".into(),
-            Self::List(..) => "a list of finite numbers".into(),
-            Self::Counts { length: [few, many], least, order } => match order {
-                Order::Any => {
+            Self::NumberList(_, AllowedRange::Positive) => "a list of positive numbers".into(),
+            Self::NumberList(..) => "a list of finite numbers".into(),
+            Self::CountList { length: [few, many], minimum: least, order } => match order {
+                CountConstraint::Unconstrained => {
                     format!("a list of {few} or {many} whole numbers of at least {least}")
                 }
-                Order::Even => format!("a list of {many} even whole numbers of at least {least}"),
-                Order::Ascending => {
+                CountConstraint::Even => {
+                    format!("a list of {many} even whole numbers of at least {least}")
+                }
+                CountConstraint::Ascending => {
                     format!("two to {many} ascending whole numbers of at least {least}")
                 }
             },
-            Self::Mode => "a list of 2 whole numbers, not both 0".into(),
+            Self::ModeNumbers => "a list of 2 whole numbers, not both 0".into(),
             Self::Tensor => {
                 let d = scope.dimensions();
                 format!("a matrix of {d} by {d} finite numbers")
@@ -85,10 +92,10 @@ impl Type {
             Self::Samples([pair, first]) => {
                 format!("a list of at least two pairs {pair}, {first} increasing")
             }
-            Self::Points => {
+            Self::PointList => {
                 format!("a list of {} finite numbers", scope.dimensions())
             }
-            Self::Divisions => "a whole number of at least 2".into(),
+            Self::PointCounts => "a whole number of at least 2".into(),
             Self::OneOf(words) => format!("one of {}", words(scope).join(", ")),
             Self::AnyOf(words) => format!("a list with any of {}", words(scope).join(", ")),
             Self::Table(form) => {
@@ -98,134 +105,152 @@ impl Type {
                 }
                 text
             }
-            Self::Part(section) => format!("a table with keys of [{section}]"),
+            Self::SectionKeys(section) => format!("a table with keys of [{section}]"),
         }
     }
 
     /// Names the axes of a list of coordinates on a face, for messages; otherwise empty.
-    pub(crate) fn axes_in_words(&self, scope: &Scope) -> String {
+    pub(crate) fn describe_axes(&self, scope: &SchemaScope) -> String {
         match self {
-            Self::Numbers(Length::SideAxes) => {
+            Self::Numbers(ListLength::FaceAxes) => {
                 let names: Vec<String> =
-                    scope.axes.iter().map(|axis| format!("x{}", axis + 1)).collect();
+                    scope.face_axes.iter().map(|axis| format!("x{}", axis + 1)).collect();
                 format!(", along {}", names.join(", "))
             }
             _ => String::new(),
         }
     }
 
-    /// Parses a value of this type. Allowed words are not checked; tables give `None`.
-    pub(crate) fn parse(&self, value: &DeValue, scope: &Scope) -> Option<Value> {
-        let numbers = |length| list(value, length, value::number);
-        let whole_numbers = || list(value, value.as_array()?.len(), value::count);
+    /// Parses a value of this type. Allowed names are not checked; tables give `None`.
+    pub(crate) fn parse_value(&self, value: &DeValue, scope: &SchemaScope) -> Option<CaseValue> {
+        let numbers = |length| parse_list(value, length, value::parse_number);
+        let whole_numbers = || parse_list(value, value.as_array()?.len(), value::parse_count);
         match *self {
-            Self::Text | Self::OneOf(_) => value::text(value).map(Value::Text),
-            Self::Texts | Self::AnyOf(_) => value::texts(value).map(Value::Texts),
-            Self::Name => {
-                let stands = |c: char| c.is_alphanumeric() || "-_.".contains(c);
-                let text = value::text(value)?;
-                let is_name = !text.is_empty() && text.chars().all(stands);
-                (is_name && !is_too_long(&text)).then_some(Value::Text(text))
+            Self::Text | Self::OneOf(_) => value::parse_text(value).map(CaseValue::Text),
+            Self::TextList | Self::AnyOf(_) => {
+                value::parse_text_list(value).map(CaseValue::TextList)
             }
+            Self::Name => parse_name(value).map(CaseValue::Text),
             Self::Hexadecimal => {
-                let digits = value::text(value).filter(|digits| digits.len() == 8)?;
-                u32::from_str_radix(&digits, 16).ok().map(|number| Value::Whole(number.into()))
+                let digits = value::parse_text(value).filter(|digits| digits.len() == 8)?;
+                u32::from_str_radix(&digits, 16)
+                    .ok()
+                    .map(|number| CaseValue::WholeNumber(number.into()))
             }
-            Self::Truth => value.as_bool().map(Value::Truth),
+            Self::Boolean => value.as_bool().map(CaseValue::Boolean),
             Self::Number(range) => {
-                value::number(value).filter(|x| range.contains(*x)).map(Value::Number)
+                value::parse_number(value).filter(|x| range.contains(*x)).map(CaseValue::Number)
             }
-            Self::Whole(1) => value::count(value).map(Value::Count),
-            Self::Whole(least) => {
-                let number = u64::try_from(value::integer(value)?).ok()?;
-                (number >= least).then_some(Value::Whole(number))
+            Self::WholeNumber(1) => value::parse_count(value).map(CaseValue::Count),
+            Self::WholeNumber(least) => {
+                let number = u64::try_from(value::parse_integer(value)?).ok()?;
+                (number >= least).then_some(CaseValue::WholeNumber(number))
             }
-            Self::Axis | Self::AxisOfSpace => {
+            Self::Axis | Self::SpaceAxis => {
                 let most = if let Self::Axis = self { scope.dimensions() } else { 3 };
-                value::count(value).filter(|axis| *axis <= most).map(Value::Count)
+                value::parse_count(value).filter(|axis| *axis <= most).map(CaseValue::Count)
             }
-            Self::Pair => value::pair(value, value::number).map(Value::Pair),
+            Self::Pair => value::parse_pair(value, value::parse_number).map(CaseValue::Pair),
             Self::Matrix => {
-                value::pair(value, |row| value::pair(row, value::number)).map(Value::Matrix)
+                value::parse_pair(value, |row| value::parse_pair(row, value::parse_number))
+                    .map(CaseValue::Matrix)
             }
-            Self::Numbers(length) => numbers(length.count(scope)).map(Value::Numbers),
+            Self::Numbers(length) => numbers(length.item_count(scope)).map(CaseValue::Numbers),
             Self::PerAxis(length) => {
-                let count = length.count(scope);
-                let one = || value::number(value).map(|all| vec![all; count]);
+                let count = length.item_count(scope);
+                let one = || value::parse_number(value).map(|all| vec![all; count]);
                 let all = numbers(count).or_else(one)?;
-                all.iter().all(|edge| *edge > 0.0).then_some(Value::Numbers(all))
+                all.iter().all(|edge| *edge > 0.0).then_some(CaseValue::Numbers(all))
             }
             Self::Direction => {
                 let all = numbers(scope.dimensions())?;
-                all.iter().any(|x| *x != 0.0).then_some(Value::Numbers(all))
+                all.iter().any(|x| *x != 0.0).then_some(CaseValue::Numbers(all))
             }
-            Self::List(least, range) => {
+            Self::NumberList(least, range) => {
                 let all = numbers(value.as_array()?.len())?;
                 let is_in = all.len() >= least && all.iter().all(|x| range.contains(*x));
-                is_in.then_some(Value::Numbers(all))
+                is_in.then_some(CaseValue::Numbers(all))
             }
-            Self::Counts { length: [few, many], least, order } => {
-                let all = whole_numbers()?;
-                let is_ordered = match order {
-                    Order::Any => true,
-                    Order::Even => all.iter().all(|count| count.is_multiple_of(2)),
-                    Order::Ascending => all.windows(2).all(|pair| pair[0] < pair[1]),
-                };
-                let is_in = (few..=many).contains(&all.len())
-                    && is_ordered
-                    && all.iter().all(|count| *count >= least);
-                is_in.then_some(Value::Counts(all))
+            Self::CountList { length: [shortest, longest], minimum, order } => {
+                let counts = whole_numbers()?;
+                let is_valid = (shortest..=longest).contains(&counts.len())
+                    && counts.iter().all(|count| *count >= minimum)
+                    && order.is_satisfied_by(&counts);
+                is_valid.then_some(CaseValue::CountList(counts))
             }
-            Self::Mode => {
-                let pair = value::pair(value, value::integer).filter(|mode| *mode != [0, 0]);
-                pair.map(Value::WholePair)
+            Self::ModeNumbers => {
+                let pair =
+                    value::parse_pair(value, value::parse_integer).filter(|mode| *mode != [0, 0]);
+                pair.map(CaseValue::WholePair)
             }
             Self::Tensor => {
                 let d = scope.dimensions();
-                list(value, d, |row| list(row, d, value::number)).map(Value::Rows)
+                parse_list(value, d, |row| parse_list(row, d, value::parse_number))
+                    .map(CaseValue::NumberRows)
             }
-            Self::Samples(_) => {
-                let pairs = value.as_array()?.iter();
-                let pairs: Option<Vec<[f64; 2]>> =
-                    pairs.map(|row| value::pair(row.get_ref(), value::number)).collect();
-                pairs.map(Value::Pairs)
-            }
-            Self::Points => points(value, scope.dimensions()).map(Value::Rows),
-            Self::Divisions => {
+            Self::Samples(_) => parse_pair_list(value).map(CaseValue::Pairs),
+            Self::PointList => parse_points(value, scope.dimensions()).map(CaseValue::NumberRows),
+            Self::PointCounts => {
                 let all = match value.as_array() {
                     Some(_) => whole_numbers()?,
-                    None => vec![value::count(value)?],
+                    None => vec![value::parse_count(value)?],
                 };
-                all.iter().all(|count| *count >= 2).then_some(Value::Counts(all))
+                all.iter().all(|count| *count >= 2).then_some(CaseValue::CountList(all))
             }
-            Self::Table(_) | Self::Part(_) => None,
+            Self::Table(_) | Self::SectionKeys(_) => None,
         }
     }
 }
 
-impl Item {
+impl KeySchema {
     /// Describes the allowed values, for messages.
-    pub(crate) fn expected(&self, scope: &Scope) -> String {
-        let mut text = self.value.words(scope);
+    pub(crate) fn describe_expected(&self, scope: &SchemaScope) -> String {
+        let mut text = self.value_type.describe(scope);
         match self.unit {
             "" => {}
             "deg" => text += " in degrees",
             unit => text = format!("{text} in {unit}"),
         }
-        let along = self.value.axes_in_words(scope);
-        if !self.note.is_empty() {
-            text = format!("{text} ({}{along})", self.note);
+        let along = self.value_type.describe_axes(scope);
+        if !self.message_note.is_empty() {
+            text = format!("{text} ({}{along})", self.message_note);
         }
-        text + self.remark
+        text + self.message_remark
     }
 }
 
+impl CountConstraint {
+    /// Returns whether a list of whole numbers satisfies the constraint.
+    fn is_satisfied_by(self, counts: &[usize]) -> bool {
+        match self {
+            Self::Unconstrained => true,
+            Self::Even => counts.iter().all(|count| count.is_multiple_of(2)),
+            Self::Ascending => counts.windows(2).all(|pair| pair[0] < pair[1]),
+        }
+    }
+}
+
+/// Parses a name: letters, digits, `-`, `_` and `.`, at most [`MAX_NAME_LENGTH`] characters.
+fn parse_name(value: &DeValue) -> Option<String> {
+    let is_allowed = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+    let text = value::parse_text(value)?;
+    let is_name = !text.is_empty() && text.chars().all(is_allowed) && !is_name_too_long(&text);
+    is_name.then_some(text)
+}
+
+/// Parses a list of pairs of numbers.
+fn parse_pair_list(value: &DeValue) -> Option<Vec<[f64; 2]>> {
+    let rows = value.as_array()?.iter();
+    rows.map(|row| value::parse_pair(row.get_ref(), value::parse_number)).collect()
+}
+
 /// Parses a point of `dimensions` coordinates, or a list of at most `dimensions` points.
-fn points(value: &DeValue, dimensions: usize) -> Option<Vec<Vec<f64>>> {
-    if let Some(point) = list(value, dimensions, value::number) {
+fn parse_points(value: &DeValue, dimensions: usize) -> Option<Vec<Vec<f64>>> {
+    if let Some(point) = parse_list(value, dimensions, value::parse_number) {
         return Some(vec![point]);
     }
-    let points =
-        list(value, value.as_array()?.len(), |point| list(point, dimensions, value::number))?;
+    let points = parse_list(value, value.as_array()?.len(), |point| {
+        parse_list(point, dimensions, value::parse_number)
+    })?;
     (!points.is_empty() && points.len() <= dimensions).then_some(points)
 }

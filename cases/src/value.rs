@@ -6,25 +6,25 @@ use toml::de::{DeArray, DeInteger, DeValue};
 
 /// A value of one of the types of the schema.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
+pub(super) enum CaseValue {
     Text(String),
-    Texts(Vec<String>),
-    Truth(bool),
+    TextList(Vec<String>),
+    Boolean(bool),
     Count(usize),
-    Whole(u64),
-    Counts(Vec<usize>),
+    WholeNumber(u64),
+    CountList(Vec<usize>),
     WholePair([i64; 2]),
     Number(f64),
     Numbers(Vec<f64>),
     Pair([f64; 2]),
     Pairs(Vec<[f64; 2]>),
     Matrix([[f64; 2]; 2]),
-    Rows(Vec<Vec<f64>>),
+    NumberRows(Vec<Vec<f64>>),
 }
 
-impl Value {
+impl CaseValue {
     /// Returns the text; `None` for other types.
-    pub(super) fn text(&self) -> Option<&str> {
+    pub(super) fn as_text(&self) -> Option<&str> {
         match self {
             Self::Text(text) => Some(text),
             _ => None,
@@ -32,15 +32,15 @@ impl Value {
     }
 }
 
-/// Implements the conversion of a `Value` to Rust types.
+/// Implements the conversion of a `CaseValue` to Rust types.
 macro_rules! from_value {
     ($($variant:ident: $type:ty;)*) => {
-        $(impl TryFrom<Value> for $type {
-            type Error = Value;
+        $(impl TryFrom<CaseValue> for $type {
+            type Error = CaseValue;
 
-            fn try_from(value: Value) -> Result<Self, Value> {
+            fn try_from(value: CaseValue) -> Result<Self, CaseValue> {
                 match value {
-                    Value::$variant(own) => Ok(own),
+                    CaseValue::$variant(own) => Ok(own),
                     other => Err(other),
                 }
             }
@@ -50,32 +50,32 @@ macro_rules! from_value {
 
 from_value! {
     Text: String;
-    Truth: bool;
+    Boolean: bool;
     Count: usize;
-    Whole: u64;
-    Counts: Vec<usize>;
+    WholeNumber: u64;
+    CountList: Vec<usize>;
     WholePair: [i64; 2];
     Number: f64;
     Numbers: Vec<f64>;
     Pairs: Vec<[f64; 2]>;
-    Rows: Vec<Vec<f64>>;
+    NumberRows: Vec<Vec<f64>>;
 }
 
 /// Formats the value as TOML; numbers in the shortest form that parses to the same double.
-impl Display for Value {
+impl Display for CaseValue {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Text(text) => write!(formatter, "{}", toml::Value::from(text.as_str())),
-            Self::Texts(texts) => write!(formatter, "{}", toml::Value::from(texts.clone())),
+            Self::TextList(texts) => write!(formatter, "{}", toml::Value::from(texts.clone())),
             Self::Count(count) => write!(formatter, "{count}"),
             Self::Number(number) => write!(formatter, "{number:?}"),
-            Self::Truth(truth) => write!(formatter, "{truth}"),
-            Self::Whole(whole) => write!(formatter, "{whole}"),
-            Self::Counts(counts) => write!(formatter, "{counts:?}"),
+            Self::Boolean(truth) => write!(formatter, "{truth}"),
+            Self::WholeNumber(whole) => write!(formatter, "{whole}"),
+            Self::CountList(counts) => write!(formatter, "{counts:?}"),
             Self::WholePair(pair) => write!(formatter, "{pair:?}"),
             Self::Numbers(numbers) => write!(formatter, "{numbers:?}"),
             Self::Pairs(pairs) => write!(formatter, "{pairs:?}"),
-            Self::Rows(rows) => write!(formatter, "{rows:?}"),
+            Self::NumberRows(rows) => write!(formatter, "{rows:?}"),
             Self::Pair(pair) => write!(formatter, "{pair:?}"),
             Self::Matrix(matrix) => write!(formatter, "{matrix:?}"),
         }
@@ -83,25 +83,25 @@ impl Display for Value {
 }
 
 /// Parses a text without control characters.
-pub(super) fn text(value: &DeValue) -> Option<String> {
+pub(super) fn parse_text(value: &DeValue) -> Option<String> {
     value.as_str().filter(|text| !text.chars().any(char::is_control)).map(str::to_owned)
 }
 
 /// Parses a finite number; integers are accepted if a double represents them exactly.
-pub(super) fn number(value: &DeValue) -> Option<f64> {
-    const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
+pub(super) fn parse_number(value: &DeValue) -> Option<f64> {
+    const MAX_EXACT_INTEGER: i64 = 1 << f64::MANTISSA_DIGITS;
     match value {
         DeValue::Float(float) => float.as_str().parse().ok(),
-        DeValue::Integer(_) => {
-            integer(value).filter(|i| (-EXACT..=EXACT).contains(i)).map(|i| i as f64)
-        }
+        DeValue::Integer(_) => parse_integer(value)
+            .filter(|i| (-MAX_EXACT_INTEGER..=MAX_EXACT_INTEGER).contains(i))
+            .map(|i| i as f64),
         _ => None,
     }
     .filter(|number: &f64| number.is_finite())
 }
 
 /// Parses an integer.
-pub(super) fn integer(value: &DeValue) -> Option<i64> {
+pub(super) fn parse_integer(value: &DeValue) -> Option<i64> {
     let integer = value.as_integer()?;
     i64::from_str_radix(integer.as_str(), integer.radix()).ok()
 }
@@ -113,24 +113,27 @@ fn has_digits(integer: &DeInteger) -> bool {
 }
 
 /// Parses a whole number of at least 1.
-pub(super) fn count(value: &DeValue) -> Option<usize> {
-    integer(value).filter(|&count| count >= 1).and_then(|count| count.try_into().ok())
+pub(super) fn parse_count(value: &DeValue) -> Option<usize> {
+    parse_integer(value).filter(|&count| count >= 1).and_then(|count| count.try_into().ok())
 }
 
 /// Parses a list of texts.
-pub(super) fn texts(value: &DeValue) -> Option<Vec<String>> {
+pub(super) fn parse_text_list(value: &DeValue) -> Option<Vec<String>> {
     value.as_array()?.iter().map(|text| text.get_ref().as_str().map(str::to_owned)).collect()
 }
 
 /// Parses a list of two items.
-pub(super) fn pair<T>(value: &DeValue, read: impl Fn(&DeValue) -> Option<T>) -> Option<[T; 2]> {
+pub(super) fn parse_pair<T>(
+    value: &DeValue,
+    read: impl Fn(&DeValue) -> Option<T>,
+) -> Option<[T; 2]> {
     let array: &DeArray = value.as_array()?;
     let items: Option<Vec<T>> = array.iter().map(|item| read(item.get_ref())).collect();
     items?.try_into().ok()
 }
 
 /// Parses a list of `length` items; brackets are optional around a single item.
-pub(super) fn list<T>(
+pub(super) fn parse_list<T>(
     value: &DeValue,
     length: usize,
     read: impl Fn(&DeValue) -> Option<T>,
@@ -143,12 +146,12 @@ pub(super) fn list<T>(
 }
 
 /// Describes a value for messages.
-pub(super) fn describe(value: &DeValue) -> String {
+pub(super) fn describe_value(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("the text '{}'", escape(text)),
         DeValue::Integer(integer) => {
             let digits = escape(&integer.to_string());
-            match number(value) {
+            match parse_number(value) {
                 Some(_) => format!("the integer {digits}"),
                 None if !has_digits(integer) => format!("'{digits}', which is not a number"),
                 None => format!("the integer {digits}, too large to be exact; write it as 1e20"),
@@ -156,7 +159,7 @@ pub(super) fn describe(value: &DeValue) -> String {
         }
         DeValue::Float(float) => {
             let digits = escape(float.as_str());
-            match number(value) {
+            match parse_number(value) {
                 Some(_) => format!("the number {digits}"),
                 None => format!("{digits}, which is not finite"),
             }
@@ -169,10 +172,10 @@ pub(super) fn describe(value: &DeValue) -> String {
             let is_of_texts = items().next().is_some_and(DeValue::is_str);
             let odd = items().find(|item| match is_of_texts {
                 true => !item.is_str(),
-                false => !item.is_array() && number(item).is_none(),
+                false => !item.is_array() && parse_number(item).is_none(),
             });
             match odd {
-                Some(item) => format!("a list that holds {}", describe(item)),
+                Some(item) => format!("a list that holds {}", describe_value(item)),
                 None => format!("a list of {}", array.len()),
             }
         }
@@ -181,12 +184,12 @@ pub(super) fn describe(value: &DeValue) -> String {
 }
 
 /// Formats a short list of numbers; `None` for longer lists and for other items.
-pub(super) fn short_list(value: &DeValue) -> Option<String> {
-    const MOST: usize = 9;
-    let array = value.as_array().filter(|array| (1..=MOST).contains(&array.len()))?;
+pub(super) fn format_short_list(value: &DeValue) -> Option<String> {
+    const MAX_ITEMS: usize = 9;
+    let array = value.as_array().filter(|array| (1..=MAX_ITEMS).contains(&array.len()))?;
     let item = |item: &DeValue| match item {
-        DeValue::Integer(integer) => number(item).map(|_| escape(&integer.to_string())),
-        DeValue::Float(float) => number(item).map(|_| escape(float.as_str())),
+        DeValue::Integer(integer) => parse_number(item).map(|_| escape(&integer.to_string())),
+        DeValue::Float(float) => parse_number(item).map(|_| escape(float.as_str())),
         _ => None,
     };
     let items: Option<Vec<String>> = array.iter().map(|own| item(own.get_ref())).collect();
@@ -194,22 +197,22 @@ pub(super) fn short_list(value: &DeValue) -> Option<String> {
 }
 
 /// Finds the candidate most similar to a misspelt name (normalised Damerau–Levenshtein similarity), if similar enough.
-pub(super) fn nearest<'a>(
+pub(super) fn find_similar_name<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
-    const NEAR: f64 = 0.3; // minimum similarity: about a third of the letters
+    const MIN_SIMILARITY: f64 = 0.3; // minimum similarity: about a third of the letters
     let name: String = name.chars().take(80).collect();
     candidates
         .into_iter()
         .map(|candidate| (strsim::normalized_damerau_levenshtein(&name, candidate), candidate))
-        .filter(|(likeness, _)| *likeness >= NEAR)
+        .filter(|(likeness, _)| *likeness >= MIN_SIMILARITY)
         // Of equally similar candidates the first one.
         .reduce(|best, other| if other.0 > best.0 { other } else { best })
         .map(|(_, candidate)| candidate)
 }
 
 /// Formats the suggestion "did you mean …?" for messages; empty without a suggestion.
-pub(super) fn suggestion(name: Option<&str>) -> String {
+pub(super) fn format_suggestion(name: Option<&str>) -> String {
     name.map_or(String::new(), |name| format!("did you mean '{name}'? "))
 }

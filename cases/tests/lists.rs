@@ -1,29 +1,15 @@
 //! Verifies the JSON Schema against the program for lists of wrong length or with items of wrong type: it refuses no
-//! case that the program accepts, and accepts no case that the program refuses except those in `RELATIONS`.
+//! case that the program accepts, and accepts no case that the program refuses except those in `PROGRAM_ONLY_ERRORS`.
 
-use serde_json::{Value, json};
+mod support;
+
 use std::collections::BTreeSet;
-use std::path::Path;
-use wellposed_cases::template::{Purpose, text_for};
-use wellposed_cases::{Case, Medium, json_schema};
-
-fn as_json(value: &toml::Value) -> Value {
-    match value {
-        toml::Value::String(text) => json!(text),
-        toml::Value::Integer(number) => json!(number),
-        toml::Value::Float(number) => json!(number),
-        toml::Value::Boolean(truth) => json!(truth),
-        toml::Value::Datetime(date) => json!(date.to_string()),
-        toml::Value::Array(items) => items.iter().map(as_json).collect(),
-        toml::Value::Table(table) => {
-            let pairs = table.iter().map(|(key, value)| (key.clone(), as_json(value)));
-            Value::Object(pairs.collect())
-        }
-    }
-}
+use support::{bundled_case_files, toml_to_json};
+use wellposed_cases::template::{TemplateKind, generate_template};
+use wellposed_cases::{Case, MediumKind, generate_json_schema};
 
 /// Collects the paths of all lists, including lists inside lists.
-fn lists(value: &toml::Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
+fn collect_list_paths(value: &toml::Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
     let children: Vec<(String, &toml::Value)> = match value {
         toml::Value::Table(table) => table.iter().map(|(key, own)| (key.clone(), own)).collect(),
         toml::Value::Array(items) => {
@@ -34,12 +20,12 @@ fn lists(value: &toml::Value, path: &mut Vec<String>, found: &mut Vec<Vec<String
     };
     for (name, own) in children {
         path.push(name);
-        lists(own, path, found);
+        collect_list_paths(own, path, found);
         path.pop();
     }
 }
 
-fn at<'a>(value: &'a mut toml::Value, path: &[String]) -> &'a mut toml::Value {
+fn list_at<'a>(value: &'a mut toml::Value, path: &[String]) -> &'a mut toml::Value {
     path.iter().fold(value, |value, name| match value {
         toml::Value::Array(items) => &mut items[name.parse::<usize>().expect("an index")],
         toml::Value::Table(table) => table.get_mut(name).expect("a key"),
@@ -49,19 +35,25 @@ fn at<'a>(value: &'a mut toml::Value, path: &[String]) -> &'a mut toml::Value {
 
 /// Modifications of a list.
 #[derive(Clone, Copy, Debug)]
-enum Change {
+enum ListChange {
     Empty,
     Shorter,
     /// Repeats the last item.
     Longer,
-    Text,
-    Truth,
-    NoList,
+    TextItem,
+    BooleanItem,
+    NotAList,
 }
 
-impl Change {
-    const ALL: [Self; 6] =
-        [Self::Empty, Self::Shorter, Self::Longer, Self::Text, Self::Truth, Self::NoList];
+impl ListChange {
+    const ALL: [Self; 6] = [
+        Self::Empty,
+        Self::Shorter,
+        Self::Longer,
+        Self::TextItem,
+        Self::BooleanItem,
+        Self::NotAList,
+    ];
 
     fn apply(self, value: &mut toml::Value) {
         let toml::Value::Array(list) = value else { return };
@@ -70,9 +62,9 @@ impl Change {
             Self::Empty => list.clear(),
             Self::Shorter => _ = list.pop(),
             Self::Longer => list.extend(list.last().cloned()),
-            Self::Text => first(toml::Value::String("x".to_owned())),
-            Self::Truth => first(toml::Value::Boolean(true)),
-            Self::NoList => *value = toml::Value::Boolean(true),
+            Self::TextItem => first(toml::Value::String("x".to_owned())),
+            Self::BooleanItem => first(toml::Value::Boolean(true)),
+            Self::NotAList => *value = toml::Value::Boolean(true),
         }
     }
 }
@@ -80,7 +72,7 @@ impl Change {
 /// Cases refused by the program only, since the error depends on several items or tables: no perturbation left,
 /// duplicate receiver names, an empty list of fields, a periodic face without its opposite face, a recorded integral
 /// that is not computed, a second region `rest`.
-const RELATIONS: [&str; 8] = [
+const PROGRAM_ONLY_ERRORS: [&str; 8] = [
     "initial Empty",
     "initial Shorter",
     "output.integrals Empty",
@@ -92,40 +84,34 @@ const RELATIONS: [&str; 8] = [
 ];
 
 /// Returns the texts of all templates and resolved bundled cases, with their file names.
-fn texts() -> Vec<(String, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let of = |medium: Medium| {
-        let purposes = [Purpose::State, Purpose::Run];
-        purposes.map(|purpose| ("new.toml".to_owned(), text_for(medium, purpose)))
+fn generate_case_texts() -> Vec<(String, String)> {
+    let of = |medium: MediumKind| {
+        let purposes = [TemplateKind::SingleState, TemplateKind::Simulation];
+        purposes.map(|purpose| ("new.toml".to_owned(), generate_template(medium, purpose)))
     };
-    let mut texts: Vec<(String, String)> = Medium::all().flat_map(of).collect();
-    for folder in ["check", "cosserat", "dynamics", "flow", "granular-flow"] {
-        for entry in std::fs::read_dir(root.join(folder)).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            if path.extension().is_some_and(|own| own == "toml") {
-                let case = Case::load(&path, &[]).expect("a case");
-                texts.push((path.display().to_string(), case.to_toml()));
-            }
-        }
+    let mut texts: Vec<(String, String)> = MediumKind::all_media().flat_map(of).collect();
+    for path in bundled_case_files() {
+        let case = Case::load(&path, &[]).expect("a case");
+        texts.push((path.display().to_string(), case.to_toml()));
     }
     texts
 }
 
 #[test]
-fn lists_are_refused_by_both() {
+fn modified_lists_are_rejected_by_schema_and_program() {
     /// Longer lists are skipped: sample tables are long, and their items are alike.
-    const LONG: usize = 20;
-    let validator = jsonschema::draft202012::new(&json_schema()).expect("a schema");
+    const MAX_LIST_LENGTH: usize = 20;
+    let validator = jsonschema::draft202012::new(&generate_json_schema()).expect("a schema");
     let (mut by_program_alone, mut count) = (BTreeSet::new(), 0);
-    for (file, text) in texts() {
+    for (file, text) in generate_case_texts() {
         let value = toml::Value::Table(text.parse().expect("TOML"));
         let mut found = Vec::new();
-        lists(&value, &mut Vec::new(), &mut found);
+        collect_list_paths(&value, &mut Vec::new(), &mut found);
         for path in found {
-            for change in Change::ALL {
+            for change in ListChange::ALL {
                 let mut own = value.clone();
-                let list = at(&mut own, &path);
-                if list.as_array().is_some_and(|items| items.len() > LONG) {
+                let list = list_at(&mut own, &path);
+                if list.as_array().is_some_and(|items| items.len() > MAX_LIST_LENGTH) {
                     continue;
                 }
                 change.apply(list);
@@ -134,7 +120,7 @@ fn lists_are_refused_by_both() {
                 }
                 let text = toml::to_string(&own).expect("TOML");
                 let is_taken = Case::parse(&text, &file, &[]).is_ok();
-                let is_valid = validator.is_valid(&as_json(&own));
+                let is_valid = validator.is_valid(&toml_to_json(&own));
                 assert!(is_valid || !is_taken, "{file}: {path:?} {change:?}");
                 if is_valid && !is_taken {
                     let is_index = |name: &String| name.parse::<usize>().is_ok();
@@ -147,7 +133,9 @@ fn lists_are_refused_by_both() {
         }
     }
     assert!(count > 1000, "{count}");
-    let unexpected: Vec<&String> =
-        by_program_alone.iter().filter(|own| !RELATIONS.contains(&own.as_str())).collect();
+    let unexpected: Vec<&String> = by_program_alone
+        .iter()
+        .filter(|own| !PROGRAM_ONLY_ERRORS.contains(&own.as_str()))
+        .collect();
     assert!(unexpected.is_empty(), "{unexpected:?}");
 }

@@ -1,67 +1,72 @@
 //! Verifies the schema: templates, reference page and JSON Schema have the same keys; an independent validator accepts
 //! all bundled and generated cases; program and validator refuse the same invalid cases.
 
+mod support;
+
 use jsonschema::Validator;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-use testkit::ranges::{closed_ends, just_inside, outside};
-use wellposed_cases::schema::{Form, Type};
-use wellposed_cases::template::{Purpose, text_for};
-use wellposed_cases::{Case, Key, Medium, all_forms, json_schema, keys, reference};
+use std::path::Path;
+use support::{bundled_case_files, toml_to_json};
+use testkit::ranges::{closed_ends, values_just_inside, values_outside};
+use wellposed_cases::schema::{TableSchema, ValueType};
+use wellposed_cases::template::{TemplateKind, generate_template};
+use wellposed_cases::{
+    Case, Key, MediumKind, all_schemas, generate_json_schema, generate_reference, keys,
+};
 
-type Names = BTreeSet<String>;
+type KeyNames = BTreeSet<String>;
 
 /// Returns all keys by section and name, e.g. `model.mu`, `load.time.kind`. A key of both solids and flows occurs once.
-fn all_keys() -> Names {
-    let mut names: Names = keys().iter().map(|key| key.name.to_owned()).collect();
-    for (_, forms) in all_forms() {
+fn collect_all_keys() -> KeyNames {
+    let mut names: KeyNames = keys().iter().map(|key| key.name.to_owned()).collect();
+    for (_, forms) in all_schemas() {
         for form in forms {
-            add_items(&mut names, form.name, form);
+            collect_schema_keys(&mut names, form.name, form);
         }
     }
     names
 }
 
-fn add_items(names: &mut Names, path: &str, form: &'static Form) {
-    for (_, item) in form.items() {
+fn collect_schema_keys(names: &mut KeyNames, path: &str, form: &'static TableSchema) {
+    for (_, item) in form.keys() {
         let name = format!("{path}.{}", item.name);
-        if let Type::Table(inner) = item.value {
-            add_items(names, &name, inner);
+        if let ValueType::Table(inner) = item.value_type {
+            collect_schema_keys(names, &name, inner);
         }
         names.insert(name);
     }
 }
 
 /// Collects the keys of an object of the JSON Schema and of nested objects, including conditional ones.
-fn properties(schema: &Value, root: &Value, path: &str, names: &mut Names) {
+fn collect_properties(schema: &Value, root: &Value, path: &str, names: &mut KeyNames) {
     if let Some(reference) = schema["$ref"].as_str() {
         let inner = root.pointer(reference.trim_start_matches('#')).expect("a definition");
-        return properties(inner, root, path, names);
+        return collect_properties(inner, root, path, names);
     }
     for (name, inner) in schema["properties"].as_object().into_iter().flatten() {
         if *inner != json!(false) {
             let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-            properties(inner, root, &path, names);
+            collect_properties(inner, root, &path, names);
             names.insert(path);
         }
     }
-    properties_of_parts(schema, root, path, names);
+    collect_nested_properties(schema, root, path, names);
 }
 
-fn properties_of_parts(schema: &Value, root: &Value, path: &str, names: &mut Names) {
+fn collect_nested_properties(schema: &Value, root: &Value, path: &str, names: &mut KeyNames) {
     if schema["items"].is_object() {
-        properties(&schema["items"], root, path, names);
+        collect_properties(&schema["items"], root, path, names);
     }
     for part in ["allOf", "anyOf"].iter().flat_map(|list| schema[list].as_array()).flatten() {
-        properties(&part["then"], root, path, names);
-        properties(part, root, path, names);
+        collect_properties(&part["then"], root, path, names);
+        collect_properties(part, root, path, names);
     }
 }
 
 /// Removes the names of sections, and keys of tables whose keys are defined by other sections.
-fn leaves(names: Names) -> Names {
-    let all = all_keys();
+fn remove_sections(names: KeyNames) -> KeyNames {
+    let all = collect_all_keys();
     let is_inside = |name: &String| {
         name.starts_with("region.model.")
             || name.starts_with("region.yield.")
@@ -77,25 +82,25 @@ fn leaves(names: Names) -> Names {
 }
 
 /// Asserts that two sets of names are equal; otherwise lists the names that only one set has.
-fn assert_same(one: &Names, other: &Names) {
+fn assert_same_names(one: &KeyNames, other: &KeyNames) {
     let missing: Vec<_> = other.difference(one).collect();
     let surplus: Vec<_> = one.difference(other).collect();
     assert!(one == other, "missing: {missing:?}, surplus: {surplus:?}");
 }
 
 #[test]
-fn the_json_schema_has_all_keys_and_no_others() {
-    let schema = json_schema();
-    let mut names = Names::new();
-    properties(&schema, &schema, "", &mut names);
-    assert_same(&leaves(names), &all_keys());
+fn json_schema_has_exactly_all_keys() {
+    let schema = generate_json_schema();
+    let mut names = KeyNames::new();
+    collect_properties(&schema, &schema, "", &mut names);
+    assert_same_names(&remove_sections(names), &collect_all_keys());
 }
 
 #[test]
-fn the_reference_page_has_all_keys_and_no_others() {
-    let (mut names, mut section) = (Names::new(), String::new());
+fn reference_page_has_exactly_all_keys() {
+    let (mut names, mut section) = (KeyNames::new(), String::new());
     let tables = ["time", "profile"];
-    for line in reference().lines() {
+    for line in generate_reference().lines() {
         if let Some(title) = line.strip_prefix("## ").or(line.strip_prefix("### ")) {
             let name = title.split('`').nth(1).unwrap_or_default();
             section = name.trim_matches(['[', ']']).trim_end_matches(" = { … }").to_owned();
@@ -116,11 +121,11 @@ fn the_reference_page_has_all_keys_and_no_others() {
             _ => name.clone(),
         }
     };
-    assert_same(&names, &all_keys().iter().map(in_page).collect());
+    assert_same_names(&names, &collect_all_keys().iter().map(in_page).collect());
 }
 
 /// Collects the keys in a template, including keys that are commented out.
-fn shown(text: &str, names: &mut Names) {
+fn collect_template_keys(text: &str, names: &mut KeyNames) {
     let mut section = String::new();
     for line in text.lines() {
         let line = line.strip_prefix("# ").unwrap_or(line);
@@ -147,14 +152,14 @@ fn shown(text: &str, names: &mut Names) {
 }
 
 #[test]
-fn the_templates_have_all_keys_and_no_others() {
-    let mut names = Names::new();
-    for medium in Medium::all() {
-        for purpose in [Purpose::State, Purpose::Run] {
-            shown(&text_for(medium, purpose), &mut names);
+fn templates_have_exactly_all_keys() {
+    let mut names = KeyNames::new();
+    for medium in MediumKind::all_media() {
+        for purpose in [TemplateKind::SingleState, TemplateKind::Simulation] {
+            collect_template_keys(&generate_template(medium, purpose), &mut names);
         }
     }
-    let mut expected = all_keys();
+    let mut expected = collect_all_keys();
     // Written as inline tables; their keys are listed in the key table.
     names.retain(|name| name != "map.x" && name != "map.y");
     // Inline tables and the parameters of shapes are written in full once; their keys are equal in all sections.
@@ -164,68 +169,46 @@ fn the_templates_have_all_keys_and_no_others() {
         _ => name.to_owned(),
     };
     expected = expected.iter().map(|name| fold(name)).collect();
-    assert_same(&leaves(names.iter().map(|name| fold(name)).collect()), &expected);
+    assert_same_names(&remove_sections(names.iter().map(|name| fold(name)).collect()), &expected);
 }
 
 #[test]
-fn the_reference_page_is_up_to_date() {
+fn reference_page_is_up_to_date() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference.md");
     let page = std::fs::read_to_string(file).expect("the page");
-    assert!(page == reference(), "write it anew: wellposed schema --markdown > docs/reference.md");
+    assert!(
+        page == generate_reference(),
+        "write it anew: wellposed schema --markdown > docs/reference.md"
+    );
 }
 
-fn validator() -> Validator {
-    jsonschema::draft202012::new(&json_schema()).expect("a schema")
+fn build_validator() -> Validator {
+    jsonschema::draft202012::new(&generate_json_schema()).expect("a schema")
 }
 
-fn as_json(text: &str) -> Value {
-    fn convert(value: &toml::Value) -> Value {
-        match value {
-            toml::Value::String(text) => json!(text),
-            toml::Value::Integer(number) => json!(number),
-            toml::Value::Float(number) => json!(number),
-            toml::Value::Boolean(truth) => json!(truth),
-            toml::Value::Datetime(date) => json!(date.to_string()),
-            toml::Value::Array(items) => items.iter().map(convert).collect(),
-            toml::Value::Table(table) => {
-                let pairs = table.iter().map(|(key, value)| (key.clone(), convert(value)));
-                Value::Object(pairs.collect())
-            }
-        }
-    }
-    convert(&toml::Value::Table(text.parse().expect("TOML")))
-}
-
-/// Returns the paths of the bundled case files.
-fn shipped() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = ["check", "cosserat", "dynamics", "flow", "granular-flow"];
-    let files = folders.iter().flat_map(|folder| std::fs::read_dir(root.join(folder)).expect("it"));
-    let mut files: Vec<PathBuf> = files.map(|entry| entry.expect("an entry").path()).collect();
-    files.retain(|file| file.extension().is_some_and(|own| own == "toml"));
-    files.sort();
-    assert!(files.len() >= 29);
-    files
+/// Parses a case and converts it to JSON.
+fn parse_to_json(text: &str) -> Value {
+    toml_to_json(&toml::Value::Table(text.parse().expect("TOML")))
 }
 
 #[test]
-fn shipped_resolved_and_new_cases_are_valid() {
-    let validator = validator();
+fn bundled_resolved_and_template_cases_are_valid() {
+    let validator = build_validator();
     let check = |what: &str, text: &str| {
-        let case = as_json(text);
+        let case = parse_to_json(text);
         let errors: Vec<String> =
             validator.iter_errors(&case).map(|error| error.to_string()).collect();
         assert!(errors.is_empty(), "{what}: {errors:#?}");
     };
-    for file in shipped() {
+    for file in bundled_case_files() {
         let text = std::fs::read_to_string(&file).expect("a case");
         let name = file.display().to_string();
         check(&name, &text);
         check(&name, &Case::load(&file, &[]).expect("a case").to_toml());
     }
-    for medium in Medium::all() {
-        for purpose in [Purpose::State, Purpose::Run] {
-            let text = text_for(medium, purpose);
+    for medium in MediumKind::all_media() {
+        for purpose in [TemplateKind::SingleState, TemplateKind::Simulation] {
+            let text = generate_template(medium, purpose);
             check(&medium.title(), &text);
             let case = Case::parse(&text, "new.toml", &[]).expect("a case");
             check(&medium.title(), &case.to_toml());
@@ -233,7 +216,7 @@ fn shipped_resolved_and_new_cases_are_valid() {
     }
 }
 
-const SOLID: &str = "\
+const SOLID_CASE: &str = "\
 [model]
 kind = 'classical'
 lambda = 1e9
@@ -283,7 +266,7 @@ count = 3
 numbers = [1]
 ";
 
-const FLOW: &str = "\
+const FLOW_CASE: &str = "\
 [model]
 kind = 'harris-grekova'
 friction_angle_deg = 30
@@ -310,95 +293,97 @@ seed = 1
 at = [0.05, 0.05]
 ";
 
+/// Modifications that make a case invalid: case, text replaced, and its replacement.
+#[rustfmt::skip]
+const INVALID_MODIFICATIONS: &[(&str, &str, &str)] = &[
+    // Unknown keys, and known keys that are not used.
+    (SOLID_CASE, "mu = 1e9", "mu = 1e9\nmv = 1"),
+    (SOLID_CASE, "mu = 1e9", "mu = 1e9\nalpha = 1"),
+    (SOLID_CASE, "[gravity]", "[gravty]"),
+    (SOLID_CASE, "spacing = 1", "spacing = 1\nlength = 1"),
+    (SOLID_CASE, "held = ['v1']", "held = ['v1']\nshape = 'box'"),
+    (SOLID_CASE, "axis = 2\n", "axis = 2\nradius = 1\n"),
+    (SOLID_CASE, "frequency = 5 }", "frequency = 5, duration = 1 }"),
+    (SOLID_CASE, "model = { mu = 2e9 }", "model = { mv = 2e9 }"),
+    (SOLID_CASE, "[check]", "[limits]\nshear_rate = 0.1\n[check]"),
+    (SOLID_CASE, "strength = 1e6", "strength = 1e6\nshear_strength = 1"),
+    (FLOW_CASE, "density = 1600", "density = 1600\nstress_angle_rate_deg = 1"),
+    (FLOW_CASE, "[[receiver]]", "[gravity]\nacceleration = [0, 1]\n[[receiver]]"),
+    (FLOW_CASE, "seed = 1", "seed = 1\nradius = 1"),
+    (FLOW_CASE, "at = [0.05, 0.05]", "at = [0.05, 0.05]\ninterpolation = 'cubic'"),
+    // Wrong types.
+    (SOLID_CASE, "mu = 1e9", "mu = '1e9'"),
+    (SOLID_CASE, "cells = [20, 10]", "cells = [20.5, 10]"),
+    (SOLID_CASE, "held = ['v1']", "held = 'v1'"),
+    (SOLID_CASE, "time = { kind = 'ricker', frequency = 5 }", "time = 'ricker'"),
+    (SOLID_CASE, "count = 3", "count = true"),
+    (FLOW_CASE, "amplitude = 1e-4", "amplitude = [1e-4]"),
+    (FLOW_CASE, "at = [0.05, 0.05]", "at = 0.05"),
+    // Missing keys and sections.
+    (SOLID_CASE, "lambda = 1e9\n", ""),
+    (SOLID_CASE, "kind = 'drucker-prager'\n", ""),
+    (SOLID_CASE, "friction = 0.5\n", ""),
+    (SOLID_CASE, "[time]\nduration = 1\n", ""),
+    (SOLID_CASE, "duration = 1\n", ""),
+    (SOLID_CASE, "held = ['v1']\n", ""),
+    (SOLID_CASE, "to = 10\n", ""),
+    (SOLID_CASE, ", frequency = 5", ""),
+    (SOLID_CASE, "count = 3\n", ""),
+    (FLOW_CASE, "moment_of_inertia = 1e-7\n", ""),
+    (FLOW_CASE, "pressure = 1000\n", ""),
+    (FLOW_CASE, "length = 0.1\n", ""),
+    (FLOW_CASE, "seed = 1\n", ""),
+    // Numbers out of range and unknown words.
+    (SOLID_CASE, "duration = 1\n", "duration = 0\n"),
+    (SOLID_CASE, "duration = 1\n", "duration = 1\ncourant = 1.5\n"),
+    (SOLID_CASE, "cells = [20, 10]", "cells = [20, 0]"),
+    (SOLID_CASE, "spacing = 1", "spacing = [1, -1]"),
+    (SOLID_CASE, "shape = 'layer'", "shape = 'layr'"),
+    (SOLID_CASE, "kind = 'mixed'", "kind = 'mixd'"),
+    (SOLID_CASE, "field = 'sigma22'", "field = 'sigma44'"),
+    (SOLID_CASE, "kind = 'drucker-prager'", "kind = 'cosserat-mises'\nantisymmetric_weight = 1"),
+    (SOLID_CASE, "numbers = [1]", "numbers = [-1]"),
+    (SOLID_CASE, "count = 3", "count = 1"),
+    (FLOW_CASE, "kind = 'harris-grekova'", "kind = 'harris-grekov'"),
+    (FLOW_CASE, "cells = [32, 32]", "cells = [32, 31]"),
+    (FLOW_CASE, "duration = 1e-3", "duration = 1e-3\ntolerance = 1"),
+    (FLOW_CASE, "from = 1\n", "from = 0\n"),
+    // Invalid names and dimensions, and lists of other length than the number of axes.
+    (SOLID_CASE, "[model]", "name = 'a/b'\n[model]"),
+    (SOLID_CASE, "[model]", "name = '..'\n[model]"),
+    (SOLID_CASE, "[model]", "name = ''\n[model]"),
+    (SOLID_CASE, "mu = 1e9", "mu = 1e9\ndimensions = 4"),
+    (SOLID_CASE, "mu = 1e9", "mu = 1e9\ndimensions = 3"),
+    (SOLID_CASE, "acceleration = [0, -9.81]", "acceleration = [0, 0, -9.81]"),
+    (SOLID_CASE, "at = [5, 5]", "at = [5, 5, 5]"),
+    (SOLID_CASE, "axis = 2\n", "axis = 3\n"),
+    (FLOW_CASE, "at = [0.05, 0.05]", "at = [0.05, 0.05, 0.05]"),
+    (FLOW_CASE, "[background]", "[compare]\nkinds = []\n[background]"),
+    // Mutually exclusive keys.
+    (SOLID_CASE, "at = 5\n", "at = 5\nfrom = 1\nto = 2\n"),
+    (SOLID_CASE, "count = 3", "count = 3\nat = [1, 1]"),
+    (SOLID_CASE, "frequency = 5 }", "frequency = 5 }\nprofile = { kind = 'bell', at = 0, radius = 1 }"),
+];
+
 /// Verifies that program and validator both refuse each modified case.
 #[test]
-fn spoiled_cases_are_refused_by_both() {
-    let validator = validator();
-    #[rustfmt::skip]
-    let spoiled: &[(&str, &str, &str)] = &[
-        // Unknown keys, and known keys that are not used.
-        (SOLID, "mu = 1e9", "mu = 1e9\nmv = 1"),
-        (SOLID, "mu = 1e9", "mu = 1e9\nalpha = 1"),
-        (SOLID, "[gravity]", "[gravty]"),
-        (SOLID, "spacing = 1", "spacing = 1\nlength = 1"),
-        (SOLID, "held = ['v1']", "held = ['v1']\nshape = 'box'"),
-        (SOLID, "axis = 2\n", "axis = 2\nradius = 1\n"),
-        (SOLID, "frequency = 5 }", "frequency = 5, duration = 1 }"),
-        (SOLID, "model = { mu = 2e9 }", "model = { mv = 2e9 }"),
-        (SOLID, "[check]", "[limits]\nshear_rate = 0.1\n[check]"),
-        (SOLID, "strength = 1e6", "strength = 1e6\nshear_strength = 1"),
-        (FLOW, "density = 1600", "density = 1600\nstress_angle_rate_deg = 1"),
-        (FLOW, "[[receiver]]", "[gravity]\nacceleration = [0, 1]\n[[receiver]]"),
-        (FLOW, "seed = 1", "seed = 1\nradius = 1"),
-        (FLOW, "at = [0.05, 0.05]", "at = [0.05, 0.05]\ninterpolation = 'cubic'"),
-        // Wrong types.
-        (SOLID, "mu = 1e9", "mu = '1e9'"),
-        (SOLID, "cells = [20, 10]", "cells = [20.5, 10]"),
-        (SOLID, "held = ['v1']", "held = 'v1'"),
-        (SOLID, "time = { kind = 'ricker', frequency = 5 }", "time = 'ricker'"),
-        (SOLID, "count = 3", "count = true"),
-        (FLOW, "amplitude = 1e-4", "amplitude = [1e-4]"),
-        (FLOW, "at = [0.05, 0.05]", "at = 0.05"),
-        // Missing keys and sections.
-        (SOLID, "lambda = 1e9\n", ""),
-        (SOLID, "kind = 'drucker-prager'\n", ""),
-        (SOLID, "friction = 0.5\n", ""),
-        (SOLID, "[time]\nduration = 1\n", ""),
-        (SOLID, "duration = 1\n", ""),
-        (SOLID, "held = ['v1']\n", ""),
-        (SOLID, "to = 10\n", ""),
-        (SOLID, ", frequency = 5", ""),
-        (SOLID, "count = 3\n", ""),
-        (FLOW, "moment_of_inertia = 1e-7\n", ""),
-        (FLOW, "pressure = 1000\n", ""),
-        (FLOW, "length = 0.1\n", ""),
-        (FLOW, "seed = 1\n", ""),
-        // Numbers out of range and unknown words.
-        (SOLID, "duration = 1\n", "duration = 0\n"),
-        (SOLID, "duration = 1\n", "duration = 1\ncourant = 1.5\n"),
-        (SOLID, "cells = [20, 10]", "cells = [20, 0]"),
-        (SOLID, "spacing = 1", "spacing = [1, -1]"),
-        (SOLID, "shape = 'layer'", "shape = 'layr'"),
-        (SOLID, "kind = 'mixed'", "kind = 'mixd'"),
-        (SOLID, "field = 'sigma22'", "field = 'sigma44'"),
-        (SOLID, "kind = 'drucker-prager'", "kind = 'cosserat-mises'\nantisymmetric_weight = 1"),
-        (SOLID, "numbers = [1]", "numbers = [-1]"),
-        (SOLID, "count = 3", "count = 1"),
-        (FLOW, "kind = 'harris-grekova'", "kind = 'harris-grekov'"),
-        (FLOW, "cells = [32, 32]", "cells = [32, 31]"),
-        (FLOW, "duration = 1e-3", "duration = 1e-3\ntolerance = 1"),
-        (FLOW, "from = 1\n", "from = 0\n"),
-        // Invalid names and dimensions, and lists of other length than the number of axes.
-        (SOLID, "[model]", "name = 'a/b'\n[model]"),
-        (SOLID, "[model]", "name = '..'\n[model]"),
-        (SOLID, "[model]", "name = ''\n[model]"),
-        (SOLID, "mu = 1e9", "mu = 1e9\ndimensions = 4"),
-        (SOLID, "mu = 1e9", "mu = 1e9\ndimensions = 3"),
-        (SOLID, "acceleration = [0, -9.81]", "acceleration = [0, 0, -9.81]"),
-        (SOLID, "at = [5, 5]", "at = [5, 5, 5]"),
-        (SOLID, "axis = 2\n", "axis = 3\n"),
-        (FLOW, "at = [0.05, 0.05]", "at = [0.05, 0.05, 0.05]"),
-        (FLOW, "[background]", "[compare]\nkinds = []\n[background]"),
-        // Mutually exclusive keys.
-        (SOLID, "at = 5\n", "at = 5\nfrom = 1\nto = 2\n"),
-        (SOLID, "count = 3", "count = 3\nat = [1, 1]"),
-        (SOLID, "frequency = 5 }", "frequency = 5 }\nprofile = { kind = 'bell', at = 0, radius = 1 }"),
-    ];
-    for text in [SOLID, FLOW] {
+fn invalid_cases_are_rejected_by_schema_and_program() {
+    let validator = build_validator();
+    for text in [SOLID_CASE, FLOW_CASE] {
         Case::parse(text, "x.toml", &[]).expect("a sound case");
-        assert!(validator.is_valid(&as_json(text)));
+        assert!(validator.is_valid(&parse_to_json(text)));
     }
-    for (text, old, new) in spoiled {
+    for (text, old, new) in INVALID_MODIFICATIONS {
         assert!(text.contains(old), "{old}");
         let text = text.replacen(old, new, 1);
         assert!(Case::parse(&text, "x.toml", &[]).is_err(), "the program takes {new}");
-        assert!(!validator.is_valid(&as_json(&text)), "the validator takes {new}");
+        assert!(!validator.is_valid(&parse_to_json(&text)), "the validator takes {new}");
     }
 }
 
 /// Returns the case in JSON with another value of a key.
-fn with_value(case: &Value, key: &Key, value: f64) -> Value {
-    let (section, name) = key.split();
+fn with_key_value(case: &Value, key: &Key, value: f64) -> Value {
+    let (section, name) = key.split_section();
     let mut case = case.clone();
     case[section][name] = value.into();
     case
@@ -406,23 +391,29 @@ fn with_value(case: &Value, key: &Key, value: f64) -> Value {
 
 /// Verifies that the schema refuses numbers outside the range of each key and accepts numbers inside.
 #[test]
-fn numbers_out_of_range_are_refused_by_the_schema() {
-    let validator = validator();
-    for medium in Medium::all() {
-        let case = as_json(&text_for(medium, Purpose::State));
-        let is_number = |key: &&Key| matches!(key.value_type(), Type::Number(_));
+fn schema_rejects_numbers_out_of_range() {
+    let validator = build_validator();
+    for medium in MediumKind::all_media() {
+        let case = parse_to_json(&generate_template(medium, TemplateKind::SingleState));
+        let is_number = |key: &&Key| matches!(key.value_type(), ValueType::Number(_));
         let numbers = keys().iter().filter(is_number).filter(|key| key.is_used_by(medium));
         for key in numbers.filter(|key| !key.name.starts_with("map.")) {
             let what = format!("{} of {}", key.name, medium.title());
-            for value in outside(key.range) {
-                assert!(!validator.is_valid(&with_value(&case, key, value)), "{what} = {value:?}");
+            for value in values_outside(key.range) {
+                assert!(
+                    !validator.is_valid(&with_key_value(&case, key, value)),
+                    "{what} = {value:?}"
+                );
             }
-            for value in closed_ends(key.range).into_iter().chain(just_inside(key.range)) {
-                assert!(validator.is_valid(&with_value(&case, key, value)), "{what} = {value:?}");
+            for value in closed_ends(key.range).into_iter().chain(values_just_inside(key.range)) {
+                assert!(
+                    validator.is_valid(&with_key_value(&case, key, value)),
+                    "{what} = {value:?}"
+                );
             }
         }
     }
     // The range also applies in a region.
-    let text = SOLID.replace("model = { mu = 2e9 }", "model = { mu = -2e9 }");
-    assert!(!validator.is_valid(&as_json(&text)));
+    let text = SOLID_CASE.replace("model = { mu = 2e9 }", "model = { mu = -2e9 }");
+    assert!(!validator.is_valid(&parse_to_json(&text)));
 }

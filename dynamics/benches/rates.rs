@@ -3,11 +3,11 @@
 //! A cell-update advances one cell by one Courant unit in every direction; a step consists of two cell-updates.
 //! `cargo bench -p wellposed-dynamics --bench rates -- [word…]` runs the rows whose names contain all these words.
 
-#[path = "../tests/solid/support.rs"]
-mod support;
+#[path = "../tests/solid/support/noise.rs"]
+mod noise;
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
 use std::time::Instant;
@@ -19,11 +19,11 @@ use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
-use wellposed_dynamics::simd::Instructions;
+use wellposed_dynamics::simd::InstructionSet;
 
 /// Distribution of media.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Media {
+enum MediaDistribution {
     Elastic,
     /// All cells yield in all steps.
     Yielding,
@@ -40,30 +40,30 @@ enum Media {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct BenchmarkRow {
     dimensions: usize,
     theory: Theory,
     /// Cells along each axis.
     count: usize,
-    media: Media,
-    is_single: bool,
+    media: MediaDistribution,
+    is_single_precision: bool,
     threads: usize,
     is_reference: bool,
-    instructions: Instructions,
+    instructions: InstructionSet,
 }
 
-impl Row {
+impl BenchmarkRow {
     fn name(&self) -> String {
         let Self { dimensions, theory, count, media, threads, is_reference, instructions, .. } =
             self;
-        let bits = if self.is_single { "f32" } else { "f64" };
+        let bits = if self.is_single_precision { "f32" } else { "f64" };
         let plain = if *is_reference { " reference" } else { "" };
         let name = format!("{dimensions}D {theory:?} {count} {media:?} {bits} {threads}t");
         format!("{name} {instructions:?}{plain}").to_lowercase()
     }
 }
 
-fn medium(theory: Theory, dimensions: usize, factor: f64) -> Medium {
+fn build_medium(theory: Theory, dimensions: usize, factor: f64) -> Medium {
     let couple =
         (theory == Theory::Cosserat).then_some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
     let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
@@ -73,33 +73,34 @@ fn medium(theory: Theory, dimensions: usize, factor: f64) -> Medium {
 }
 
 /// Returns a pseudo-random number in [0, 1).
-fn noise(index: usize) -> f64 {
-    0.5 * support::noise(index as u64) + 0.5
+fn unit_noise(index: usize) -> f64 {
+    0.5 * noise::noise(index as u64) + 0.5
 }
 
-fn media<const D: usize>(row: &Row) -> (Vec<Medium>, Vec<u16>) {
+fn build_media<const D: usize>(row: &BenchmarkRow) -> (Vec<Medium>, Vec<u16>) {
     let count = row.count.pow(D as u32);
-    let own = medium(row.theory, D, 1.0);
-    let both = vec![own.clone(), medium(row.theory, D, 0.6)];
-    let yielding =
-        |strength: f64| vec![own.clone().yielding(YieldSet::from(Mises::von_mises(strength)))];
+    let own = build_medium(row.theory, D, 1.0);
+    let both = vec![own.clone(), build_medium(row.theory, D, 0.6)];
+    let yielding = |strength: f64| {
+        vec![own.clone().with_yield_set(YieldSet::from(Mises::new_von_mises(strength)))]
+    };
     let same = vec![0; count];
     let layer = row.count.pow(D as u32 - 1);
     match row.media {
-        Media::Elastic | Media::Tails => (vec![own], same),
-        Media::Yielding => (yielding(1e-3), same),
-        Media::Strong => (yielding(1e3), same),
-        Media::Layers => {
+        MediaDistribution::Elastic | MediaDistribution::Tails => (vec![own], same),
+        MediaDistribution::Yielding => (yielding(1e-3), same),
+        MediaDistribution::Strong => (yielding(1e3), same),
+        MediaDistribution::Layers => {
             let of = |cell: usize| (cell / layer * 20 / row.count % 2) as u16;
             (both, (0..count).map(of).collect())
         }
-        Media::Inclusions => {
-            let mut of_cell = same;
+        MediaDistribution::Inclusions => {
+            let mut cell_media = same;
             let radius = 0.04 * row.count as f64;
             for inclusion in 0..50 {
                 let middle: [f64; D] =
-                    std::array::from_fn(|axis| noise(3 * inclusion + axis) * row.count as f64);
-                for (cell, medium) in of_cell.iter_mut().enumerate() {
+                    std::array::from_fn(|axis| unit_noise(3 * inclusion + axis) * row.count as f64);
+                for (cell, medium) in cell_media.iter_mut().enumerate() {
                     let mut rest = cell;
                     let square: f64 = middle
                         .iter()
@@ -114,14 +115,16 @@ fn media<const D: usize>(row: &Row) -> (Vec<Medium>, Vec<u16>) {
                     }
                 }
             }
-            (both, of_cell)
+            (both, cell_media)
         }
-        Media::EachCell => (both, (0..count).map(|i| u16::from(noise(i) < 0.5)).collect()),
+        MediaDistribution::EachCell => {
+            (both, (0..count).map(|i| u16::from(unit_noise(i) < 0.5)).collect())
+        }
     }
 }
 
 /// Returns the CPU time of this process, s, where the operating system provides it.
-fn processor_time() -> Option<f64> {
+fn process_cpu_time() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(11);
     let ticks = |field: Option<&str>| field?.parse::<f64>().ok();
@@ -129,30 +132,30 @@ fn processor_time() -> Option<f64> {
 }
 
 /// Results of a row.
-struct Measured {
+struct Measurement {
     /// Median over all rounds, million cell-updates per second.
     rate: f64,
     /// Rate at the first decile of the round times, million cell-updates per second; of fewer than ten rounds, the
     /// fastest.
-    quick: f64,
+    first_decile_rate: f64,
     /// CPU time over wall time and number of threads.
-    share: Option<f64>,
+    cpu_share: Option<f64>,
     /// Time of one evaluation of the energy, in steps.
-    energies: f64,
+    energy_cost: f64,
     /// Memory traffic per cell-update, bytes; `None` for the reference solver.
-    bytes: Option<f64>,
+    bytes_per_update: Option<f64>,
     /// Size of all fields, bytes.
-    size: usize,
+    field_bytes: usize,
 }
 
 /// Solver to be measured.
-enum Solver<T: SolverReal, const D: usize> {
+enum MeasuredSolver<T: SolverReal, const D: usize> {
     Fused(DecomposedDomain<T, D>),
     Reference(Box<Reference<T, D>>),
 }
 
-impl<T: SolverReal, const D: usize> Solver<T, D> {
-    fn new(problem: &Problem<D>, row: &Row) -> Self {
+impl<T: SolverReal, const D: usize> MeasuredSolver<T, D> {
+    fn new(problem: &Problem<D>, row: &BenchmarkRow) -> Self {
         if row.is_reference {
             return Self::Reference(Box::new(Reference::new(problem).expect("sound")));
         }
@@ -161,7 +164,7 @@ impl<T: SolverReal, const D: usize> Solver<T, D> {
         Self::Fused(split)
     }
 
-    fn set(&mut self, field: Field, values: &[T]) {
+    fn set(&mut self, field: SolidField, values: &[T]) {
         match self {
             Self::Fused(own) => own.set(field, values),
             Self::Reference(own) => own.set(field, values),
@@ -183,12 +186,12 @@ impl<T: SolverReal, const D: usize> Solver<T, D> {
     }
 }
 
-fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
-    let (media, of_cell) = media::<D>(row);
-    let count = of_cell.len();
-    let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
+fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement {
+    let (media, cell_media) = build_media::<D>(row);
+    let count = cell_media.len();
+    let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     // Defaults of cases.
-    let is_elastic = media.iter().all(|medium| medium.yields.is_none());
+    let is_elastic = media.iter().all(|medium| medium.yield_set.is_none());
     let slopes = if is_elastic { Slopes::FourthOrder } else { Slopes::Limited };
     let scheme = Scheme {
         splitting: Splitting::Alternating,
@@ -196,16 +199,19 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let grid = Grid { cells: [row.count; D], spacing: [0.1; D] };
-    let problem = Problem::new(grid, media, of_cell, sides, 0.9 * 2.0 * 0.1 / speed, scheme);
-    let mut solver = Solver::new(&problem, row);
+    let problem = Problem::new(grid, media, cell_media, sides, 0.9 * 2.0 * 0.1 / speed, scheme);
+    let mut solver = MeasuredSolver::new(&problem, row);
     let fields = problem.media[0].fields.clone();
     let layer = row.count.pow(D as u32 - 1);
     for (index, field) in fields.iter().enumerate() {
         let value = |i: usize| {
             let tail = (i / layer) as f64 / row.count as f64 - 0.1;
-            let size =
-                if row.media == Media::Tails { (-2000.0 * tail.max(0.0)).exp() } else { 1.0 };
-            T::from_f64(size * (noise(i + 31 * index) - 0.5))
+            let size = if row.media == MediaDistribution::Tails {
+                (-2000.0 * tail.max(0.0)).exp()
+            } else {
+                1.0
+            };
+            T::from_f64(size * (unit_noise(i + 31 * index) - 0.5))
         };
         solver.set(*field, &(0..count).map(value).collect::<Vec<_>>());
     }
@@ -217,7 +223,7 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
     let probe = probe.elapsed().as_secs_f64();
     let steps = 2 * ((0.05 / probe) as usize).max(1);
     let rounds = ((5.0 / probe) as usize / (steps / 2)).max(5);
-    let begun = (Instant::now(), processor_time());
+    let start_times = (Instant::now(), process_cpu_time());
     let mut seconds: Vec<f64> = (0..rounds)
         .map(|_| {
             let start = Instant::now();
@@ -225,33 +231,34 @@ fn measure<T: SolverReal, const D: usize>(row: &Row) -> Measured {
             start.elapsed().as_secs_f64() / steps as f64
         })
         .collect();
-    let wall = begun.0.elapsed().as_secs_f64() * row.threads as f64;
-    let share = begun.1.zip(processor_time()).map(|(before, after)| (after - before) / wall);
+    let wall = start_times.0.elapsed().as_secs_f64() * row.threads as f64;
+    let share =
+        start_times.1.zip(process_cpu_time()).map(|(before, after)| (after - before) / wall);
     seconds.sort_by(f64::total_cmp);
     let start = Instant::now();
     std::hint::black_box(solver.energy());
-    let [quick, middle] = [10, 2].map(|share| seconds[rounds / share]);
+    let [first_decile_rate, middle] = [10, 2].map(|share| seconds[rounds / share]);
     let energies = start.elapsed().as_secs_f64() / middle;
     let fields = fields.len();
     let rate = |seconds: f64| 2.0 * count as f64 / seconds / 1e6;
-    Measured {
+    Measurement {
         rate: rate(middle),
-        quick: rate(quick),
-        share,
-        energies,
+        first_decile_rate: rate(first_decile_rate),
+        cpu_share: share,
+        energy_cost: energies,
         // Each pass reads and writes all fields once; a step consists of two cell-updates.
-        bytes: match solver {
-            Solver::Fused(split) => {
-                Some((fields * size_of::<T>()) as f64 / split.most_steps() as f64)
+        bytes_per_update: match solver {
+            MeasuredSolver::Fused(split) => {
+                Some((fields * size_of::<T>()) as f64 / split.max_pass_steps() as f64)
             }
-            Solver::Reference(_) => None,
+            MeasuredSolver::Reference(_) => None,
         },
-        size: fields * size_of::<T>() * count,
+        field_bytes: fields * size_of::<T>() * count,
     }
 }
 
 /// Measures the memory bandwidth of the triad a = b + 3c on arrays of `bytes` bytes in total, GB/s.
-fn triad(bytes: usize, threads: usize) -> f64 {
+fn measure_triad(bytes: usize, threads: usize) -> f64 {
     let length = bytes / 24 / threads;
     let mut arrays: Vec<[Vec<f64>; 3]> =
         (0..threads).map(|_| [vec![0.0; length], vec![1.0; length], vec![2.0; length]]).collect();
@@ -277,51 +284,59 @@ fn triad(bytes: usize, threads: usize) -> f64 {
 }
 
 /// Returns all rows, in the order of their grid sizes.
-fn rows() -> Vec<Row> {
-    let instructions = Instructions::best();
-    let (is_reference, is_single, threads, media) = (false, false, 1, Media::Elastic);
+fn benchmark_rows() -> Vec<BenchmarkRow> {
+    let instructions = InstructionSet::widest();
+    let (is_reference, is_single_precision, threads, media) =
+        (false, false, 1, MediaDistribution::Elastic);
     let mut rows = Vec::new();
     let sizes = [(2, 500), (2, 1000), (2, 4000), (3, 64), (3, 150), (3, 158), (3, 256)];
     for (dimensions, count) in sizes {
         for theory in [Theory::Classical, Theory::Cosserat] {
-            let row = Row {
+            let row = BenchmarkRow {
                 dimensions,
                 theory,
                 count,
                 media,
-                is_single,
+                is_single_precision,
                 threads,
                 is_reference,
                 instructions,
             };
             // 158 cells and the ghosts of a row fill all SIMD lanes in single and in double precision.
             if count == 158 {
-                rows.extend([false, true].map(|is_single| Row { is_single, ..row }));
+                rows.extend(
+                    [false, true]
+                        .map(|is_single_precision| BenchmarkRow { is_single_precision, ..row }),
+                );
                 continue;
             }
             let is_middle = [1000, 150].contains(&count);
             if count == 500 || count == 64 {
-                rows.push(Row { is_reference: true, ..row });
+                rows.push(BenchmarkRow { is_reference: true, ..row });
             }
             if is_middle {
-                let sets = Instructions::available().filter(|set| *set != instructions);
-                rows.extend(sets.map(|instructions| Row { instructions, ..row }));
+                let sets = InstructionSet::available_sets().filter(|set| *set != instructions);
+                rows.extend(sets.map(|instructions| BenchmarkRow { instructions, ..row }));
             }
             for threads in [1, 2] {
-                rows.push(Row { threads, ..row });
+                rows.push(BenchmarkRow { threads, ..row });
                 if count == 500 || count == 64 {
                     continue;
                 }
-                rows.push(Row { threads, is_single: true, ..row });
-                rows.push(Row { threads, media: Media::Strong, ..row });
-                rows.push(Row { threads, media: Media::Yielding, ..row });
+                rows.push(BenchmarkRow { threads, is_single_precision: true, ..row });
+                rows.push(BenchmarkRow { threads, media: MediaDistribution::Strong, ..row });
+                rows.push(BenchmarkRow { threads, media: MediaDistribution::Yielding, ..row });
                 if count != 256 {
-                    rows.push(Row { threads, media: Media::EachCell, ..row });
+                    rows.push(BenchmarkRow { threads, media: MediaDistribution::EachCell, ..row });
                 }
                 if is_middle && threads == 1 {
-                    let others = [Media::Layers, Media::Inclusions];
-                    rows.extend(others.map(|media| Row { media, ..row }));
-                    rows.push(Row { is_single: true, media: Media::Tails, ..row });
+                    let others = [MediaDistribution::Layers, MediaDistribution::Inclusions];
+                    rows.extend(others.map(|media| BenchmarkRow { media, ..row }));
+                    rows.push(BenchmarkRow {
+                        is_single_precision: true,
+                        media: MediaDistribution::Tails,
+                        ..row
+                    });
                 }
             }
         }
@@ -331,7 +346,7 @@ fn rows() -> Vec<Row> {
 
 /// Measures the speed-up of pure register arithmetic from one to two threads: the upper bound of scaling on this
 /// machine.
-fn scaling_of_arithmetic() -> f64 {
+fn measure_arithmetic_scaling() -> f64 {
     let work = || {
         let mut values: [f64; 16] = std::array::from_fn(|i| 1.0 + i as f64);
         for _ in 0..20_000_000 {
@@ -356,46 +371,48 @@ fn scaling_of_arithmetic() -> f64 {
 }
 
 fn main() {
-    println!("arithmetic alone: two threads {:.2} times one\n", scaling_of_arithmetic());
+    println!("arithmetic alone: two threads {:.2} times one\n", measure_arithmetic_scaling());
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     println!(
         "| row | Mcu/s | fastest tenth | B per update | GB/s | triad GB/s | energies / step | |"
     );
     println!("|---|---|---|---|---|---|---|---|");
-    for row in rows() {
+    for row in benchmark_rows() {
         let name = row.name();
         if !words.iter().all(|word| name.split(' ').any(|own| own == word)) {
             continue;
         }
-        let mut best: Option<(Measured, f64)> = None;
+        let mut best: Option<(Measurement, f64)> = None;
         for _ in 0..3 {
-            let found = match (row.dimensions, row.is_single) {
-                (2, false) => measure::<f64, 2>(&row),
-                (2, true) => measure::<f32, 2>(&row),
-                (_, false) => measure::<f64, 3>(&row),
-                (_, true) => measure::<f32, 3>(&row),
+            let found = match (row.dimensions, row.is_single_precision) {
+                (2, false) => measure_row::<f64, 2>(&row),
+                (2, true) => measure_row::<f32, 2>(&row),
+                (_, false) => measure_row::<f64, 3>(&row),
+                (_, true) => measure_row::<f32, 3>(&row),
             };
-            let triad = triad(found.size.clamp(1 << 20, 1 << 30), row.threads);
-            let is_quiet = found.share.is_none_or(|share| share > 0.95);
+            let triad = measure_triad(found.field_bytes.clamp(1 << 20, 1 << 30), row.threads);
+            let is_undisturbed = found.cpu_share.is_none_or(|share| share > 0.95);
             if best.as_ref().is_none_or(|best| found.rate > best.0.rate) {
                 best = Some((found, triad));
             }
-            if is_quiet {
+            if is_undisturbed {
                 break;
             }
         }
         let Some((found, triad)) = best else { continue };
-        let note = match found.share {
+        let note = match found.cpu_share {
             Some(share) if share <= 0.95 => format!("disturbed, {:.0} %", 100.0 * share),
             _ => String::new(),
         };
         println!(
             "| {name} | {:.1} | {:.1} | {} | {} | {triad:.1} | {:.2} | {note} |",
             found.rate,
-            found.quick,
-            found.bytes.map_or(String::new(), |bytes| format!("{bytes:.0}")),
-            found.bytes.map_or(String::new(), |bytes| format!("{:.1}", found.rate * bytes / 1e3)),
-            found.energies
+            found.first_decile_rate,
+            found.bytes_per_update.map_or(String::new(), |bytes| format!("{bytes:.0}")),
+            found
+                .bytes_per_update
+                .map_or(String::new(), |bytes| format!("{:.1}", found.rate * bytes / 1e3)),
+            found.energy_cost
         );
     }
 }

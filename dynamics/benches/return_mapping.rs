@@ -6,13 +6,13 @@
 //! contain all these words. A row is the fastest of nine rounds of four steps from the same state, by CPU time; rounds
 //! of all rows are interleaved.
 
-#[path = "../tests/solid/support.rs"]
-mod support;
+#[path = "../tests/solid/support/noise.rs"]
+mod noise;
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use models::solid::stress::Stress;
 use models::yield_set::YieldSet;
-use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::parameters::{InterlayerCoupleLimits, InterlayerYieldSet, Mises};
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::domain::Domain;
@@ -21,11 +21,11 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
 /// Cells along each axis.
-const CELLS: usize = 500;
+const CELLS_PER_AXIS: usize = 500;
 
 /// Addition to the plain configuration: initial stress, midpoint reflection, or a second kind of yield set.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum Configuration {
     Plain,
     /// An initial stress that depends on depth.
     Gravity,
@@ -35,7 +35,7 @@ enum Kind {
     TwoKinds,
 }
 
-fn media(theory: Theory, kind: Kind, strength: f64) -> Vec<Medium> {
+fn build_media(theory: Theory, kind: Configuration, strength: f64) -> Vec<Medium> {
     let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
     let couple = (theory == Theory::Cosserat).then_some(couple);
     let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
@@ -47,15 +47,15 @@ fn media(theory: Theory, kind: Kind, strength: f64) -> Vec<Medium> {
         symmetric_length: is_cosserat.then_some(0.9),
         antisymmetric_length: is_cosserat.then_some(0.7),
         // No friction: with friction, tensile noise returns to the apex, which is handled by the scalar projection.
-        ..Mises::von_mises(strength)
+        ..Mises::new_von_mises(strength)
     };
-    let mut media = vec![own.clone().yielding(YieldSet::from(cone))];
-    if kind == Kind::TwoKinds {
-        media.push(own.yielding(YieldSet::from(Interlayer {
+    let mut media = vec![own.clone().with_yield_set(YieldSet::from(cone))];
+    if kind == Configuration::TwoKinds {
+        media.push(own.with_yield_set(YieldSet::from(InterlayerYieldSet {
             shear_strength: strength,
             shear_friction: 0.3,
             shear_dilatancy: 0.3,
-            couple: is_cosserat.then_some(InterlayerCouple {
+            couple: is_cosserat.then_some(InterlayerCoupleLimits {
                 strength,
                 friction: 0.3,
                 dilatancy: 0.3,
@@ -66,24 +66,26 @@ fn media(theory: Theory, kind: Kind, strength: f64) -> Vec<Medium> {
 }
 
 /// Creates a domain with stresses far beyond the strength (`yields`), or far below it.
-fn domain<T: SolverReal>(theory: Theory, kind: Kind, yields: bool) -> Domain<T, 2> {
+fn build_domain<T: SolverReal>(theory: Theory, kind: Configuration, yields: bool) -> Domain<T, 2> {
     let strength = if yields { 0.02 } else { 1e3 };
-    let media = media(theory, kind, strength);
-    let count = CELLS * CELLS;
-    let is_other = |cell: usize| kind == Kind::TwoKinds && cell / CELLS < CELLS / 10;
-    let of_cell = (0..count).map(|cell| u16::from(is_other(cell))).collect();
-    let step = 0.9 * 0.2 / media[0].greatest_speed();
-    let plastic_step = if kind == Kind::SecondOrder {
+    let media = build_media(theory, kind, strength);
+    let count = CELLS_PER_AXIS * CELLS_PER_AXIS;
+    let is_other = |cell: usize| {
+        kind == Configuration::TwoKinds && cell / CELLS_PER_AXIS < CELLS_PER_AXIS / 10
+    };
+    let cell_media = (0..count).map(|cell| u16::from(is_other(cell))).collect();
+    let step = 0.9 * 0.2 / media[0].max_speed();
+    let plastic_step = if kind == Configuration::SecondOrder {
         PlasticStep::MidpointReflection
     } else {
         PlasticStep::ReturnMapping
     };
     let scheme =
         Scheme { splitting: Splitting::Alternating, ..Scheme::new(Slopes::Limited, plastic_step) };
-    let grid = Grid { cells: [CELLS; 2], spacing: [0.1; 2] };
+    let grid = Grid { cells: [CELLS_PER_AXIS; 2], spacing: [0.1; 2] };
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-    let mut problem = Problem::new(grid, media, of_cell, sides, step, scheme);
-    if kind == Kind::Gravity {
+    let mut problem = Problem::new(grid, media, cell_media, sides, step, scheme);
+    if kind == Configuration::Gravity {
         let stress = |layer: usize| {
             let mut stress = Stress::default();
             for axis in 0..3 {
@@ -91,11 +93,11 @@ fn domain<T: SolverReal>(theory: Theory, kind: Kind, yields: bool) -> Domain<T, 
             }
             stress
         };
-        problem.initial_stress = Some((1, (0..CELLS).map(stress).collect()));
+        problem.initial_stress = Some((1, (0..CELLS_PER_AXIS).map(stress).collect()));
     }
     let mut domain: Domain<T, 2> = Domain::new(&problem).expect("a sound problem");
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
-        let value = |cell: usize| T::from_f64(0.5 * support::noise((cell + index * count) as u64));
+        let value = |cell: usize| T::from_f64(0.5 * noise::noise((cell + index * count) as u64));
         domain.set(field, &(0..count).map(value).collect::<Vec<_>>());
     }
     domain
@@ -103,7 +105,7 @@ fn domain<T: SolverReal>(theory: Theory, kind: Kind, yields: bool) -> Domain<T, 
 
 /// Returns the CPU time of this thread, s.
 #[cfg(target_os = "linux")]
-fn processor_time() -> f64 {
+fn thread_cpu_time() -> f64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: the call writes to `time` only.
     let failed = unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut time) };
@@ -113,40 +115,45 @@ fn processor_time() -> f64 {
 
 /// Returns the time elapsed since the first call, s.
 #[cfg(not(target_os = "linux"))]
-fn processor_time() -> f64 {
-    static START: std::sync::LazyLock<std::time::Instant> =
+fn thread_cpu_time() -> f64 {
+    static CLOCK_START: std::sync::LazyLock<std::time::Instant> =
         std::sync::LazyLock::new(std::time::Instant::now);
-    START.elapsed().as_secs_f64()
+    CLOCK_START.elapsed().as_secs_f64()
 }
 
-fn rows<T: SolverReal>(theory: Theory) {
+fn measure_rows<T: SolverReal>(theory: Theory) {
     let name = format!("{theory:?} f{}", 8 * size_of::<T>()).to_lowercase();
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     if !words.iter().all(|word| name.split(' ').any(|own| own == word)) {
         return;
     }
-    const KINDS: [Kind; 4] = [Kind::Plain, Kind::Gravity, Kind::SecondOrder, Kind::TwoKinds];
+    const CONFIGURATIONS: [Configuration; 4] = [
+        Configuration::Plain,
+        Configuration::Gravity,
+        Configuration::SecondOrder,
+        Configuration::TwoKinds,
+    ];
     for yields in [false, true] {
-        let mut domains = KINDS.map(|kind| domain::<T>(theory, kind, yields));
-        let mut seconds = [f64::INFINITY; KINDS.len()];
+        let mut domains = CONFIGURATIONS.map(|kind| build_domain::<T>(theory, kind, yields));
+        let mut seconds = [f64::INFINITY; CONFIGURATIONS.len()];
         for _ in 0..9 {
             for (domain, least) in domains.iter().zip(&mut seconds) {
                 let mut own = domain.clone();
                 (0..2).for_each(|_| own.advance());
-                let start = processor_time();
+                let start = thread_cpu_time();
                 (0..4).for_each(|_| own.advance());
-                *least = least.min((processor_time() - start) / 4.0);
+                *least = least.min((thread_cpu_time() - start) / 4.0);
             }
         }
-        for ((domain, kind), least) in domains.iter_mut().zip(KINDS).zip(seconds) {
+        for ((domain, kind), least) in domains.iter_mut().zip(CONFIGURATIONS).zip(seconds) {
             (0..6).for_each(|_| domain.advance());
-            let before = domain.ledger().plastic;
+            let before = domain.ledger().plastic_dissipation;
             domain.advance();
-            let dissipated = domain.ledger().plastic - before;
+            let dissipated = domain.ledger().plastic_dissipation - before;
             let what = if yields { "yielding" } else { "never" };
             println!(
                 "| {name} {kind:?} {what} | {:.1} | {:.2} | {dissipated:.1e} |",
-                2.0 * (CELLS * CELLS) as f64 / least / 1e6,
+                2.0 * (CELLS_PER_AXIS * CELLS_PER_AXIS) as f64 / least / 1e6,
                 seconds[0] / least
             );
         }
@@ -156,7 +163,7 @@ fn rows<T: SolverReal>(theory: Theory) {
 fn main() {
     println!("| row | Mcu/s | of plain | dissipated in a step, J |\n|---|---|---|---|");
     for theory in [Theory::Classical, Theory::Cosserat] {
-        rows::<f64>(theory);
-        rows::<f32>(theory);
+        measure_rows::<f64>(theory);
+        measure_rows::<f32>(theory);
     }
 }

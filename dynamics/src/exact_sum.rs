@@ -5,32 +5,32 @@
 //! Subdomains, threads and tiles may add terms and merge accumulators in any order; the sum is rounded once.
 
 /// Bits per digit.
-const BITS: usize = 32;
+const DIGIT_BITS: usize = 32;
 
 /// Number of digits: from the smallest subnormal number 2⁻¹⁰⁷⁴ to 2¹⁰²⁴, plus two digits for carries.
-const DIGITS: usize = (1074_usize + 1024).div_ceil(BITS) + 2;
+const DIGIT_COUNT: usize = (1074_usize + 1024).div_ceil(DIGIT_BITS) + 2;
 
 /// Maximum number of terms between two carry propagations: a term adds less than 2³² to a digit, which holds up to 2⁶³.
-const TERMS: u32 = 1 << 30;
+const MAX_PENDING_TERMS: u32 = 1 << 30;
 
-/// Number of terms per vector, and maximum number of splitting levels of [`ExactSum::add_all`].
-const WIDTH: usize = 8;
-const LEVELS: usize = 3;
+/// Number of terms per vector, and maximum number of splitting levels of [`ExactSum::add_terms`].
+const GROUP_SIZE: usize = 8;
+const MAX_LEVELS: usize = 3;
 
 /// Exact sum of `f64` terms.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactSum {
     /// Digit i is the coefficient of 2^(32 i − 1074), of either sign.
-    digits: [i64; DIGITS],
+    digits: [i64; DIGIT_COUNT],
     /// Number of terms that may be added before carries must be propagated.
-    left: u32,
+    remaining_terms: u32,
     /// Sum of the non-finite terms; else zero.
-    not_finite: f64,
+    non_finite_sum: f64,
 }
 
 impl Default for ExactSum {
     fn default() -> Self {
-        Self { digits: [0; DIGITS], left: TERMS, not_finite: 0.0 }
+        Self { digits: [0; DIGIT_COUNT], remaining_terms: MAX_PENDING_TERMS, non_finite_sum: 0.0 }
     }
 }
 
@@ -46,37 +46,37 @@ impl ExactSum {
         let exponent = (bits >> 52 & 0x7ff) as usize;
         let fraction = bits & ((1 << 52) - 1);
         if exponent == 0x7ff {
-            self.not_finite += term;
+            self.non_finite_sum += term;
             return;
         }
         // Subnormal numbers have the exponent of the smallest normal ones and no implicit leading bit.
         let mantissa = if exponent == 0 { fraction } else { fraction | 1 << 52 };
         let place = exponent.saturating_sub(1);
-        let (digit, shift) = (place / BITS, place % BITS);
+        let (digit, shift) = (place / DIGIT_BITS, place % DIGIT_BITS);
         let shifted = u128::from(mantissa) << shift;
         let sign = 1 - 2 * (bits >> 63) as i64;
         for (own, part) in self.digits[digit..digit + 3].iter_mut().zip([0, 1, 2]) {
-            *own += sign * i64::from((shifted >> (part * BITS)) as u32);
+            *own += sign * i64::from((shifted >> (part * DIGIT_BITS)) as u32);
         }
-        self.left -= 1;
-        if self.left == 0 {
-            self.carry();
+        self.remaining_terms -= 1;
+        if self.remaining_terms == 0 {
+            self.propagate_carries();
         }
     }
 
-    /// Adds many terms and overwrites them; vectorised in groups of [`WIDTH`] as long as the terms have similar
+    /// Adds many terms and overwrites them; vectorised in groups of [`GROUP_SIZE`] as long as the terms have similar
     /// magnitudes.
     ///
     /// With A = 3/2 · 2ᵉ so large that no partial sum reaches 2ᵉ, h = (t + A) − A is t rounded to a multiple of ulp(A),
     /// t − h is exact, and so are sums of all h (Demmel & Nguyen 2015, *Parallel reproducible summation*). Remainders t
-    /// − h are split again; after [`LEVELS`] levels they are added one by one.
+    /// − h are split again; after [`MAX_LEVELS`] levels they are added one by one.
     #[inline(always)]
-    pub(crate) fn add_all(&mut self, terms: &mut [f64]) {
-        let (groups, rest) = terms.as_chunks_mut::<WIDTH>();
+    pub(crate) fn add_terms(&mut self, terms: &mut [f64]) {
+        let (groups, rest) = terms.as_chunks_mut::<GROUP_SIZE>();
         let mut levels = 0;
         loop {
             // Bit patterns of absolute values are ordered like the values; non-finite ones are largest.
-            let mut greatest = [0_u64; WIDTH];
+            let mut greatest = [0_u64; GROUP_SIZE];
             for group in groups.iter() {
                 for (greatest, term) in greatest.iter_mut().zip(group) {
                     *greatest = (*greatest).max(term.abs().to_bits());
@@ -87,9 +87,9 @@ impl ExactSum {
                 break rest.iter().for_each(|term| self.add(*term));
             }
             // Exponent of the anchor: that of the largest term, plus log₂ of the number of terms, plus two bits.
-            let bits = (WIDTH * groups.len()).next_power_of_two().trailing_zeros() as i32 + 2;
+            let bits = (GROUP_SIZE * groups.len()).next_power_of_two().trailing_zeros() as i32 + 2;
             let exponent = (greatest >> 52) as i32 - 1023 + bits;
-            if levels == LEVELS || !(-900..900).contains(&exponent) {
+            if levels == MAX_LEVELS || !(-900..900).contains(&exponent) {
                 break groups
                     .as_flattened()
                     .iter()
@@ -98,7 +98,7 @@ impl ExactSum {
             }
             levels += 1;
             let anchor = 1.5 * power_of_two(exponent);
-            let mut sums = [0.0; WIDTH];
+            let mut sums = [0.0; GROUP_SIZE];
             for group in groups.iter_mut() {
                 for (sum, term) in sums.iter_mut().zip(group) {
                     let high = (*term + anchor) - anchor;
@@ -113,70 +113,70 @@ impl ExactSum {
     /// Adds all terms of another accumulator.
     pub(crate) fn merge(&mut self, other: &Self) {
         let mut other = other.clone();
-        other.carry();
-        self.carry();
+        other.propagate_carries();
+        self.propagate_carries();
         for (own, digit) in self.digits.iter_mut().zip(other.digits) {
             *own += digit;
         }
-        self.left -= 1;
-        self.not_finite += other.not_finite;
+        self.remaining_terms -= 1;
+        self.non_finite_sum += other.non_finite_sum;
     }
 
     /// Propagates carries: all digits but the highest are then in 0 … 2³² − 1.
-    fn carry(&mut self) {
+    fn propagate_carries(&mut self) {
         let mut carry = 0;
         let (last, rest) = self.digits.split_last_mut().expect("there are digits");
         for digit in rest {
             let sum = *digit + carry;
-            carry = sum >> BITS;
-            *digit = sum & ((1 << BITS) - 1);
+            carry = sum >> DIGIT_BITS;
+            *digit = sum & ((1 << DIGIT_BITS) - 1);
         }
         *last += carry;
-        self.left = TERMS;
+        self.remaining_terms = MAX_PENDING_TERMS;
     }
 
     /// Returns the sign of the sum and the digits of its absolute value, all in 0 … 2³² − 1.
-    fn magnitude(&self) -> (f64, [i64; DIGITS]) {
+    fn sign_and_magnitude(&self) -> (f64, [i64; DIGIT_COUNT]) {
         let mut own = self.clone();
-        own.carry();
-        if own.digits[DIGITS - 1] >= 0 {
+        own.propagate_carries();
+        if own.digits[DIGIT_COUNT - 1] >= 0 {
             return (1.0, own.digits);
         }
         own.digits.iter_mut().for_each(|digit| *digit = -*digit);
-        own.carry();
+        own.propagate_carries();
         (-1.0, own.digits)
     }
 
     /// Returns the sum, rounded to nearest; +0 if it is zero.
-    pub(crate) fn value(&self) -> f64 {
-        if self.not_finite != 0.0 {
-            return self.not_finite;
+    pub(crate) fn to_f64(&self) -> f64 {
+        if self.non_finite_sum != 0.0 {
+            return self.non_finite_sum;
         }
-        let (sign, digits) = self.magnitude();
+        let (sign, digits) = self.sign_and_magnitude();
         let Some(first) = digits.iter().rposition(|digit| *digit != 0) else { return 0.0 };
         let low = first.saturating_sub(2);
         let upper = digits[low..=first]
             .iter()
             .rev()
-            .fold(0, |sum: u128, digit| sum << BITS | *digit as u128);
+            .fold(0, |sum: u128, digit| sum << DIGIT_BITS | *digit as u128);
         // Sticky bit: digits below the three highest ones decide ties.
         let sticky = u128::from(digits[..low].iter().any(|digit| *digit != 0));
-        sign * scaled((upper << 1 | sticky) as f64, (low * BITS) as i32 - 1075)
+        sign * scale_by_power_of_two((upper << 1 | sticky) as f64, (low * DIGIT_BITS) as i32 - 1075)
     }
 
     /// Returns a few numbers whose exact sum is this sum, for checkpoints.
-    pub(crate) fn parts(&self) -> Vec<f64> {
-        let (sign, digits) = self.magnitude();
+    pub(crate) fn to_terms(&self) -> Vec<f64> {
+        let (sign, digits) = self.sign_and_magnitude();
         let part = |(index, digit): (usize, &i64)| {
-            sign * scaled(*digit as f64, (index * BITS) as i32 - 1074)
+            sign * scale_by_power_of_two(*digit as f64, (index * DIGIT_BITS) as i32 - 1074)
         };
         let finite = digits.iter().enumerate().filter(|(_, digit)| **digit != 0).map(part);
-        finite.chain(Some(self.not_finite).filter(|rest| *rest != 0.0)).collect()
+        finite.chain(Some(self.non_finite_sum).filter(|rest| *rest != 0.0)).collect()
     }
 }
 
 /// Computes `number`·2^`exponent`, rounded once if the result is subnormal.
-fn scaled(mut number: f64, mut exponent: i32) -> f64 {
+fn scale_by_power_of_two(mut number: f64, mut exponent: i32) -> f64 {
     while exponent > 1023 {
         number *= power_of_two(1023);
         exponent -= 1023;
@@ -205,16 +205,17 @@ impl FromIterator<f64> for ExactSum {
 #[cfg(test)]
 mod tests {
     use super::ExactSum;
-    use testkit::random::Random;
+    use testkit::random::RandomNumbers;
 
     /// Random numbers of many magnitudes and either sign.
-    fn terms(seed: u64, count: usize, exponents: f64) -> Vec<f64> {
-        let mut random = Random::new(seed);
-        let mut term = || random.within(-1.0, 1.0) * random.decades(exponents.recip(), exponents);
+    fn random_terms(seed: u64, count: usize, exponents: f64) -> Vec<f64> {
+        let mut random = RandomNumbers::new(seed);
+        let mut term =
+            || random.uniform(-1.0, 1.0) * random.log_uniform(exponents.recip(), exponents);
         (0..count).map(|_| term()).collect()
     }
 
-    fn sum(terms: &[f64]) -> ExactSum {
+    fn exact_sum(terms: &[f64]) -> ExactSum {
         terms.iter().copied().collect()
     }
 
@@ -222,105 +223,108 @@ mod tests {
     #[test]
     fn sums_are_rounded_once() {
         for seed in 0..200 {
-            let integers = terms(seed, 50, 1e6).into_iter().map(|term| (term * 2e14).trunc());
+            let integers =
+                random_terms(seed, 50, 1e6).into_iter().map(|term| (term * 2e14).trunc());
             let integers: Vec<f64> = integers.collect();
             let exact: i128 = integers.iter().map(|term| *term as i128).sum();
-            assert_eq!(sum(&integers).value(), exact as f64, "{seed}");
+            assert_eq!(exact_sum(&integers).to_f64(), exact as f64, "{seed}");
             // At the lower end of the range: exact multiples of the smallest subnormal number.
             let least: Vec<f64> =
-                terms(seed, 50, 1e3).iter().map(|term| (term * 1e3).trunc()).collect();
+                random_terms(seed, 50, 1e3).iter().map(|term| (term * 1e3).trunc()).collect();
             let exact: f64 = least.iter().sum();
-            let scaled: Vec<f64> = least.iter().map(|term| term * 5e-324).collect();
-            assert_eq!(sum(&scaled).value(), exact * 5e-324, "{seed}");
+            let subnormal: Vec<f64> = least.iter().map(|term| term * 5e-324).collect();
+            assert_eq!(exact_sum(&subnormal).to_f64(), exact * 5e-324, "{seed}");
         }
     }
 
     #[test]
-    fn halves_are_rounded_to_even() {
+    fn ties_are_rounded_to_even() {
         let one = 1.0;
         let half = f64::EPSILON / 2.0;
-        assert_eq!(sum(&[one, half]).value(), 1.0);
-        assert_eq!(sum(&[one, half, 1e-300]).value(), 1.0 + f64::EPSILON);
-        assert_eq!(sum(&[one, half, -1e-300]).value(), 1.0);
-        assert_eq!(sum(&[1.0 + f64::EPSILON, half]).value(), 1.0 + 2.0 * f64::EPSILON);
-        assert_eq!(sum(&[-one, -half, -1e-300]).value(), -1.0 - f64::EPSILON);
+        assert_eq!(exact_sum(&[one, half]).to_f64(), 1.0);
+        assert_eq!(exact_sum(&[one, half, 1e-300]).to_f64(), 1.0 + f64::EPSILON);
+        assert_eq!(exact_sum(&[one, half, -1e-300]).to_f64(), 1.0);
+        assert_eq!(exact_sum(&[1.0 + f64::EPSILON, half]).to_f64(), 1.0 + 2.0 * f64::EPSILON);
+        assert_eq!(exact_sum(&[-one, -half, -1e-300]).to_f64(), -1.0 - f64::EPSILON);
     }
 
     #[test]
     fn order_and_merging_do_not_matter() {
         for seed in 0..50 {
-            let mut all = terms(seed, 300, 1e90);
+            let mut all = random_terms(seed, 300, 1e90);
             // Sums with almost complete cancellation.
-            all.extend(terms(seed, 300, 1e90).iter().map(|term| -term * (1.0 + f64::EPSILON)));
-            let expected = sum(&all).value().to_bits();
-            let mut random = Random::new(seed + 1000);
+            all.extend(
+                random_terms(seed, 300, 1e90).iter().map(|term| -term * (1.0 + f64::EPSILON)),
+            );
+            let expected = exact_sum(&all).to_f64().to_bits();
+            let mut random = RandomNumbers::new(seed + 1000);
             for _ in 0..5 {
                 for last in (1..all.len()).rev() {
-                    all.swap(last, random.below(last + 1));
+                    all.swap(last, random.uniform_index(last + 1));
                 }
-                let cut = random.below(all.len());
-                let (mut one, other) = (sum(&all[cut..]), sum(&all[..cut]));
+                let cut = random.uniform_index(all.len());
+                let (mut one, other) = (exact_sum(&all[cut..]), exact_sum(&all[..cut]));
                 one.merge(&other);
-                assert_eq!(one.value().to_bits(), expected, "{seed}");
-                let stored = one.parts();
+                assert_eq!(one.to_f64().to_bits(), expected, "{seed}");
+                let stored = one.to_terms();
                 assert!(stored.len() < 30);
-                assert_eq!(sum(&stored).value().to_bits(), expected, "{seed}");
+                assert_eq!(exact_sum(&stored).to_f64().to_bits(), expected, "{seed}");
             }
         }
     }
 
-    /// Verifies `add_all` against `add`: similar and very different magnitudes, zeros, non-finite terms, odd lengths.
+    /// Verifies `add_terms` against `add`: similar and very different magnitudes, zeros, non-finite terms, odd lengths.
     #[test]
-    fn many_at_once_are_one_by_one() {
+    fn adding_many_terms_equals_adding_each() {
         for seed in 0..300 {
             let (count, range) =
                 ([0, 1, 7, 8, 64, 333, 5000][seed % 7], [2.0, 1e9, 1e90, 1e250][seed % 4]);
-            let mut all = terms(seed as u64, count, range);
+            let mut all = random_terms(seed as u64, count, range);
             if seed % 3 == 0 {
                 all.iter_mut().step_by(2).for_each(|term| *term = 0.0);
             }
             if seed % 11 == 0 && count > 9 {
                 all[9] = [f64::NAN, f64::INFINITY, f64::MAX, 5e-324][seed % 4];
             }
-            let expected = sum(&all);
+            let expected = exact_sum(&all);
             let mut found = ExactSum::default();
             found.add(0.1);
-            found.add_all(&mut all);
+            found.add_terms(&mut all);
             found.add(-0.1);
             let [found, expected] =
-                [found, expected].map(|sum| (sum.value().to_bits(), sum.parts().len()));
+                [found, expected].map(|sum| (sum.to_f64().to_bits(), sum.to_terms().len()));
             assert_eq!(found, expected, "{seed}");
         }
     }
 
-    /// Verifies `add_all` for terms of one sign: the largest partial sums for a given magnitude.
+    /// Verifies `add_terms` for terms of one sign: the largest partial sums for a given magnitude.
     #[test]
-    fn many_at_once_have_one_sign() {
+    fn terms_of_one_sign_are_summed_exactly() {
         for seed in 0..20 {
-            let mut random = Random::new(seed);
-            let mut all: Vec<f64> = (0..8192).map(|_| random.within(1.9, 2.0)).collect();
-            let expected = sum(&all).value();
+            let mut random = RandomNumbers::new(seed);
+            let mut all: Vec<f64> = (0..8192).map(|_| random.uniform(1.9, 2.0)).collect();
+            let expected = exact_sum(&all).to_f64();
             let mut found = ExactSum::default();
-            found.add_all(&mut all);
-            assert_eq!(found.value(), expected, "{seed}");
+            found.add_terms(&mut all);
+            assert_eq!(found.to_f64(), expected, "{seed}");
         }
     }
 
     #[test]
-    fn extremes() {
-        assert_eq!(ExactSum::default().value().to_bits(), 0.0_f64.to_bits());
-        assert_eq!(sum(&[1e300, 1.0, -1e300]).value(), 1.0);
-        assert_eq!(sum(&[f64::MAX, f64::MAX]).value(), f64::INFINITY);
-        assert_eq!(sum(&[f64::MAX, f64::MAX, -f64::MAX]).value(), f64::MAX);
-        assert_eq!(sum(&[5e-324, -1e-323]).value(), -5e-324);
-        assert_eq!(sum(&[f64::MIN_POSITIVE, -5e-324]).value(), f64::MIN_POSITIVE - 5e-324);
-        assert!(sum(&[1.0, f64::NAN]).value().is_nan());
-        assert_eq!(sum(&[1.0, f64::NEG_INFINITY]).value(), f64::NEG_INFINITY);
+    fn extreme_and_non_finite_terms_are_summed_exactly() {
+        assert_eq!(ExactSum::default().to_f64().to_bits(), 0.0_f64.to_bits());
+        assert_eq!(exact_sum(&[1e300, 1.0, -1e300]).to_f64(), 1.0);
+        assert_eq!(exact_sum(&[f64::MAX, f64::MAX]).to_f64(), f64::INFINITY);
+        assert_eq!(exact_sum(&[f64::MAX, f64::MAX, -f64::MAX]).to_f64(), f64::MAX);
+        assert_eq!(exact_sum(&[5e-324, -1e-323]).to_f64(), -5e-324);
+        assert_eq!(exact_sum(&[f64::MIN_POSITIVE, -5e-324]).to_f64(), f64::MIN_POSITIVE - 5e-324);
+        assert!(exact_sum(&[1.0, f64::NAN]).to_f64().is_nan());
+        assert_eq!(exact_sum(&[1.0, f64::NEG_INFINITY]).to_f64(), f64::NEG_INFINITY);
         // Enough terms for several carry propagations.
         let many = 5_000_000;
         let ones: ExactSum = (0..many).map(|_| 0.1).collect();
         // The double nearest to 0.1 is 3602879701896397 / 2^55.
         let exact = 3_602_879_701_896_397_i128 * many;
-        assert_eq!(ones.value(), exact as f64 / 55_f64.exp2());
+        assert_eq!(ones.to_f64(), exact as f64 / 55_f64.exp2());
     }
 }

@@ -1,6 +1,6 @@
 //! Time loop of all time-domain simulations.
 //!
-//! A [`Simulation`] holds a state and advances it, an [`Observer`] receives the output, and [`drive`] is the loop:
+//! A [`Simulation`] holds a state and advances it, an [`Observer`] receives the output, and [`run_simulation`] is the loop:
 //!
 //! 1. If the initial state is unsound, the run ends with it.
 //! 2. A new run delivers the record, the account and the snapshot of its initial state. For a resumed run all output
@@ -12,7 +12,7 @@
 //!    interrupted). After a fault the simulation is at its last sound state, whose records and account are delivered if
 //!    they have not been.
 //!
-//! Steps do not depend on the output. A run resumed from a saved [`State`] delivers the same bits as an uninterrupted
+//! Steps do not depend on the output. A run resumed from a saved [`SimulationState`] delivers the same bits as an uninterrupted
 //! one. This module writes no files; observers do.
 
 mod flow;
@@ -32,7 +32,7 @@ use std::collections::BTreeMap;
 
 /// State of a simulation, sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct State {
+pub struct SimulationState {
     /// Number of steps done.
     pub steps: usize,
     /// Time of the state, s.
@@ -43,16 +43,16 @@ pub struct State {
     pub sections: BTreeMap<String, Vec<u8>>,
 }
 
-impl State {
+impl SimulationState {
     /// Iterates over the sections `name0`, `name1`, …
-    fn numbered(&self, name: &str) -> impl Iterator<Item = &[u8]> {
+    fn numbered_sections(&self, name: &str) -> impl Iterator<Item = &[u8]> {
         (0..)
             .map_while(move |index| self.sections.get(&format!("{name}{index}")).map(Vec::as_slice))
     }
 }
 
 /// Names sections `name0`, `name1`, …
-fn number(
+fn number_sections(
     name: &str,
     sections: impl Iterator<Item = Vec<u8>>,
 ) -> impl Iterator<Item = (String, Vec<u8>)> {
@@ -88,13 +88,13 @@ pub trait Simulation {
     fn is_finished(&self) -> bool;
 
     /// Compares `time`, s, with the time of the state: `Less` if it is earlier, `Equal` up to rounding.
-    fn compare(&self, time: f64) -> Ordering;
+    fn compare_time(&self, time: f64) -> Ordering;
 
     /// Checks whether the present state is sound.
     ///
     /// # Errors
     /// The fault of an unsound state.
-    fn check(&self) -> Result<(), Self::Fault> {
+    fn check_state(&self) -> Result<(), Self::Fault> {
         Ok(())
     }
 
@@ -148,10 +148,10 @@ pub trait Simulation {
     fn fields_at(&self, time: f64) -> Result<Self::Fields, Self::Fault>;
 
     /// Returns the state for a checkpoint.
-    fn state(&self) -> State;
+    fn state(&self) -> SimulationState;
 
     /// Restores a state without recording it; `false` if it belongs to another problem.
-    fn restore(&mut self, state: &State) -> bool;
+    fn restore(&mut self, state: &SimulationState) -> bool;
 }
 
 /// Receiver of the output of a simulation.
@@ -163,32 +163,30 @@ pub trait Observer<S: Simulation> {
     ///
     /// # Errors
     /// The record cannot be written.
-    fn record(&mut self, time: f64, values: &[f64]) -> Result<(), Self::Error>;
+    fn on_record(&mut self, time: f64, values: &[f64]) -> Result<(), Self::Error>;
 
     /// Receives an account that is due.
     ///
     /// # Errors
     /// The account cannot be written.
-    fn account(&mut self, account: &S::Account) -> Result<(), Self::Error>;
+    fn on_account(&mut self, account: &S::Account) -> Result<(), Self::Error>;
 
-    /// Receives a snapshot that is due: index from 0, time, s, and fields.
+    /// Receives a snapshot that is due.
     ///
     /// # Errors
     /// The snapshot cannot be written.
-    fn snapshot(
+    fn on_snapshot(
         &mut self,
         simulation: &S,
-        index: usize,
-        time: f64,
-        fields: S::Fields,
+        snapshot: DueSnapshot<S::Fields>,
     ) -> Result<(), Self::Error>;
 
     /// Called before steps are repeated to find the last sound state before a fault. No checkpoint can be made then;
-    /// only those of earlier [`after_steps`](Self::after_steps) calls exist.
+    /// only those of earlier [`on_steps_done`](Self::on_steps_done) calls exist.
     ///
     /// # Errors
     /// The run is interrupted.
-    fn replay(&mut self) -> Result<(), Self::Error> {
+    fn on_replay(&mut self) -> Result<(), Self::Error> {
         Ok(())
     }
 
@@ -197,7 +195,18 @@ pub trait Observer<S: Simulation> {
     ///
     /// # Errors
     /// The run is interrupted.
-    fn after_steps(&mut self, simulation: &S, last: &S::Account) -> Result<(), Self::Error>;
+    fn on_steps_done(&mut self, simulation: &S, last: &S::Account) -> Result<(), Self::Error>;
+}
+
+/// Output fields at an output time.
+#[derive(Clone, Debug)]
+pub struct DueSnapshot<F> {
+    /// Index of the output time, from 0.
+    pub index: usize,
+    /// Output time, s.
+    pub time: f64,
+    /// Fields at this time.
+    pub fields: F,
 }
 
 /// Output times.
@@ -211,9 +220,9 @@ pub struct OutputTimes {
 
 /// Result of a run.
 #[derive(Clone, Debug)]
-pub struct End<S: Simulation> {
+pub struct SimulationOutcome<S: Simulation> {
     /// Account of the last state.
-    pub last: S::Account,
+    pub last_account: S::Account,
     /// Fault that ended the run.
     pub fault: Option<S::Fault>,
 }
@@ -222,116 +231,127 @@ pub struct End<S: Simulation> {
 ///
 /// # Errors
 /// The first error of the observer.
-pub fn drive<S: Simulation, O: Observer<S>>(
+pub fn run_simulation<S: Simulation, O: Observer<S>>(
     simulation: &mut S,
     output: &OutputTimes,
     is_resumed: bool,
     observer: &mut O,
-) -> Result<End<S>, O::Error> {
+) -> Result<SimulationOutcome<S>, O::Error> {
     let last = simulation.account();
-    let mut driver = Driver { simulation, observer, output, accounts: 0, snapshots: 0, last };
-    if is_resumed {
-        driver.accounts = output.accounts.reached(driver.simulation);
-        driver.snapshots = output.snapshots.map_or(0, |own| own.reached(driver.simulation));
-    }
-    let fault = match driver.run(is_resumed) {
-        Ok(()) => None,
-        Err(Stop::Fault(fault)) => Some(fault),
-        Err(Stop::Observer(error)) => return Err(error),
+    let mut driver = RunDriver {
+        simulation,
+        observer,
+        output,
+        account_count: 0,
+        snapshot_count: 0,
+        last_account: last,
     };
-    Ok(End { last: driver.last, fault })
+    if is_resumed {
+        driver.account_count = output.accounts.count_reached(driver.simulation);
+        driver.snapshot_count =
+            output.snapshots.map_or(0, |own| own.count_reached(driver.simulation));
+    }
+    let fault = match driver.run_to_end(is_resumed) {
+        Ok(()) => None,
+        Err(EarlyEndCause::Fault(fault)) => Some(fault),
+        Err(EarlyEndCause::Observer(error)) => return Err(error),
+    };
+    Ok(SimulationOutcome { last_account: driver.last_account, fault })
 }
 
 /// Cause of an early end of a run.
-enum Stop<F, E> {
+enum EarlyEndCause<F, E> {
     Fault(F),
     Observer(E),
 }
 
-type Run<S, O> = Result<(), Stop<<S as Simulation>::Fault, <O as Observer<S>>::Error>>;
+type DriverResult<S, O> =
+    Result<(), EarlyEndCause<<S as Simulation>::Fault, <O as Observer<S>>::Error>>;
 
 /// State of a run in progress.
-struct Driver<'a, S: Simulation, O> {
+struct RunDriver<'a, S: Simulation, O> {
     simulation: &'a mut S,
     observer: &'a mut O,
     output: &'a OutputTimes,
     /// Number of accounts delivered.
-    accounts: usize,
+    account_count: usize,
     /// Number of snapshots delivered.
-    snapshots: usize,
+    snapshot_count: usize,
     /// Last account delivered; before the first one, that of the initial state.
-    last: S::Account,
+    last_account: S::Account,
 }
 
-impl<S: Simulation, O: Observer<S>> Driver<'_, S, O> {
-    fn run(&mut self, is_resumed: bool) -> Run<S, O> {
-        self.simulation.check().map_err(Stop::Fault)?;
-        let start = if is_resumed { Ok(()) } else { self.deliver() };
-        match start.and_then(|()| self.steps()) {
-            Err(Stop::Fault(fault)) => {
-                self.close().map_err(Stop::Observer)?;
-                Err(Stop::Fault(fault))
+impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
+    fn run_to_end(&mut self, is_resumed: bool) -> DriverResult<S, O> {
+        self.simulation.check_state().map_err(EarlyEndCause::Fault)?;
+        let start = if is_resumed { Ok(()) } else { self.deliver_due_output() };
+        match start.and_then(|()| self.run_steps()) {
+            Err(EarlyEndCause::Fault(fault)) => {
+                self.deliver_last_state().map_err(EarlyEndCause::Observer)?;
+                Err(EarlyEndCause::Fault(fault))
             }
             end => end,
         }
     }
 
-    fn steps(&mut self) -> Run<S, O> {
+    fn run_steps(&mut self) -> DriverResult<S, O> {
         while !self.simulation.is_finished() {
-            let due = self.next_output();
+            let due = self.next_output_time();
             if let Err(fault) = self.simulation.advance(due) {
-                let found = self.simulation.recover(fault, || self.observer.replay());
-                return Err(Stop::Fault(found.map_err(Stop::Observer)?));
+                let found = self.simulation.recover(fault, || self.observer.on_replay());
+                return Err(EarlyEndCause::Fault(found.map_err(EarlyEndCause::Observer)?));
             }
-            self.deliver()?;
-            self.observer.after_steps(self.simulation, &self.last).map_err(Stop::Observer)?;
+            self.deliver_due_output()?;
+            self.observer
+                .on_steps_done(self.simulation, &self.last_account)
+                .map_err(EarlyEndCause::Observer)?;
         }
         Ok(())
     }
 
     /// Returns the next time at which an account or a snapshot is due, s.
-    fn next_output(&self) -> f64 {
-        let account = self.output.accounts.time(self.accounts);
-        let snapshot = self.output.snapshots.and_then(|own| own.time(self.snapshots));
+    fn next_output_time(&self) -> f64 {
+        let account = self.output.accounts.time(self.account_count);
+        let snapshot = self.output.snapshots.and_then(|own| own.time(self.snapshot_count));
         account.into_iter().chain(snapshot).fold(f64::INFINITY, f64::min)
     }
 
     /// Delivers all records, and the accounts and snapshots that are due.
-    fn deliver(&mut self) -> Run<S, O> {
-        self.deliver_records().map_err(Stop::Observer)?;
-        while let Some(time) = self.due(self.output.accounts, self.accounts) {
-            self.last = self.simulation.account_at(time).map_err(Stop::Fault)?;
-            self.observer.account(&self.last).map_err(Stop::Observer)?;
-            self.accounts += 1;
+    fn deliver_due_output(&mut self) -> DriverResult<S, O> {
+        self.deliver_probe_records().map_err(EarlyEndCause::Observer)?;
+        while let Some(time) = self.reached_time(self.output.accounts, self.account_count) {
+            self.last_account = self.simulation.account_at(time).map_err(EarlyEndCause::Fault)?;
+            self.observer.on_account(&self.last_account).map_err(EarlyEndCause::Observer)?;
+            self.account_count += 1;
         }
         let Some(times) = self.output.snapshots else { return Ok(()) };
-        while let Some(time) = self.due(times, self.snapshots) {
-            let fields = self.simulation.fields_at(time).map_err(Stop::Fault)?;
-            self.observer
-                .snapshot(self.simulation, self.snapshots, time, fields)
-                .map_err(Stop::Observer)?;
-            self.snapshots += 1;
+        while let Some(time) = self.reached_time(times, self.snapshot_count) {
+            let fields = self.simulation.fields_at(time).map_err(EarlyEndCause::Fault)?;
+            let due = DueSnapshot { index: self.snapshot_count, time, fields };
+            self.observer.on_snapshot(self.simulation, due).map_err(EarlyEndCause::Observer)?;
+            self.snapshot_count += 1;
         }
         Ok(())
     }
 
-    fn deliver_records(&mut self) -> Result<(), O::Error> {
-        self.simulation.drain_records(|time, values| self.observer.record(time, values))
+    fn deliver_probe_records(&mut self) -> Result<(), O::Error> {
+        self.simulation.drain_records(|time, values| self.observer.on_record(time, values))
     }
 
     /// Returns output time `index`, s, if the simulation has reached it.
-    fn due(&self, times: RegularTimes, index: usize) -> Option<f64> {
-        times.time(index).filter(|time| self.simulation.compare(*time) != Ordering::Greater)
+    fn reached_time(&self, times: RegularTimes, index: usize) -> Option<f64> {
+        times.time(index).filter(|time| self.simulation.compare_time(*time) != Ordering::Greater)
     }
 
     /// Delivers the records and, unless it was due, the account of the last sound state.
-    fn close(&mut self) -> Result<(), O::Error> {
-        self.deliver_records()?;
-        let last = self.accounts.checked_sub(1).and_then(|last| self.output.accounts.time(last));
-        if last.is_some_and(|time| self.simulation.compare(time) == Ordering::Equal) {
+    fn deliver_last_state(&mut self) -> Result<(), O::Error> {
+        self.deliver_probe_records()?;
+        let last =
+            self.account_count.checked_sub(1).and_then(|last| self.output.accounts.time(last));
+        if last.is_some_and(|time| self.simulation.compare_time(time) == Ordering::Equal) {
             return Ok(());
         }
-        self.last = self.simulation.account();
-        self.observer.account(&self.last)
+        self.last_account = self.simulation.account();
+        self.observer.on_account(&self.last_account)
     }
 }

@@ -1,9 +1,9 @@
 //! Verifies that time steps allocate no memory after the first steps.
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use models::yield_set::YieldSet;
-use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::parameters::{InterlayerCoupleLimits, InterlayerYieldSet, Mises};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -14,21 +14,21 @@ use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
-struct Counting;
+struct CountingAllocator;
 
 /// Number of allocations by all threads.
-static COUNT: AtomicUsize = AtomicUsize::new(0);
+static ALLOCATION_COUNT: AtomicUsize = AtomicUsize::new(0);
 
 thread_local! {
     /// Number of allocations by this thread: threads of the test harness may allocate at any time.
-    static OWN_COUNT: Cell<usize> = const { Cell::new(0) };
+    static THREAD_ALLOCATION_COUNT: Cell<usize> = const { Cell::new(0) };
 }
 
 // SAFETY: all calls are forwarded unchanged to the system allocator.
-unsafe impl GlobalAlloc for Counting {
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.fetch_add(1, Ordering::Relaxed);
-        OWN_COUNT.set(OWN_COUNT.get() + 1);
+        ALLOCATION_COUNT.fetch_add(1, Ordering::Relaxed);
+        THREAD_ALLOCATION_COUNT.set(THREAD_ALLOCATION_COUNT.get() + 1);
         // SAFETY: the caller meets the requirements of `alloc`.
         unsafe { System.alloc(layout) }
     }
@@ -40,14 +40,14 @@ unsafe impl GlobalAlloc for Counting {
 }
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// Counts the allocations of `steps` steps in `parts` subdomains: by this thread, and by all threads.
-fn allocations(problem: &Problem<2>, parts: usize, steps: usize) -> [usize; 2] {
+fn count_allocations(problem: &Problem<2>, parts: usize, steps: usize) -> [usize; 2] {
     let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(problem, parts).expect("sound");
-    split.set(Field::Velocity(0), &(0..405).map(|i| (i % 7) as f64).collect::<Vec<_>>());
+    split.set(SolidField::Velocity(0), &(0..405).map(|i| (i % 7) as f64).collect::<Vec<_>>());
     split.advance(3);
-    let counts = || [OWN_COUNT.get(), COUNT.load(Ordering::Relaxed)];
+    let counts = || [THREAD_ALLOCATION_COUNT.get(), ALLOCATION_COUNT.load(Ordering::Relaxed)];
     let before = counts();
     split.advance(steps);
     let after = counts();
@@ -60,10 +60,10 @@ fn steps_allocate_nothing() {
     let couple = Some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });
     let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
     let solid = Isotropic::new(1.4, 0.9, 1.2, Some(rotation)).expect("sound moduli");
-    let layers = InterlayerCouple { strength: 0.16, friction: 0.3, dilatancy: 0.3 };
+    let layers = InterlayerCoupleLimits { strength: 0.16, friction: 0.3, dilatancy: 0.3 };
     let sets = [
-        YieldSet::from(Mises::drucker_prager(0.2, 0.3, 0.3)),
-        YieldSet::from(Interlayer {
+        YieldSet::from(Mises::new_drucker_prager(0.2, 0.3, 0.3)),
+        YieldSet::from(InterlayerYieldSet {
             shear_strength: 0.2,
             shear_friction: 0.5,
             shear_dilatancy: 0.5,
@@ -80,12 +80,12 @@ fn steps_allocate_nothing() {
     for (set, scheme) in
         sets.into_iter().flat_map(|set| schemes.map(move |scheme| (set.clone(), scheme)))
     {
-        let medium = Medium::new(solid, 2).yielding(set);
-        let step = 2.0 * 0.1 / medium.greatest_speed();
+        let medium = Medium::new(solid, 2).with_yield_set(set);
+        let step = 2.0 * 0.1 / medium.max_speed();
         let signal: wellposed_dynamics::boundary::Signal = Arc::new(f64::sin);
         let faces = vec![(2, 1.0)];
         let load = Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() };
-        let amplitudes = vec![(Field::Spin(2), 1.0), (Field::Stress(0, 0), 1.0)];
+        let amplitudes = vec![(SolidField::Spin(2), 1.0), (SolidField::Stress(0, 0), 1.0)];
         let source = Source { cells: vec![(40, 1.0)], amplitudes, signal };
         let grid = Grid { cells: [15, 27], spacing: [0.1, 0.1] };
         let sides = [[Boundary::Fixed, Boundary::Free], [Boundary::Periodic, Boundary::Periodic]];
@@ -94,11 +94,11 @@ fn steps_allocate_nothing() {
             sources: vec![source],
             ..Problem::new(grid, vec![medium], vec![0; 405], sides, step, scheme)
         };
-        assert_eq!(allocations(&problem, 1, 200)[0], 0);
+        assert_eq!(count_allocations(&problem, 1, 200)[0], 0);
         // Threads allocate when they start, when they wait for the first time, and for the messages in flight (up to 16
         // in each direction between neighbours), at unpredictable times; the number must not scale with the steps.
-        let [_, few] = allocations(&problem, 3, 10);
-        let [_, many] = allocations(&problem, 3, 1000);
+        let [_, few] = count_allocations(&problem, 3, 10);
+        let [_, many] = count_allocations(&problem, 3, 1000);
         assert!(many < few + 300, "{few} {many}");
     }
 }

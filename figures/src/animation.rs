@@ -7,66 +7,66 @@ use plotters::style::RGBColor;
 
 use crate::error::FigureError;
 use crate::field::FieldFigure;
-use crate::format::Format;
+use crate::format::FigureFormat;
 use crate::picture::{Colour, INK, WHITE};
 
 /// Maximum number of colours of a GIF palette.
-const COLOURS: usize = 256;
+const MAX_COLOURS: usize = 256;
 /// Number of shades between ink and paper, used for the antialiased edges of letters and lines.
-const GREYS: u8 = 24;
+const GREY_COUNT: u8 = 24;
 /// Shares of ink in the mixtures of ink and field colours, used for antialiased edges on the field.
-const MIXES: [f64; 2] = [0.35, 0.7];
+const INK_SHARES: [f64; 2] = [0.35, 0.7];
 
 /// Animated GIF of fields, written frame by frame, so that only one frame is in memory.
 ///
 /// All frames share one palette that contains the field colours, so that a value has the same colour in all frames.
-/// Frames must have the same [`FieldFigure::scale`] and picture size; axes, marks and label should not change either.
+/// Frames must have the same [`FieldFigure::fixed_limit`] and picture size; axes, marks and label should not change either.
 /// The animation repeats indefinitely.
 ///
-/// A refused frame leaves the written frames unchanged. The file is incomplete until [`Animation::finish`].
-pub struct Animation<W: Write> {
-    state: State<W>,
+/// A refused frame leaves the written frames unchanged. The file is incomplete until [`GifAnimation::finish`].
+pub struct GifAnimation<W: Write> {
+    state: EncoderState<W>,
     /// Frame delay in hundredths of a second.
-    delay: u16,
-    width: u16,
+    frame_delay: u16,
+    frame_width: u16,
 }
 
-enum State<W: Write> {
-    Empty(W),
-    Begun(Box<Reel<W>>),
+enum EncoderState<W: Write> {
+    NoFrames(W),
+    Encoding(Box<AnimationEncoder<W>>),
     /// The writer was lost after an error.
-    Lost,
+    WriterLost,
 }
 
 /// Properties fixed by the first frame.
-struct Reel<W: Write> {
-    encoder: gif::Encoder<W>,
+struct AnimationEncoder<W: Write> {
+    gif_encoder: gif::Encoder<W>,
     palette: Palette,
     /// Width and height of the picture before downscaling, in pixels.
-    drawn: [u32; 2],
-    size: [u16; 2],
-    scale: f64,
+    picture_size: [u32; 2],
+    frame_size: [u16; 2],
+    fixed_limit: f64,
     is_signed: bool,
 }
 
 /// Draws fields as the frames of an animated GIF and returns the bytes of the file; each frame is shown for
-/// `seconds_per_frame` and is `width` pixels wide. See [`Animation`].
+/// `seconds_per_frame` and is `width` pixels wide. See [`GifAnimation`].
 ///
 /// # Errors
-/// An error of [`Animation::new`], [`Animation::add`] or [`Animation::finish`].
+/// An error of [`GifAnimation::new`], [`GifAnimation::add_frame`] or [`GifAnimation::finish`].
 pub fn animate(
     frames: &[FieldFigure],
     seconds_per_frame: f64,
     width: u32,
 ) -> Result<Vec<u8>, FigureError> {
-    let mut animation = Animation::new(Vec::new(), seconds_per_frame, width)?;
+    let mut animation = GifAnimation::new(Vec::new(), seconds_per_frame, width)?;
     for frame in frames {
-        animation.add(frame)?;
+        animation.add_frame(frame)?;
     }
     animation.finish()
 }
 
-impl<W: Write> Animation<W> {
+impl<W: Write> GifAnimation<W> {
     /// Creates an animation without frames. `seconds_per_frame` is rounded to hundredths of a second, at least two of
     /// which viewers require; `width` in pixels is at most 1600, the width of a figure. The height follows from the
     /// first frame.
@@ -84,76 +84,90 @@ impl<W: Write> Animation<W> {
             return refuse("cannot be 0 pixels wide".to_owned());
         }
         let width = width.min(crate::page::WIDTH as u32) as u16;
-        Ok(Self { state: State::Empty(writer), delay: hundredths as u16, width })
+        Ok(Self {
+            state: EncoderState::NoFrames(writer),
+            frame_delay: hundredths as u16,
+            frame_width: width,
+        })
     }
 
     /// Draws a frame and writes it to the file.
     ///
     /// # Errors
     /// The frame has no scale or another scale or size than the first frame, cannot be drawn, or cannot be written.
-    pub fn add(&mut self, figure: &FieldFigure) -> Result<(), FigureError> {
-        let Some(scale) = figure.scale else {
+    pub fn add_frame(&mut self, figure: &FieldFigure) -> Result<(), FigureError> {
+        let Some(fixed_limit) = figure.fixed_limit else {
             return refuse("needs frames of one scale, but one of them has none".to_owned());
         };
-        let picture = figure.picture(Format::Png)?;
-        let drawn = [picture.width, picture.height];
-        if let State::Begun(reel) = &self.state {
-            if reel.scale != scale {
-                let first = reel.scale;
+        let picture = figure.to_picture(FigureFormat::Png)?;
+        let picture_size = [picture.width, picture.height];
+        if let EncoderState::Encoding(encoder) = &self.state {
+            if encoder.fixed_limit != fixed_limit {
+                let first = encoder.fixed_limit;
                 return refuse(format!(
-                    "needs frames of one scale, but they have {first} and {scale}"
+                    "needs frames of one scale, but they have {first} and {fixed_limit}"
                 ));
             }
-            if reel.is_signed != figure.is_signed {
+            if encoder.is_signed != figure.is_signed {
                 let problem = "needs frames of one scale, but only some have a sign";
                 return refuse(problem.to_owned());
             }
-            if reel.drawn != drawn {
-                let [width, height] = reel.drawn;
+            if encoder.picture_size != picture_size {
+                let [width, height] = encoder.picture_size;
                 return refuse(format!(
                     "needs frames of one size, but they have {width} × {height} and {} × {} pixels",
-                    drawn[0], drawn[1]
+                    picture_size[0], picture_size[1]
                 ));
             }
         }
-        let pixels = picture.pixels()?;
-        if matches!(self.state, State::Empty(_)) {
-            self.begin(figure, scale, drawn)?;
+        let pixels = picture.render_pixels()?;
+        if matches!(self.state, EncoderState::NoFrames(_)) {
+            self.start_encoding(figure, fixed_limit, picture_size)?;
         }
-        let State::Begun(reel) = &mut self.state else {
+        let EncoderState::Encoding(encoder) = &mut self.state else {
             return refuse("has lost its writer in an earlier failure".to_owned());
         };
-        let small = averaged(&pixels, reel.drawn, reel.size);
-        let [width, height] = reel.size;
+        let small = downscale(&pixels, encoder.picture_size, encoder.frame_size);
+        let [width, height] = encoder.frame_size;
         let frame = gif::Frame {
-            delay: self.delay,
+            delay: self.frame_delay,
             width,
             height,
-            buffer: reel.palette.indices(&small).into(),
+            buffer: encoder.palette.to_indices(&small).into(),
             ..gif::Frame::default()
         };
-        Ok(reel.encoder.write_frame(&frame)?)
+        Ok(encoder.gif_encoder.write_frame(&frame)?)
     }
 
     /// Writes the header; size and colours are those of the first frame.
-    fn begin(
+    fn start_encoding(
         &mut self,
         figure: &FieldFigure,
-        scale: f64,
-        drawn: [u32; 2],
+        fixed_limit: f64,
+        picture_size: [u32; 2],
     ) -> Result<(), FigureError> {
-        let State::Empty(writer) = std::mem::replace(&mut self.state, State::Lost) else {
+        let EncoderState::NoFrames(writer) =
+            std::mem::replace(&mut self.state, EncoderState::WriterLost)
+        else {
             return Ok(());
         };
-        let share = f64::from(self.width) / f64::from(drawn[0]);
-        let height = (f64::from(drawn[1]) * share).round().clamp(1.0, f64::from(u16::MAX));
-        let size = [self.width, height as u16];
-        let palette = Palette::new(&figure.colours());
-        let mut encoder = gif::Encoder::new(writer, size[0], size[1], &palette.bytes())?;
+        let share = f64::from(self.frame_width) / f64::from(picture_size[0]);
+        let height = (f64::from(picture_size[1]) * share).round().clamp(1.0, f64::from(u16::MAX));
+        let frame_size = [self.frame_width, height as u16];
+        let palette = Palette::new(&figure.cell_colours());
+        let mut encoder =
+            gif::Encoder::new(writer, frame_size[0], frame_size[1], &palette.to_bytes())?;
         encoder.set_repeat(gif::Repeat::Infinite)?;
         let is_signed = figure.is_signed;
-        let reel = Reel { encoder, palette, drawn, size, scale, is_signed };
-        self.state = State::Begun(Box::new(reel));
+        let animation_encoder = AnimationEncoder {
+            gif_encoder: encoder,
+            palette,
+            picture_size,
+            frame_size,
+            fixed_limit,
+            is_signed,
+        };
+        self.state = EncoderState::Encoding(Box::new(animation_encoder));
         Ok(())
     }
 
@@ -163,13 +177,15 @@ impl<W: Write> Animation<W> {
     /// The animation has no frame, or writing fails.
     pub fn finish(self) -> Result<W, FigureError> {
         match self.state {
-            State::Begun(reel) => {
-                let mut writer = reel.encoder.into_inner()?;
+            EncoderState::Encoding(encoder) => {
+                let mut writer = encoder.gif_encoder.into_inner()?;
                 writer.flush().map_err(gif::EncodingError::from)?;
                 Ok(writer)
             }
-            State::Empty(_) => refuse("has no frames".to_owned()),
-            State::Lost => refuse("has lost its writer in an earlier failure".to_owned()),
+            EncoderState::NoFrames(_) => refuse("has no frames".to_owned()),
+            EncoderState::WriterLost => {
+                refuse("has lost its writer in an earlier failure".to_owned())
+            }
         }
     }
 }
@@ -181,7 +197,7 @@ fn refuse<T>(problem: String) -> Result<T, FigureError> {
 /// Palette of an animation, with a cache of the nearest palette colour of each other colour.
 struct Palette {
     colours: Vec<[u8; 3]>,
-    nearest: HashMap<[u8; 3], u8>,
+    nearest_index: HashMap<[u8; 3], u8>,
 }
 
 impl Palette {
@@ -198,46 +214,47 @@ impl Palette {
         };
         let mut colours: Vec<[u8; 3]> = Vec::new();
         let mut add = |colour: [u8; 3]| {
-            if colours.len() < COLOURS && !colours.contains(&colour) {
+            if colours.len() < MAX_COLOURS && !colours.contains(&colour) {
                 colours.push(colour);
             }
         };
-        for step in 0..GREYS {
-            add(mixed(INK, WHITE, f64::from(step) / f64::from(GREYS - 1)));
+        for step in 0..GREY_COUNT {
+            add(mixed(INK, WHITE, f64::from(step) / f64::from(GREY_COUNT - 1)));
         }
         field.iter().for_each(|colour| add(channels(*colour)));
-        let room = COLOURS.saturating_sub(GREYS.into()).saturating_sub(field.len());
-        let every = (MIXES.len() * field.len()).div_ceil(room.max(1)).max(1);
+        let mixture_capacity =
+            MAX_COLOURS.saturating_sub(GREY_COUNT.into()).saturating_sub(field.len());
+        let every = (INK_SHARES.len() * field.len()).div_ceil(mixture_capacity.max(1)).max(1);
         for colour in field.iter().skip(every / 2).step_by(every) {
-            for share in MIXES {
+            for share in INK_SHARES {
                 add(mixed(*colour, INK, share));
             }
         }
-        Self { colours, nearest: HashMap::new() }
+        Self { colours, nearest_index: HashMap::new() }
     }
 
-    fn bytes(&self) -> Vec<u8> {
+    fn to_bytes(&self) -> Vec<u8> {
         self.colours.concat()
     }
 
     /// Returns the palette index of the nearest colour for each pixel.
-    fn indices(&mut self, pixels: &[u8]) -> Vec<u8> {
-        let Self { colours, nearest } = self;
+    fn to_indices(&mut self, pixels: &[u8]) -> Vec<u8> {
+        let Self { colours, nearest_index } = self;
         let pixels = pixels.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
         let index = |pixel: [u8; 3]| {
             let distance = |colour: &[u8; 3]| -> i32 {
                 let parts = colour.iter().zip(pixel).zip([3, 5, 2]);
                 parts.map(|((a, b), weight)| weight * (i32::from(*a) - i32::from(b)).pow(2)).sum()
             };
-            let least = colours.iter().enumerate().min_by_key(|(_, colour)| distance(colour));
-            least.map_or(0, |(index, _)| index as u8)
+            let nearest = colours.iter().enumerate().min_by_key(|(_, colour)| distance(colour));
+            nearest.map_or(0, |(index, _)| index as u8)
         };
-        pixels.map(|pixel| *nearest.entry(pixel).or_insert_with(|| index(pixel))).collect()
+        pixels.map(|pixel| *nearest_index.entry(pixel).or_insert_with(|| index(pixel))).collect()
     }
 }
 
 /// Downscales a picture of three bytes per pixel: each target pixel is the mean over the area it covers.
-fn averaged(pixels: &[u8], from: [u32; 2], to: [u16; 2]) -> Vec<u8> {
+fn downscale(pixels: &[u8], from: [u32; 2], to: [u16; 2]) -> Vec<u8> {
     let [[columns, width], [rows, height]] =
         [0, 1].map(|axis| [from[axis] as usize, usize::from(to[axis])]);
     // Integer units: a source pixel is `count` units long, a target pixel `all` units.
@@ -277,8 +294,9 @@ mod tests {
     use super::*;
     use crate::field::{FieldAxis, FieldMark, FieldMarkKind};
 
-    fn frame(time: f64, is_signed: bool) -> FieldFigure {
-        let axis = |label: &str, to: f64| FieldAxis { label: label.to_owned(), from: 0.0, to };
+    fn sample_frame(time: f64, is_signed: bool) -> FieldFigure {
+        let axis =
+            |label: &str, to: f64| FieldAxis { label: label.to_owned(), start: 0.0, end: to };
         let value = |cell: usize| {
             let (x, y) = ((cell % 60) as f64, (cell / 60) as f64);
             let wave = 2.0 * (0.4 * (x - 30.0).hypot(y - 20.0) - 9.0 * time).sin() * time;
@@ -299,21 +317,19 @@ mod tests {
             values,
             label: "velocity v₂, m/s".to_owned(),
             is_signed,
-            limit: None,
-            scale: Some(1.5),
-            curves: None,
-            outlines: Vec::new(),
-            plastic: vec![false; 2400],
+            fixed_limit: Some(1.5),
+            has_yielded: vec![false; 2400],
             marks: vec![FieldMark {
-                at: [3.0, 2.0],
+                position: [3.0, 2.0],
                 name: "R1".to_owned(),
                 kind: FieldMarkKind::Receiver,
             }],
+            ..FieldFigure::default()
         }
     }
 
     /// Decoded content of a GIF.
-    struct Decoded {
+    struct DecodedGif {
         size: [u16; 2],
         repeat: gif::Repeat,
         /// Frame delays in hundredths of a second.
@@ -322,7 +338,7 @@ mod tests {
         frames: Vec<Vec<u8>>,
     }
 
-    fn decoded(bytes: &[u8]) -> Decoded {
+    fn decode_gif(bytes: &[u8]) -> DecodedGif {
         let mut decoder = gif::DecodeOptions::new().read_info(bytes).unwrap();
         let size = [decoder.width(), decoder.height()];
         let palette = decoder.global_palette().unwrap().to_vec();
@@ -335,18 +351,19 @@ mod tests {
             delays.push(frame.delay);
             frames.push(pixels.copied().collect());
         }
-        Decoded { size, repeat: decoder.repeat(), delays, frames }
+        DecodedGif { size, repeat: decoder.repeat(), delays, frames }
     }
 
     #[test]
-    fn frames_come_back_as_they_were_written() {
+    fn decoded_animation_has_the_written_frames() {
         let times = [0.0, 0.3, 0.6, 1.2];
         for is_signed in [false, true] {
-            let figures = times.map(|time| frame(time, is_signed));
+            let figures = times.map(|time| sample_frame(time, is_signed));
             let bytes = animate(&figures, 0.08, 640).unwrap();
             assert_eq!(&bytes[..6], b"GIF89a");
-            let Decoded { size, repeat, delays, frames } = decoded(&bytes);
-            let [width, height] = crate::tests::png_size(&figures[0].draw(Format::Png).unwrap());
+            let DecodedGif { size, repeat, delays, frames } = decode_gif(&bytes);
+            let [width, height] =
+                crate::tests::png_size(&figures[0].draw(FigureFormat::Png).unwrap());
             let expected = f64::from(height) * 640.0 / f64::from(width);
             assert_eq!(size[0], 640);
             assert!((f64::from(size[1]) - expected).abs() <= 0.5);
@@ -356,26 +373,26 @@ mod tests {
             assert_ne!(frames[1], frames[2]);
             assert_eq!(bytes, animate(&figures, 0.08, 640).unwrap());
 
-            let mut animation = Animation::new(Vec::new(), 0.08, 640).unwrap();
-            figures.iter().for_each(|figure| animation.add(figure).unwrap());
+            let mut animation = GifAnimation::new(Vec::new(), 0.08, 640).unwrap();
+            figures.iter().for_each(|figure| animation.add_frame(figure).unwrap());
             assert_eq!(animation.finish().unwrap(), bytes);
         }
     }
 
     #[test]
-    fn a_value_keeps_its_colour_and_the_rest_its_place() {
+    fn equal_values_have_equal_colours_in_all_frames() {
         for is_signed in [false, true] {
-            let figures = [0.0, 0.4, 1.3].map(|time| frame(time, is_signed));
-            let Decoded { size, frames, .. } = decoded(&animate(&figures, 0.1, 800).unwrap());
+            let figures = [0.0, 0.4, 1.3].map(|time| sample_frame(time, is_signed));
+            let DecodedGif { size, frames, .. } = decode_gif(&animate(&figures, 0.1, 800).unwrap());
             let [width, height] = size.map(usize::from);
             let pixel = |frame: usize, x: usize, y: usize| {
                 let start = 3 * (y * width + x);
                 &frames[frame][start..start + 3]
             };
             // The patch is in the lower left corner of the field and has a colour that occurs nowhere else.
-            let own = figures[0].colours();
+            let colours = figures[0].cell_colours();
             let value = if is_signed { 96 - 60 } else { 60 };
-            let RGBColor(red, green, blue) = own[value];
+            let RGBColor(red, green, blue) = colours[value];
             let found = |frame: usize| -> Vec<(usize, usize)> {
                 let all = (0..height).flat_map(|y| (0..width / 2).map(move |x| (x, y)));
                 all.filter(|&(x, y)| pixel(frame, x, y) == [red, green, blue]).collect()
@@ -404,70 +421,75 @@ mod tests {
     }
 
     #[test]
-    fn any_values_leave_the_size_as_it_is() {
-        let mut animation = Animation::new(Vec::new(), 0.1, 200).unwrap();
+    fn frame_size_is_independent_of_values() {
+        let mut animation = GifAnimation::new(Vec::new(), 0.1, 200).unwrap();
         for is_signed in [true, false] {
-            let mut figure = frame(0.5, is_signed);
+            let mut figure = sample_frame(0.5, is_signed);
             if !is_signed {
-                animation = Animation::new(Vec::new(), 0.1, 200).unwrap();
+                animation = GifAnimation::new(Vec::new(), 0.1, 200).unwrap();
             }
             for value in [0.0, 1.0, -1e-3, 1e300, f64::NAN, f64::NEG_INFINITY, 0.2] {
                 figure.values[300..900].fill(value);
-                figure.plastic[3] = !figure.plastic[3];
-                animation.add(&figure).unwrap();
+                figure.has_yielded[3] = !figure.has_yielded[3];
+                animation.add_frame(&figure).unwrap();
                 figure.values.fill(value);
-                animation.add(&figure).unwrap();
+                animation.add_frame(&figure).unwrap();
             }
             for (cell, value) in figure.values.iter_mut().enumerate() {
                 *value = (cell as f64).powi(3).sin();
             }
-            animation.add(&figure).unwrap();
+            animation.add_frame(&figure).unwrap();
         }
-        assert_eq!(decoded(&animation.finish().unwrap()).frames.len(), 15);
+        assert_eq!(decode_gif(&animation.finish().unwrap()).frames.len(), 15);
     }
 
     #[test]
-    fn means_of_areas() {
+    fn downscaling_averages_covered_areas() {
         let pixels: Vec<u8> = [10, 20, 40, 70].into_iter().flat_map(|value| [value; 3]).collect();
-        assert_eq!(averaged(&pixels, [4, 1], [2, 1]), [15, 15, 15, 55, 55, 55]);
-        assert_eq!(averaged(&pixels, [2, 2], [1, 1]), [35; 3]);
+        assert_eq!(downscale(&pixels, [4, 1], [2, 1]), [15, 15, 15, 55, 55, 55]);
+        assert_eq!(downscale(&pixels, [2, 2], [1, 1]), [35; 3]);
         // Each target pixel covers 3/2 source pixels.
         let pixels: Vec<u8> = [30, 60, 90].into_iter().flat_map(|value| [value; 3]).collect();
-        assert_eq!(averaged(&pixels, [3, 1], [2, 1]), [40, 40, 40, 80, 80, 80]);
-        assert_eq!(averaged(&[77; 3 * 49], [7, 7], [3, 4]), [77; 36]);
-        assert_eq!(averaged(&pixels, [3, 1], [3, 1]), pixels);
+        assert_eq!(downscale(&pixels, [3, 1], [2, 1]), [40, 40, 40, 80, 80, 80]);
+        assert_eq!(downscale(&[77; 3 * 49], [7, 7], [3, 4]), [77; 36]);
+        assert_eq!(downscale(&pixels, [3, 1], [3, 1]), pixels);
     }
 
     #[test]
-    fn frames_that_do_not_go_together_are_refused() {
-        let words = |result: Result<(), FigureError>| result.unwrap_err().to_string();
+    fn inconsistent_frames_are_refused() {
+        let label_text = |result: Result<(), FigureError>| result.unwrap_err().to_string();
         for seconds in [0.0, 0.01, -1.0, f64::NAN, f64::INFINITY, 1e4] {
-            assert!(Animation::new(Vec::new(), seconds, 100).is_err(), "{seconds}");
+            assert!(GifAnimation::new(Vec::new(), seconds, 100).is_err(), "{seconds}");
         }
-        assert!(Animation::new(Vec::new(), 1.0, 0).is_err());
+        assert!(GifAnimation::new(Vec::new(), 1.0, 0).is_err());
         assert!(animate(&[], 1.0, 100).unwrap_err().to_string().contains("no frames"));
-        let mut animation = Animation::new(Vec::new(), 1.0, 100).unwrap();
+        let mut animation = GifAnimation::new(Vec::new(), 1.0, 100).unwrap();
         let other = |change: &dyn Fn(&mut FieldFigure)| {
-            let mut figure = frame(1.0, true);
+            let mut figure = sample_frame(1.0, true);
             change(&mut figure);
             figure
         };
-        assert!(words(animation.add(&other(&|figure| figure.scale = None))).contains("has none"));
-        animation.add(&frame(0.0, true)).unwrap();
-        let doubled = other(&|figure| figure.scale = Some(3.0));
-        assert!(words(animation.add(&doubled)).contains("they have 1.5 and 3"));
-        let longer = other(&|figure| figure.x.to = 60.0);
-        assert!(words(animation.add(&longer)).contains("of one size"));
-        assert!(words(animation.add(&other(&|figure| figure.rows = 3))).contains("values"));
-        assert!(animation.add(&frame(0.0, false)).is_err());
-        animation.add(&frame(1.0, true)).unwrap();
-        assert_eq!(decoded(&animation.finish().unwrap()).frames.len(), 2);
+        assert!(
+            label_text(animation.add_frame(&other(&|figure| figure.fixed_limit = None)))
+                .contains("has none")
+        );
+        animation.add_frame(&sample_frame(0.0, true)).unwrap();
+        let doubled = other(&|figure| figure.fixed_limit = Some(3.0));
+        assert!(label_text(animation.add_frame(&doubled)).contains("they have 1.5 and 3"));
+        let longer = other(&|figure| figure.x.end = 60.0);
+        assert!(label_text(animation.add_frame(&longer)).contains("of one size"));
+        assert!(
+            label_text(animation.add_frame(&other(&|figure| figure.rows = 3))).contains("values")
+        );
+        assert!(animation.add_frame(&sample_frame(0.0, false)).is_err());
+        animation.add_frame(&sample_frame(1.0, true)).unwrap();
+        assert_eq!(decode_gif(&animation.finish().unwrap()).frames.len(), 2);
     }
 
     #[test]
-    fn a_writer_that_fails_is_reported() {
-        struct Full;
-        impl Write for Full {
+    fn failing_writer_is_reported() {
+        struct FailingWriter;
+        impl Write for FailingWriter {
             fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
                 Err(std::io::Error::other("disk full"))
             }
@@ -475,10 +497,12 @@ mod tests {
                 Ok(())
             }
         }
-        let mut animation = Animation::new(Full, 0.1, 100).unwrap();
-        let problem = animation.add(&frame(0.0, true)).unwrap_err().to_string();
+        let mut animation = GifAnimation::new(FailingWriter, 0.1, 100).unwrap();
+        let problem = animation.add_frame(&sample_frame(0.0, true)).unwrap_err().to_string();
         assert!(problem.contains("disk full"), "{problem}");
-        assert!(animation.add(&frame(0.0, true)).unwrap_err().to_string().contains("lost"));
+        assert!(
+            animation.add_frame(&sample_frame(0.0, true)).unwrap_err().to_string().contains("lost")
+        );
         assert!(animation.finish().is_err());
     }
 }

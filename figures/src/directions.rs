@@ -3,13 +3,13 @@
 use plotters::style::RGBColor;
 
 use crate::error::FigureError;
-use crate::format::Format;
-use crate::page::{self, Legend, MARGIN, NAME, NUMBER};
-use crate::picture::{Anchor, Colour, PALE_INK, Picture, Point, Rectangle, Text, circle};
+use crate::format::FigureFormat;
+use crate::page::{self, AXIS_NAME_SIZE, Legend, MARGIN, TICK_LABEL_SIZE};
+use crate::picture::{Anchor, Colour, PALE_INK, Picture, Point, Rectangle, Text, circle_points};
 
 /// Kind of a direction, which determines its line style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Style {
+pub enum DirectionKind {
     /// A characteristic direction of the steady equations: solid.
     Characteristic,
     /// A principal axis of stress: dashed.
@@ -20,11 +20,11 @@ pub enum Style {
     DeformationAxis,
 }
 
-impl Style {
+impl DirectionKind {
     const ALL: [Self; 4] =
         [Self::Characteristic, Self::StressAxis, Self::DeformationAxis, Self::Velocity];
 
-    fn words(self) -> &'static str {
+    fn description(self) -> &'static str {
         match self {
             Self::Characteristic => "characteristic direction",
             Self::StressAxis => "principal axis of stress",
@@ -33,7 +33,7 @@ impl Style {
         }
     }
 
-    fn look(self) -> (&'static [f64], f64, Colour) {
+    fn line_style(self) -> (&'static [f64], f64, Colour) {
         match self {
             Self::Characteristic => (&[], 5.0, RGBColor(0, 0, 0)),
             Self::StressAxis => (&[22.0, 10.0], 4.0, RGBColor(213, 94, 0)),
@@ -53,7 +53,7 @@ pub struct Direction {
     /// Multiplicity; written beside the direction if greater than 1.
     pub multiplicity: usize,
     /// Kind, which determines the line style.
-    pub style: Style,
+    pub kind: DirectionKind,
 }
 
 /// Diagram of directions through a common point in the physical plane.
@@ -67,46 +67,46 @@ pub struct DirectionsFigure {
     pub directions: Vec<Direction>,
 }
 
-const GUIDE: Colour = RGBColor(190, 190, 190);
-const LINE: f64 = 1.45 * NUMBER;
+const GUIDE_COLOUR: Colour = RGBColor(190, 190, 190);
+const LABEL_HEIGHT: f64 = 1.45 * TICK_LABEL_SIZE;
 /// Vertical distance of the centre of a label from the circle, pixels.
-const CLEARANCE: f64 = 32.0;
+const LABEL_CLEARANCE: f64 = 32.0;
 
 impl DirectionsFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
-        self.picture().render(format)
+    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(format)
     }
 
-    fn drawn(&self) -> impl Iterator<Item = &Direction> {
+    fn finite_directions(&self) -> impl Iterator<Item = &Direction> {
         self.directions.iter().filter(|direction| direction.angle_deg.is_finite())
     }
 
-    fn picture(&self) -> Picture {
-        let present = |style: &Style| self.drawn().any(|direction| direction.style == *style);
-        let entries = Style::ALL.into_iter().filter(present).map(|style| {
+    fn to_picture(&self) -> Picture {
+        let present = |style: &DirectionKind| {
+            self.finite_directions().any(|direction| direction.kind == *style)
+        };
+        let entries = DirectionKind::ALL.into_iter().filter(present).map(|style| {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let (dashes, width, colour) = style.look();
+                let (dashes, width, colour) = style.line_style();
                 let y = 0.5 * (area.top + area.bottom);
-                picture.dashed(&[[area.left, y], [area.right, y]], dashes, width, colour);
+                picture.draw_dashed_line(&[[area.left, y], [area.right, y]], dashes, width, colour);
             };
-            (style.words().to_owned(), Box::new(swatch) as _)
+            (style.description().to_owned(), Box::new(swatch) as _)
         });
         let legend = Legend::new(entries.collect(), page::WIDTH - 2.0 * MARGIN);
 
-        let mut sheet = Picture::new(page::WIDTH as u32, 1);
-        let top = page::heading(&mut sheet, &self.title, &self.subtitle);
+        let top = page::heading_bottom(&self.title, &self.subtitle);
         let below = 16.0 + legend.height() + MARGIN - 12.0;
         // The circle must be high enough for the column of labels on either side.
-        let sides = self.labels([0.0, 0.0], 1.0);
+        let sides = self.place_labels([0.0, 0.0], 1.0);
         let count = sides.iter().map(Vec::len).max().unwrap_or(0) as f64;
-        let plane = (count * LINE + 20.0).max(700.0);
+        let plane = (count * LABEL_HEIGHT + 20.0).max(700.0);
         let height = page::HEIGHT.max(top + plane + below).ceil();
-        let mut picture = Picture::new(page::WIDTH as u32, height as u32);
-        page::heading(&mut picture, &self.title, &self.subtitle);
+        let mut picture = page::create_page(height, &self.title, &self.subtitle);
         let area =
             Rectangle { left: MARGIN, top, right: page::WIDTH - MARGIN, bottom: height - below };
         self.draw_plane(&mut picture, area);
@@ -123,41 +123,45 @@ impl DirectionsFigure {
             [centre[0] + radius * cos, centre[1] - radius * sin]
         };
 
-        let mut rim = circle(centre, radius, 180);
+        let mut rim = circle_points(centre, radius, 180);
         rim.extend_from_within(..2);
-        picture.line(rim, 1.8, GUIDE);
+        picture.draw_line(rim, 1.8, GUIDE_COLOUR);
         for step in 0..24 {
             let angle = 15.0 * f64::from(step);
             let length = if step % 3 == 0 { 16.0 } else { 9.0 };
-            picture.line([at(angle, radius), at(angle, radius - length)], 1.8, GUIDE);
+            picture.draw_line([at(angle, radius), at(angle, radius - length)], 1.8, GUIDE_COLOUR);
         }
         for angle in [0.0, 90.0] {
             let tip = radius + 22.0;
-            picture.line([at(angle + 180.0, radius), at(angle, tip - 10.0)], 2.2, PALE_INK);
+            picture.draw_line([at(angle + 180.0, radius), at(angle, tip - 10.0)], 2.2, PALE_INK);
             let head = |turn: f64| {
                 let [x, y] = at(angle, tip);
                 let (sin, cos) = (angle + turn).to_radians().sin_cos();
                 [x - 24.0 * cos, y + 24.0 * sin]
             };
-            picture.polygon(vec![at(angle, tip), head(18.0), head(-18.0)], PALE_INK);
+            picture.fill_polygon(vec![at(angle, tip), head(18.0), head(-18.0)], PALE_INK);
         }
 
         // Wide lines first, so that narrower lines in the same direction remain visible.
-        let mut directions: Vec<&Direction> = self.drawn().collect();
-        directions.sort_by_key(|direction| direction.style != Style::Characteristic);
+        let mut directions: Vec<&Direction> = self.finite_directions().collect();
+        directions.sort_by_key(|direction| direction.kind != DirectionKind::Characteristic);
         for direction in directions {
-            let (dashes, width, colour) = direction.style.look();
+            let (dashes, width, colour) = direction.kind.line_style();
             let angle = direction.angle_deg;
             // From the circle towards the centre, so that the dashes are symmetric.
             for end in [angle, angle + 180.0] {
-                picture.dashed(&[at(end, radius), centre], dashes, width, colour);
+                picture.draw_dashed_line(&[at(end, radius), centre], dashes, width, colour);
             }
         }
-        picture.disc(centre, 8.0, RGBColor(0, 0, 0));
+        picture.fill_disc(centre, 8.0, RGBColor(0, 0, 0));
 
-        for (side, labels) in self.labels(centre, radius).into_iter().enumerate() {
-            let wanted: Vec<f64> = labels.iter().map(|label| label.wanted).collect();
-            let heights = spread(&wanted, LINE, [area.top + 0.5 * LINE, area.bottom - 0.5 * LINE]);
+        for (side, labels) in self.place_labels(centre, radius).into_iter().enumerate() {
+            let preferred: Vec<f64> = labels.iter().map(|label| label.preferred_height).collect();
+            let heights = spread_heights(
+                &preferred,
+                LABEL_HEIGHT,
+                [area.top + 0.5 * LABEL_HEIGHT, area.bottom - 0.5 * LABEL_HEIGHT],
+            );
             for (label, y) in labels.iter().zip(heights) {
                 label.draw(picture, area, centre, radius, y, side == 0);
             }
@@ -166,41 +170,50 @@ impl DirectionsFigure {
 
     /// Computes the labels on the right and on the left of the circle, from top to bottom. A direction is labelled at
     /// its upper end unless another label is near, otherwise at the end with more space.
-    fn labels(&self, centre: Point, radius: f64) -> [Vec<Label>; 2] {
+    fn place_labels(&self, centre: Point, radius: f64) -> [Vec<DirectionLabel>; 2] {
         let place = |angle_deg: f64, clearance: f64| {
             let (sin, cos) = angle_deg.to_radians().sin_cos();
-            let end = [centre[0] + radius * cos, centre[1] - radius * sin];
-            let wanted = centre[1] - (radius + clearance) * sin;
-            (usize::from(cos < -1e-9), end, wanted)
+            let line_end = [centre[0] + radius * cos, centre[1] - radius * sin];
+            let preferred_height = centre[1] - (radius + clearance) * sin;
+            (usize::from(cos < -1e-9), line_end, preferred_height)
         };
-        let mut sides: [Vec<Label>; 2] = [Vec::new(), Vec::new()];
+        let mut sides: [Vec<DirectionLabel>; 2] = [Vec::new(), Vec::new()];
         for (angle, name) in [(0.0, "x₁"), (90.0, "x₂")] {
-            let (side, end, wanted) = place(angle, CLEARANCE + 12.0);
-            sides[side].push(Label {
-                end,
-                wanted,
+            let (side, line_end, preferred_height) = place(angle, LABEL_CLEARANCE + 12.0);
+            sides[side].push(DirectionLabel {
+                line_end,
+                preferred_height,
                 text: name.to_owned(),
                 colour: PALE_INK,
-                axis: true,
+                is_axis: true,
             });
         }
-        let mut directions: Vec<&Direction> = self.drawn().collect();
+        let mut directions: Vec<&Direction> = self.finite_directions().collect();
         directions.sort_by(|a, b| a.upper_angle().total_cmp(&b.upper_angle()));
         for direction in directions {
             let angle = direction.upper_angle();
-            let ends = [angle, angle + 180.0].map(|angle| place(angle, CLEARANCE));
-            let room = |&(side, _, wanted): &(usize, Point, f64)| {
-                let distances = sides[side].iter().map(|other| (other.wanted - wanted).abs());
+            let ends = [angle, angle + 180.0].map(|angle| place(angle, LABEL_CLEARANCE));
+            let label_distance = |&(side, _, preferred_height): &(usize, Point, f64)| {
+                let distances = sides[side]
+                    .iter()
+                    .map(|other| (other.preferred_height - preferred_height).abs());
                 distances.fold(f64::INFINITY, f64::min)
             };
             let [upper, lower] = ends;
-            let lower_is_freer = room(&upper) < LINE && room(&lower) > room(&upper);
-            let (side, end, wanted) = if lower_is_freer { lower } else { upper };
-            let (text, colour) = (direction.words(), direction.style.look().2);
-            sides[side].push(Label { end, wanted, text, colour, axis: false });
+            let lower_is_freer = label_distance(&upper) < LABEL_HEIGHT
+                && label_distance(&lower) > label_distance(&upper);
+            let (side, line_end, preferred_height) = if lower_is_freer { lower } else { upper };
+            let (text, colour) = (direction.format_label(), direction.kind.line_style().2);
+            sides[side].push(DirectionLabel {
+                line_end,
+                preferred_height,
+                text,
+                colour,
+                is_axis: false,
+            });
         }
         for side in &mut sides {
-            side.sort_by(|a, b| a.wanted.total_cmp(&b.wanted));
+            side.sort_by(|a, b| a.preferred_height.total_cmp(&b.preferred_height));
         }
         sides
     }
@@ -212,7 +225,7 @@ impl Direction {
         self.angle_deg.rem_euclid(180.0)
     }
 
-    fn words(&self) -> String {
+    fn format_label(&self) -> String {
         // Equivalent angles have the same text; an angle that rounds to 180° is written as 0°.
         let angle = (10.0 * self.upper_angle()).round() / 10.0;
         let angle = if angle >= 180.0 { 0.0 } else { angle };
@@ -226,18 +239,18 @@ impl Direction {
 }
 
 /// A label at the end of a direction.
-struct Label {
+struct DirectionLabel {
     /// Point at which the direction meets the circle.
-    end: Point,
+    line_end: Point,
     /// Preferred vertical position of the label's centre, pixels.
-    wanted: f64,
+    preferred_height: f64,
     text: String,
     colour: Colour,
     /// Whether the label names an axis, which needs space for its arrow head.
-    axis: bool,
+    is_axis: bool,
 }
 
-impl Label {
+impl DirectionLabel {
     /// Draws the label outside the circle at height `y`, with a leader line to the end of its direction.
     fn draw(
         &self,
@@ -246,33 +259,33 @@ impl Label {
         centre: Point,
         radius: f64,
         y: f64,
-        right: bool,
+        is_right: bool,
     ) {
-        let sign = if right { 1.0 } else { -1.0 };
+        let sign = if is_right { 1.0 } else { -1.0 };
         // Keep the corner of the label nearest to the circle outside the circle.
-        let (away, inner) = (radius + 18.0, ((y - centre[1]).abs() - 0.5 * LINE).max(0.0));
+        let (away, inner) = (radius + 18.0, ((y - centre[1]).abs() - 0.5 * LABEL_HEIGHT).max(0.0));
         let reach = (away * away - inner * inner).max(0.0).sqrt();
-        let beside = sign * (self.end[0] - centre[0]) + if self.axis { 18.0 } else { 10.0 };
+        let beside = sign * (self.line_end[0] - centre[0]) + if self.is_axis { 18.0 } else { 10.0 };
         let x = centre[0] + sign * reach.max(beside);
-        if !self.axis {
-            picture.line([self.end, [x - sign * 8.0, y]], 1.4, self.colour);
+        if !self.is_axis {
+            picture.draw_line([self.line_end, [x - sign * 8.0, y]], 1.4, self.colour);
         }
-        let x = if self.axis && inner == 0.0 { x + 18.0 } else { x };
-        let size = if self.axis { NAME } else { NUMBER };
+        let x = if self.is_axis && inner == 0.0 { x + 18.0 } else { x };
+        let size = if self.is_axis { AXIS_NAME_SIZE } else { TICK_LABEL_SIZE };
         let (text, size) =
-            page::fit(&self.text, size, if right { area.right - x } else { x - area.left });
-        let anchor = if right { Anchor::Start } else { Anchor::End };
+            page::fit_text(&self.text, size, if is_right { area.right - x } else { x - area.left });
+        let anchor = if is_right { Anchor::Start } else { Anchor::End };
         let text = Text::new([x, y + 0.36 * size], anchor, size, text);
-        picture.text(Text { colour: self.colour, ..text });
+        picture.draw_text(Text { colour: self.colour, ..text });
     }
 }
 
 /// Shifts ascending heights so that neighbours are at least `gap` apart, with the least sum of squared shifts (pool
 /// adjacent violators), and into `bounds` if there is enough space.
-pub(crate) fn spread(wanted: &[f64], gap: f64, bounds: [f64; 2]) -> Vec<f64> {
+pub(crate) fn spread_heights(preferred: &[f64], gap: f64, bounds: [f64; 2]) -> Vec<f64> {
     // Blocks of adjacent labels: sum of their preferred start positions, and number of labels.
     let mut groups: Vec<(f64, usize)> = Vec::new();
-    for (index, height) in wanted.iter().enumerate() {
+    for (index, height) in preferred.iter().enumerate() {
         let mut group = (height - index as f64 * gap, 1);
         while let Some(&(sum, count)) = groups.last()
             && sum / count as f64 > group.0 / group.1 as f64
@@ -284,7 +297,7 @@ pub(crate) fn spread(wanted: &[f64], gap: f64, bounds: [f64; 2]) -> Vec<f64> {
     }
     let starts =
         groups.iter().flat_map(|&(sum, count)| std::iter::repeat_n(sum / count as f64, count));
-    let highest = bounds[1] - wanted.len().saturating_sub(1) as f64 * gap;
+    let highest = bounds[1] - preferred.len().saturating_sub(1) as f64 * gap;
     starts
         .enumerate()
         .map(|(index, start)| start.min(highest).max(bounds[0]) + index as f64 * gap)
@@ -296,12 +309,12 @@ mod tests {
     use super::*;
     use crate::tests::check_drawing;
 
-    fn figure(angles: &[f64]) -> DirectionsFigure {
+    fn sample_figure(angles: &[f64]) -> DirectionsFigure {
         let direction = |(index, &angle_deg): (usize, &f64)| Direction {
             label: format!("direction {index}"),
             angle_deg,
             multiplicity: 1 + index % 3,
-            style: Style::ALL[index % 4],
+            kind: DirectionKind::ALL[index % 4],
         };
         DirectionsFigure {
             title: "Title".to_owned(),
@@ -310,60 +323,60 @@ mod tests {
         }
     }
 
-    fn check(figure: &DirectionsFigure) {
-        check_drawing(&figure.picture(), |format| figure.draw(format));
+    fn check_figure(figure: &DirectionsFigure) {
+        check_drawing(&figure.to_picture(), |format| figure.draw(format));
     }
 
     #[test]
-    fn labels_keep_apart_whatever_the_directions() {
-        check(&figure(&[]));
-        check(&figure(&[0.0]));
-        check(&figure(&[f64::NAN, f64::INFINITY, 1e300, -720.0]));
-        check(&figure(&[0.0, 0.0, 90.0, 90.0, 180.0, -90.0]));
-        check(&figure(&[88.0, 89.0, 90.0, 91.0, 92.0, 45.0, 45.0, 45.0]));
+    fn labels_do_not_overlap_for_any_directions() {
+        check_figure(&sample_figure(&[]));
+        check_figure(&sample_figure(&[0.0]));
+        check_figure(&sample_figure(&[f64::NAN, f64::INFINITY, 1e300, -720.0]));
+        check_figure(&sample_figure(&[0.0, 0.0, 90.0, 90.0, 180.0, -90.0]));
+        check_figure(&sample_figure(&[88.0, 89.0, 90.0, 91.0, 92.0, 45.0, 45.0, 45.0]));
         let many: Vec<f64> = (0..70).map(f64::from).collect();
-        check(&figure(&many));
-        let mut long = figure(&[10.0, 20.0, 100.0]);
+        check_figure(&sample_figure(&many));
+        let mut long = sample_figure(&[10.0, 20.0, 100.0]);
         long.directions[0].label = "a direction of some kind ".repeat(30);
         long.directions[2].label = "y".repeat(500);
-        check(&long);
+        check_figure(&long);
     }
 
     #[test]
-    fn a_direction_and_its_opposite_are_drawn_alike() {
-        let one = figure(&[30.0, 100.0]).draw(Format::Svg).unwrap();
-        let other = figure(&[210.0, -80.0]).draw(Format::Svg).unwrap();
-        let words = |svg: &[u8]| {
+    fn opposite_directions_are_drawn_alike() {
+        let one = sample_figure(&[30.0, 100.0]).draw(FigureFormat::Svg).unwrap();
+        let other = sample_figure(&[210.0, -80.0]).draw(FigureFormat::Svg).unwrap();
+        let label_text = |svg: &[u8]| {
             let text = String::from_utf8(svg.to_vec()).unwrap();
             text.lines()
                 .filter(|line| line.contains("direction"))
                 .map(str::to_owned)
                 .collect::<Vec<_>>()
         };
-        assert_eq!(words(&one), words(&other));
-        assert!(words(&one).len() >= 2);
+        assert_eq!(label_text(&one), label_text(&other));
+        assert!(label_text(&one).len() >= 2);
     }
 
     #[test]
-    fn heights_are_spread_no_more_than_needed() {
+    fn heights_are_shifted_no_more_than_needed() {
         let bounds = [0.0, 1000.0];
-        assert_eq!(spread(&[100.0, 200.0, 300.0], 30.0, bounds), [100.0, 200.0, 300.0]);
-        assert_eq!(spread(&[100.0, 100.0, 300.0], 30.0, bounds), [85.0, 115.0, 300.0]);
-        assert_eq!(spread(&[5.0, 5.0], 30.0, bounds), [0.0, 30.0]);
-        assert_eq!(spread(&[995.0, 999.0], 30.0, bounds), [970.0, 1000.0]);
-        assert!(spread(&[], 30.0, bounds).is_empty());
+        assert_eq!(spread_heights(&[100.0, 200.0, 300.0], 30.0, bounds), [100.0, 200.0, 300.0]);
+        assert_eq!(spread_heights(&[100.0, 100.0, 300.0], 30.0, bounds), [85.0, 115.0, 300.0]);
+        assert_eq!(spread_heights(&[5.0, 5.0], 30.0, bounds), [0.0, 30.0]);
+        assert_eq!(spread_heights(&[995.0, 999.0], 30.0, bounds), [970.0, 1000.0]);
+        assert!(spread_heights(&[], 30.0, bounds).is_empty());
     }
 
     #[test]
-    fn words_name_a_direction_once() {
+    fn equivalent_directions_have_equal_labels() {
         let direction = |angle_deg, multiplicity| Direction {
             label: "α".to_owned(),
             angle_deg,
             multiplicity,
-            style: Style::Characteristic,
+            kind: DirectionKind::Characteristic,
         };
-        assert_eq!(direction(-30.0, 1).words(), "α 150.0°");
-        assert_eq!(direction(330.0, 2).words(), "α 150.0° (×2)");
-        assert_eq!(direction(-1e-9, 1).words(), "α 0.0°");
+        assert_eq!(direction(-30.0, 1).format_label(), "α 150.0°");
+        assert_eq!(direction(330.0, 2).format_label(), "α 150.0° (×2)");
+        assert_eq!(direction(-1e-9, 1).format_label(), "α 0.0°");
     }
 }

@@ -3,16 +3,17 @@
 use plotters::style::RGBColor;
 
 use crate::error::FigureError;
-use crate::format::Format;
-use crate::page::{self, Entry, Legend, MARGIN, RULE};
+use crate::format::FigureFormat;
+use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{
-    Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip, text_width,
+    Anchor, Colour, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline,
+    text_width,
 };
-use crate::scale::{self, SymmetricLog, Tick};
+use crate::scale::{self, FINITE_LIMIT, SymmetricLog, Tick};
 
 /// Growth rate of one model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct LabelledCurve {
     /// Legend text. Lines with the same label in both panels share a style and are listed once.
     pub label: String,
     /// Points in the units of the axes. NaN interrupts the line; an infinite growth rate is drawn at the edge of the
@@ -22,7 +23,7 @@ pub struct Line {
 
 /// A marked position on the horizontal axis, drawn as a thin vertical line.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mark {
+pub struct AxisMark {
     /// Label of a few words, written above the panel.
     pub label: String,
     /// Position, in the unit of the horizontal axis.
@@ -31,21 +32,21 @@ pub struct Mark {
 
 /// Panel of growth rates against one quantity.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Panel {
+pub struct GrowthPanel {
     /// Name, symbol and unit of the horizontal axis.
     pub x_label: String,
     /// Name, symbol and unit of the growth rate.
     pub y_label: String,
     /// Whether the horizontal axis is logarithmic; points with non-positive abscissa are then omitted.
-    pub x_log: bool,
+    pub is_x_log: bool,
     /// Lines, one per model; the first eight have distinct styles.
-    pub curves: Vec<Line>,
+    pub curves: Vec<LabelledCurve>,
     /// Reference lines such as asymptotes, drawn wide and pale below the other lines in one style and listed once with
     /// the label of the first. They are omitted in the linear part of the vertical axis, where power laws are not
     /// straight.
-    pub guides: Vec<Line>,
+    pub reference_lines: Vec<LabelledCurve>,
     /// Marked positions, e.g. characteristic directions.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<AxisMark>,
 }
 
 /// Growth rates against the direction and against the wave number, in two panels side by side.
@@ -59,18 +60,18 @@ pub struct GrowthFigure {
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Left panel: growth rates against the direction.
-    pub by_direction: Panel,
+    pub by_direction: GrowthPanel,
     /// Right panel: growth rates against the wave number.
-    pub by_wave_number: Panel,
+    pub by_wave_number: GrowthPanel,
 }
 
 /// Colour of reference lines such as asymptotes.
-const GUIDE: Colour = RGBColor(203, 205, 214);
-const GUIDE_WIDTH: f64 = 11.0;
+const REFERENCE_LINE_COLOUR: Colour = RGBColor(203, 205, 214);
+const REFERENCE_LINE_WIDTH: f64 = 11.0;
 
 /// Style of a line; styles differ in colour and in greyscale.
 #[derive(Clone, Copy)]
-pub(crate) struct Look {
+pub(crate) struct LineStyle {
     pub colour: Colour,
     pub dashes: &'static [f64],
     marker: Marker,
@@ -83,68 +84,66 @@ enum Marker {
     Square,
     Triangle,
     Diamond,
-    Ring,
-    Plummet,
-    Window,
+    OpenDisc,
+    InvertedTriangle,
+    OpenSquare,
 }
 
 /// Styles of lines; colours after Okabe and Ito (2008), distinguishable by colour-blind readers.
-pub(crate) const LOOKS: [Look; 8] = [
-    Look { colour: RGBColor(0, 0, 0), dashes: &[], marker: Marker::None },
-    Look { colour: RGBColor(213, 94, 0), dashes: &[16.0, 8.0], marker: Marker::Disc },
-    Look { colour: RGBColor(0, 114, 178), dashes: &[4.0, 6.0], marker: Marker::Square },
-    Look {
-        colour: RGBColor(0, 138, 100),
-        dashes: &[20.0, 6.0, 4.0, 6.0],
-        marker: Marker::Triangle,
-    },
-    Look { colour: RGBColor(176, 80, 140), dashes: &[], marker: Marker::Diamond },
-    Look { colour: RGBColor(150, 110, 0), dashes: &[28.0, 7.0], marker: Marker::Ring },
-    Look { colour: RGBColor(70, 150, 205), dashes: &[9.0, 5.0], marker: Marker::Plummet },
-    Look {
-        colour: RGBColor(112, 112, 112),
-        dashes: &[3.0, 5.0, 12.0, 5.0],
-        marker: Marker::Window,
-    },
+pub(crate) const LINE_STYLES: [LineStyle; 8] = [
+    LineStyle::new(RGBColor(0, 0, 0), &[], Marker::None),
+    LineStyle::new(RGBColor(213, 94, 0), &[16.0, 8.0], Marker::Disc),
+    LineStyle::new(RGBColor(0, 114, 178), &[4.0, 6.0], Marker::Square),
+    LineStyle::new(RGBColor(0, 138, 100), &[20.0, 6.0, 4.0, 6.0], Marker::Triangle),
+    LineStyle::new(RGBColor(176, 80, 140), &[], Marker::Diamond),
+    LineStyle::new(RGBColor(150, 110, 0), &[28.0, 7.0], Marker::OpenDisc),
+    LineStyle::new(RGBColor(70, 150, 205), &[9.0, 5.0], Marker::InvertedTriangle),
+    LineStyle::new(RGBColor(112, 112, 112), &[3.0, 5.0, 12.0, 5.0], Marker::OpenSquare),
 ];
 
-impl Look {
+impl LineStyle {
+    const fn new(colour: Colour, dashes: &'static [f64], marker: Marker) -> Self {
+        Self { colour, dashes, marker }
+    }
+
     /// Returns the style of the line with this index in the legend. Beyond eight lines, colours are combined with other
     /// dash patterns and markers.
-    pub fn of(index: usize) -> Self {
-        let count = LOOKS.len();
-        let other = LOOKS[(index + index / count) % count];
-        Self { colour: LOOKS[index % count].colour, ..other }
+    pub fn from_index(index: usize) -> Self {
+        let count = LINE_STYLES.len();
+        let other = LINE_STYLES[(index + index / count) % count];
+        Self { colour: LINE_STYLES[index % count].colour, ..other }
     }
 }
 
 /// Background of the linear part of a symmetric logarithmic axis.
-pub(crate) const LINEAR: Colour = RGBColor(240, 240, 236);
-pub(crate) const GRID: Colour = RGBColor(226, 226, 226);
+pub(crate) const LINEAR_RANGE_COLOUR: Colour = RGBColor(240, 240, 236);
+pub(crate) const GRID_COLOUR: Colour = RGBColor(226, 226, 226);
 pub(crate) const LINE_WIDTH: f64 = 3.4;
 const MARKER_RADIUS: f64 = 8.0;
 /// Distance between the markers of a line, pixels.
 pub(crate) const MARKER_SPACING: f64 = 84.0;
 /// Font size of the labels above marks, pixels.
-const MARK_LABEL: f64 = 22.0;
-const MARK_ROW: f64 = 1.35 * MARK_LABEL;
+const MARK_LABEL_SIZE: f64 = 22.0;
+const MARK_ROW_HEIGHT: f64 = 1.35 * MARK_LABEL_SIZE;
 
 impl GrowthFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
-        self.picture().render(format)
+    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(format)
     }
 
-    fn picture(&self) -> Picture {
-        let legend = Legend::new(self.legend(), page::WIDTH - 2.0 * MARGIN);
-        let scales = [Scales::of(&self.by_direction), Scales::of(&self.by_wave_number)];
+    fn to_picture(&self) -> Picture {
+        let legend = Legend::new(self.legend_entries(), page::WIDTH - 2.0 * MARGIN);
+        let scales = [
+            GrowthScales::from_panel(&self.by_direction),
+            GrowthScales::from_panel(&self.by_wave_number),
+        ];
 
-        let mut sheet = Picture::new(page::WIDTH as u32, 1);
-        let heading = page::heading(&mut sheet, &self.title, &self.subtitle);
-        let below = page::BOTTOM_AXIS + 22.0 + legend.height() + MARGIN - 12.0;
+        let heading = page::heading_bottom(&self.title, &self.subtitle);
+        let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
 
         // Widths first: they determine the number of rows of mark labels.
         let half = 0.5 * (page::WIDTH - 2.0 * MARGIN - 40.0);
@@ -157,22 +156,21 @@ impl GrowthFigure {
         });
         let marks = [0, 1].map(|side| place_marks(panels[side], &scales[side], frames[side]));
         let rows = marks.iter().flatten().map(|mark| mark.row + 1).max().unwrap_or(0);
-        let top = heading + rows as f64 * MARK_ROW + 14.0;
+        let top = heading + rows as f64 * MARK_ROW_HEIGHT + 14.0;
         let height = page::HEIGHT.max(top + 480.0 + below).ceil();
 
-        let mut picture = Picture::new(page::WIDTH as u32, height as u32);
-        page::heading(&mut picture, &self.title, &self.subtitle);
+        let mut picture = page::create_page(height, &self.title, &self.subtitle);
         for side in [0, 1] {
             frames[side].top = top;
             frames[side].bottom = height - below;
             self.draw_panel(&mut picture, panels[side], &scales[side], frames[side], &marks[side]);
         }
-        legend.draw(&mut picture, MARGIN, height - below + page::BOTTOM_AXIS + 22.0);
+        legend.draw(&mut picture, MARGIN, height - below + page::BOTTOM_AXIS_HEIGHT + 22.0);
         picture
     }
 
     /// Returns the labels of all lines, in the order of their first occurrence.
-    fn labels(&self) -> Vec<&str> {
+    fn distinct_labels(&self) -> Vec<&str> {
         let mut labels: Vec<&str> = Vec::new();
         for line in self.by_direction.curves.iter().chain(&self.by_wave_number.curves) {
             if !labels.contains(&line.label.as_str()) {
@@ -182,19 +180,24 @@ impl GrowthFigure {
         labels
     }
 
-    fn legend(&self) -> Vec<Entry> {
-        let mut entries = legend_of(&self.labels());
-        let guides = self.by_direction.guides.iter().chain(&self.by_wave_number.guides);
+    fn legend_entries(&self) -> Vec<LegendEntry> {
+        let mut entries = build_line_entries(&self.distinct_labels());
+        let guides =
+            self.by_direction.reference_lines.iter().chain(&self.by_wave_number.reference_lines);
         if let Some(guide) = guides.into_iter().next() {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 let middle = 0.5 * (area.top + area.bottom);
-                picture.line([[area.left, middle], [area.right, middle]], GUIDE_WIDTH, GUIDE);
+                picture.draw_line(
+                    [[area.left, middle], [area.right, middle]],
+                    REFERENCE_LINE_WIDTH,
+                    REFERENCE_LINE_COLOUR,
+                );
             };
             entries.push((guide.label.clone(), Box::new(swatch)));
         }
         let swatch = |picture: &mut Picture, area: Rectangle| {
-            picture.fill(area, LINEAR);
-            picture.frame(area, 1.5, PALE_INK);
+            picture.fill_rectangle(area, LINEAR_RANGE_COLOUR);
+            picture.draw_frame(area, 1.5, PALE_INK);
         };
         entries.push(("linear scale about 0".to_owned(), Box::new(swatch)));
         entries
@@ -203,115 +206,128 @@ impl GrowthFigure {
     fn draw_panel(
         &self,
         picture: &mut Picture,
-        panel: &Panel,
-        scales: &Scales,
+        panel: &GrowthPanel,
+        scales: &GrowthScales,
         frame: Rectangle,
         marks: &[PlacedMark],
     ) {
-        let x_ticks = page::spaced(frame.width(), false, |most| scales.x_ticks(panel, most));
+        let x_ticks =
+            page::choose_ticks(frame.width(), false, |max_count| scales.x_ticks(panel, max_count));
         let placed_x: Vec<Tick> =
-            x_ticks.into_iter().map(|(x, label)| (scales.place_x(x, frame), label)).collect();
+            x_ticks.into_iter().map(|(x, label)| (scales.x_position(x, frame), label)).collect();
         let placed_y: Vec<Tick> = scales
             .y_ticks(frame.height())
             .into_iter()
-            .map(|(y, label)| (scales.place_y(y, frame), label))
+            .map(|(y, label)| (scales.y_position(y, frame), label))
             .collect();
         let [below, above] = [-1.0_f64, 1.0]
-            .map(|place| scales.place_y(place.clamp(scales.low, scales.high), frame));
-        picture.fill(Rectangle { top: above, bottom: below, ..frame }, LINEAR);
+            .map(|place| scales.y_position(place.clamp(scales.y_low, scales.y_high), frame));
+        picture
+            .fill_rectangle(Rectangle { top: above, bottom: below, ..frame }, LINEAR_RANGE_COLOUR);
         for (x, _) in placed_x.iter().filter(|(_, label)| !label.is_empty()) {
-            picture.line([[*x, frame.top], [*x, frame.bottom]], 1.2, GRID);
+            picture.draw_line([[*x, frame.top], [*x, frame.bottom]], 1.2, GRID_COLOUR);
         }
         for (y, _) in placed_y.iter().filter(|(_, label)| !label.is_empty()) {
-            picture.line([[frame.left, *y], [frame.right, *y]], 1.2, GRID);
+            picture.draw_line([[frame.left, *y], [frame.right, *y]], 1.2, GRID_COLOUR);
         }
-        let zero = scales.place_y(0.0, frame);
-        picture.line([[frame.left, zero], [frame.right, zero]], 3.4, RGBColor(110, 110, 110));
+        let zero = scales.y_position(0.0, frame);
+        picture.draw_line([[frame.left, zero], [frame.right, zero]], 3.4, RGBColor(110, 110, 110));
 
-        let baseline = |row: usize| frame.top - 8.0 - row as f64 * MARK_ROW - 0.24 * MARK_LABEL;
-        for PlacedMark { x, row, label, left } in marks {
-            // The line of a mark extends to the full height of its label if it is beside the label.
-            let beside = *x < *left || *x > left + text_width(label, MARK_LABEL, false);
-            let end = baseline(*row) + MARK_LABEL * if beside { -0.76 } else { 0.3 };
-            picture.dashed(&[[*x, frame.bottom], [*x, end]], &[8.0, 5.0], 1.6, PALE_INK);
-        }
-        for PlacedMark { row, label, left, .. } in marks {
-            let text = Text::new([*left, baseline(*row)], Anchor::Start, MARK_LABEL, label);
-            // If a line has to pass through a label, the label covers it.
-            picture.fill(text.bounds(), WHITE);
-            picture.text(Text { colour: PALE_INK, ..text });
-        }
+        draw_marks(picture, frame, marks);
 
         // Infinite values are drawn just inside the frame, which would cover them.
-        let inset = 0.012 * (scales.high - scales.low);
-        let (lowest, highest) = (scales.low + inset, scales.high - inset);
-        let places = |line: &Line, lowest: f64, highest: f64| -> Vec<Point> {
+        let inset = 0.012 * (scales.y_high - scales.y_low);
+        let (lowest, highest) = (scales.y_low + inset, scales.y_high - inset);
+        let places = |line: &LabelledCurve, lowest: f64, highest: f64| -> Vec<Point> {
             let places = line.points.iter().map(|&[x, y]| {
-                let place = scales.y.forward(y).clamp(lowest, highest);
-                let x = if panel.x_log { x.log10() } else { x };
-                [scales.place_x(x, frame), scales.place_y(place, frame)]
+                let place = scales.y_scale.to_position(y).clamp(lowest, highest);
+                let x = if panel.is_x_log { x.log10() } else { x };
+                [scales.x_position(x, frame), scales.y_position(place, frame)]
             });
             places.collect()
         };
-        for guide in &panel.guides {
+        for guide in &panel.reference_lines {
             let mut points = places(guide, f64::MIN, f64::MAX);
             for (point, [_, y]) in points.iter_mut().zip(&guide.points) {
-                if scales.y.forward(*y).abs() < 1.0 {
+                if scales.y_scale.to_position(*y).abs() < 1.0 {
                     *point = [f64::NAN; 2];
                 }
             }
-            for part in clip(&points, frame) {
-                picture.line(part, GUIDE_WIDTH, GUIDE);
+            for part in clip_polyline(&points, frame) {
+                picture.draw_line(part, REFERENCE_LINE_WIDTH, REFERENCE_LINE_COLOUR);
             }
         }
-        let labels = self.labels();
+        let labels = self.distinct_labels();
         for line in &panel.curves {
             let index = labels.iter().position(|label| *label == line.label).unwrap_or(0);
-            let look = &LOOKS[index % LOOKS.len()];
+            let style = &LINE_STYLES[index % LINE_STYLES.len()];
             let points = places(line, lowest, highest);
-            for part in clip(&points, frame) {
-                picture.dashed(&part, look.dashes, LINE_WIDTH, look.colour);
+            for part in clip_polyline(&points, frame) {
+                picture.draw_dashed_line(&part, style.dashes, LINE_WIDTH, style.colour);
             }
             // The first marker of each line is shifted, so that markers of coincident lines are all visible.
-            let mut next = frame.left + MARKER_SPACING * (0.25 + 0.28 * index as f64);
+            let mut next_marker_x = frame.left + MARKER_SPACING * (0.25 + 0.28 * index as f64);
             let inside = |[x, y]: Point| {
                 x >= frame.left && x <= frame.right && y >= frame.top && y <= frame.bottom
             };
             for &point in points.iter().filter(|&&point| inside(point)) {
-                if point[0] >= next {
-                    draw_marker(picture, point, look);
-                    next = point[0] + MARKER_SPACING;
+                if point[0] >= next_marker_x {
+                    draw_marker(picture, point, style);
+                    next_marker_x = point[0] + MARKER_SPACING;
                 }
             }
         }
-        picture.frame(frame, RULE, INK);
-        page::bottom_axis(picture, frame, &placed_x, &panel.x_label);
-        page::left_axis(picture, frame, &placed_y, &panel.y_label);
+        picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
+        page::draw_bottom_axis(picture, frame, &placed_x, &panel.x_label);
+        page::draw_left_axis(picture, frame, &placed_y, &panel.y_label);
+    }
+}
+
+/// Draws the lines and labels of marks.
+fn draw_marks(picture: &mut Picture, frame: Rectangle, marks: &[PlacedMark]) {
+    let baseline =
+        |row: usize| frame.top - 8.0 - row as f64 * MARK_ROW_HEIGHT - 0.24 * MARK_LABEL_SIZE;
+    for PlacedMark { line_x: x, row, label, label_left: left } in marks {
+        // The line of a mark extends to the full height of its label if it is beside the label.
+        let beside = *x < *left || *x > left + text_width(label, MARK_LABEL_SIZE, false);
+        let end = baseline(*row) + MARK_LABEL_SIZE * if beside { -0.76 } else { 0.3 };
+        picture.draw_dashed_line(&[[*x, frame.bottom], [*x, end]], &[8.0, 5.0], 1.6, PALE_INK);
+    }
+    for PlacedMark { row, label, label_left: left, .. } in marks {
+        let text = Text::new([*left, baseline(*row)], Anchor::Start, MARK_LABEL_SIZE, label);
+        // If a line has to pass through a label, the label covers it.
+        picture.fill_rectangle(text.bounds(), WHITE);
+        picture.draw_text(Text { colour: PALE_INK, ..text });
     }
 }
 
 /// Builds the legend entries of lines with these labels.
-pub(crate) fn legend_of(labels: &[&str]) -> Vec<Entry> {
-    let mut entries: Vec<Entry> = Vec::new();
+pub(crate) fn build_line_entries(labels: &[&str]) -> Vec<LegendEntry> {
+    let mut entries: Vec<LegendEntry> = Vec::new();
     for (index, label) in labels.iter().enumerate() {
         let swatch = move |picture: &mut Picture, area: Rectangle| {
-            let look = &LOOKS[index % LOOKS.len()];
+            let style = &LINE_STYLES[index % LINE_STYLES.len()];
             let middle = 0.5 * (area.top + area.bottom);
             let ends = [[area.left, middle], [area.right, middle]];
-            picture.dashed(&ends, look.dashes, LINE_WIDTH, look.colour);
-            draw_marker(picture, [0.5 * (area.left + area.right), middle], look);
+            picture.draw_dashed_line(&ends, style.dashes, LINE_WIDTH, style.colour);
+            draw_marker(picture, [0.5 * (area.left + area.right), middle], style);
         };
         entries.push(((*label).to_owned(), Box::new(swatch)));
     }
     entries
 }
 
-pub(crate) fn draw_marker(picture: &mut Picture, at: Point, look: &Look) {
-    draw_marker_of(picture, at, look, MARKER_RADIUS);
+pub(crate) fn draw_marker(picture: &mut Picture, at: Point, style: &LineStyle) {
+    draw_marker_with_radius(picture, at, style, MARKER_RADIUS);
 }
 
 /// Draws a marker with a radius in pixels.
-pub(crate) fn draw_marker_of(picture: &mut Picture, [x, y]: Point, look: &Look, radius: f64) {
+pub(crate) fn draw_marker_with_radius(
+    picture: &mut Picture,
+    [x, y]: Point,
+    style: &LineStyle,
+    radius: f64,
+) {
     let turned = |r: f64, sign: f64| {
         vec![
             [x, y - sign * r],
@@ -320,149 +336,150 @@ pub(crate) fn draw_marker_of(picture: &mut Picture, [x, y]: Point, look: &Look, 
         ]
     };
     let square = |r: f64| vec![[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]];
-    let shape = |radius: f64| match look.marker {
+    let shape = |radius: f64| match style.marker {
         Marker::None => None,
-        Marker::Disc | Marker::Ring => Some(crate::picture::circle([x, y], radius, 24)),
-        Marker::Square | Marker::Window => Some(square(0.88 * radius)),
+        Marker::Disc | Marker::OpenDisc => Some(crate::picture::circle_points([x, y], radius, 24)),
+        Marker::Square | Marker::OpenSquare => Some(square(0.88 * radius)),
         Marker::Triangle => Some(turned(1.2 * radius, 1.0)),
-        Marker::Plummet => Some(turned(1.2 * radius, -1.0)),
+        Marker::InvertedTriangle => Some(turned(1.2 * radius, -1.0)),
         Marker::Diamond => {
             let r = 1.2 * radius;
             Some(vec![[x, y - r], [x + r, y], [x, y + r], [x - r, y]])
         }
     };
     if let (Some(rim), Some(body)) = (shape(radius + 2.0), shape(radius)) {
-        picture.polygon(rim, WHITE);
-        picture.polygon(body, look.colour);
+        picture.fill_polygon(rim, WHITE);
+        picture.fill_polygon(body, style.colour);
     }
-    if let (Marker::Ring | Marker::Window, Some(hole)) = (look.marker, shape(0.5 * radius)) {
-        picture.polygon(hole, WHITE);
+    if let (Marker::OpenDisc | Marker::OpenSquare, Some(hole)) = (style.marker, shape(0.5 * radius))
+    {
+        picture.fill_polygon(hole, WHITE);
     }
 }
 
 /// Ranges of a panel: horizontally in the unit of the axis or its log₁₀, vertically in positions of the symmetric
 /// logarithm.
-struct Scales {
-    left: f64,
-    right: f64,
-    y: SymmetricLog,
-    low: f64,
-    high: f64,
+struct GrowthScales {
+    x_low: f64,
+    x_high: f64,
+    y_scale: SymmetricLog,
+    y_low: f64,
+    y_high: f64,
 }
 
 /// Number of decades of growth rates against the wave number: powers of the wave number span more decades.
-const POWER_DECADES: i32 = 24;
+const WAVE_NUMBER_DECADES: i32 = 24;
 
-/// Magnitude above which numbers are treated as infinite, since differences would overflow.
-const FINITE: f64 = 1e300;
-
-impl Scales {
-    fn of(panel: &Panel) -> Self {
+impl GrowthScales {
+    fn from_panel(panel: &GrowthPanel) -> Self {
         let points = || panel.curves.iter().flat_map(|line| &line.points);
-        let place = |x: f64| if panel.x_log { x.log10() } else { x };
+        let place = |x: f64| if panel.is_x_log { x.log10() } else { x };
         let marks = panel.marks.iter().map(|mark| mark.x);
-        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut x_low, mut x_high) = (f64::INFINITY, f64::NEG_INFINITY);
         for x in points().map(|point| point[0]).chain(marks).map(place) {
-            if x.abs() < FINITE {
-                (left, right) = (left.min(x), right.max(x));
+            if x.abs() < FINITE_LIMIT {
+                (x_low, x_high) = (x_low.min(x), x_high.max(x));
             }
         }
-        if left > right {
-            (left, right) = (0.0, 1.0);
-        } else if right - left <= 1e-9 * right.abs().max(left.abs()) || left == right {
-            let half = 0.5 * left.abs().max(1.0);
-            (left, right) = (left - half, right + half);
+        if x_low > x_high {
+            (x_low, x_high) = (0.0, 1.0);
+        } else if x_high - x_low <= 1e-9 * x_high.abs().max(x_low.abs()) || x_low == x_high {
+            let half = 0.5 * x_low.abs().max(1.0);
+            (x_low, x_high) = (x_low - half, x_high + half);
         }
 
-        let growth = || points().map(|point| point[1]).filter(|growth| growth.abs() < FINITE);
-        let decades = if panel.x_log { POWER_DECADES } else { SymmetricLog::DECADES };
-        let y = SymmetricLog::for_values_within(growth(), decades);
-        let (mut low, mut high) = (0.0_f64, 0.0_f64);
-        for place in growth().map(|growth| y.forward(growth)) {
-            (low, high) = (low.min(place), high.max(place));
+        let growth = || points().map(|point| point[1]).filter(|growth| growth.abs() < FINITE_LIMIT);
+        let decades =
+            if panel.is_x_log { WAVE_NUMBER_DECADES } else { SymmetricLog::DEFAULT_DECADES };
+        let y_scale = SymmetricLog::from_values_with_decades(growth(), decades);
+        let (mut y_low, mut y_high) = (0.0_f64, 0.0_f64);
+        for place in growth().map(|growth| y_scale.to_position(growth)) {
+            (y_low, y_high) = (y_low.min(place), y_high.max(place));
         }
-        if low == high {
-            (low, high) = (-1.0, 1.0);
+        if y_low == y_high {
+            (y_low, y_high) = (-1.0, 1.0);
         }
         // Margins at both ends; infinite values are drawn in them.
-        let room = 0.05 * (high - low);
-        Self { left, right, y, low: low - room, high: high + room }
+        let margin = 0.05 * (y_high - y_low);
+        Self { x_low, x_high, y_scale, y_low: y_low - margin, y_high: y_high + margin }
     }
 
-    fn place_x(&self, x: f64, frame: Rectangle) -> f64 {
-        frame.left + (x - self.left) / (self.right - self.left) * frame.width()
+    fn x_position(&self, x: f64, frame: Rectangle) -> f64 {
+        frame.left + (x - self.x_low) / (self.x_high - self.x_low) * frame.width()
     }
 
-    fn place_y(&self, place: f64, frame: Rectangle) -> f64 {
-        frame.bottom - (place - self.low) / (self.high - self.low) * frame.height()
+    fn y_position(&self, scale_position: f64, frame: Rectangle) -> f64 {
+        frame.bottom - (scale_position - self.y_low) / (self.y_high - self.y_low) * frame.height()
     }
 
-    fn x_ticks(&self, panel: &Panel, most: usize) -> Vec<Tick> {
-        if panel.x_log {
-            scale::log_ticks(self.left, self.right, most)
+    fn x_ticks(&self, panel: &GrowthPanel, max_count: usize) -> Vec<Tick> {
+        if panel.is_x_log {
+            scale::log_ticks(self.x_low, self.x_high, max_count)
         } else {
-            scale::ticks(self.left, self.right, most, panel.x_label.contains('°'))
+            scale::linear_ticks(self.x_low, self.x_high, max_count, panel.x_label.contains('°'))
         }
     }
 
     fn y_ticks(&self, length: f64) -> Vec<Tick> {
-        let ticks = self.y.ticks(self.low, self.high, (length / 48.0) as usize);
-        ticks.into_iter().filter(|(place, _)| (self.low..=self.high).contains(place)).collect()
+        let ticks = self.y_scale.ticks(self.y_low, self.y_high, (length / 48.0) as usize);
+        ticks.into_iter().filter(|(place, _)| (self.y_low..=self.y_high).contains(place)).collect()
     }
 }
 
 /// A mark with the position of its label: row above the panel and left end.
 struct PlacedMark {
-    x: f64,
+    line_x: f64,
     row: usize,
     label: String,
-    left: f64,
+    label_left: f64,
 }
 
 /// Places the labels of marks so that no label overlaps another label or the line of another mark.
-fn place_marks(panel: &Panel, scales: &Scales, frame: Rectangle) -> Vec<PlacedMark> {
+fn place_marks(panel: &GrowthPanel, scales: &GrowthScales, frame: Rectangle) -> Vec<PlacedMark> {
     let mut marks: Vec<(f64, &str)> = panel
         .marks
         .iter()
-        .map(|mark| (if panel.x_log { mark.x.log10() } else { mark.x }, mark.label.as_str()))
-        .filter(|(x, _)| x.abs() < FINITE)
-        .map(|(x, label)| (scales.place_x(x, frame), label))
+        .map(|mark| (if panel.is_x_log { mark.x.log10() } else { mark.x }, mark.label.as_str()))
+        .filter(|(x, _)| x.abs() < FINITE_LIMIT)
+        .map(|(x, label)| (scales.x_position(x, frame), label))
         .collect();
     // From right to left: a label to the right of its line is then above the labels that it would otherwise cover, and
     // its line passes to the left of them.
     marks.sort_by(|a, b| b.0.total_cmp(&a.0));
-    const APART: f64 = 7.0;
+    const LABEL_GAP: f64 = 7.0;
     let mut placed: Vec<(PlacedMark, f64)> = Vec::new();
     for (index, &(x, label)) in marks.iter().enumerate() {
-        let to_come = &marks[index + 1..];
-        let label = page::wrap(label, MARK_LABEL, false, 0.7 * frame.width(), 1);
+        let following_marks = &marks[index + 1..];
+        let label = page::wrap_text(label, MARK_LABEL_SIZE, false, 0.7 * frame.width(), 1);
         let label = label.into_iter().next().unwrap_or_default();
-        let width = text_width(&label, MARK_LABEL, false);
-        let lefts = [x + APART, x - 0.5 * width, x - APART - width]
+        let width = text_width(&label, MARK_LABEL_SIZE, false);
+        let lefts = [x + LABEL_GAP, x - 0.5 * width, x - LABEL_GAP - width]
             .map(|left| left.clamp(frame.left, (frame.right - width).max(frame.left)));
         let crosses =
-            |at: f64, from: f64, to: f64| at > from - 0.9 * APART && at < to + 0.9 * APART;
-        let free = |row: usize, left: f64| {
+            |at: f64, from: f64, to: f64| at > from - 0.9 * LABEL_GAP && at < to + 0.9 * LABEL_GAP;
+        let is_free = |row: usize, left: f64| {
             let right = left + width;
             placed.iter().all(|(other, other_right)| match row.cmp(&other.row) {
                 std::cmp::Ordering::Equal => {
-                    right + 2.0 * APART < other.left || left > other_right + 2.0 * APART
+                    right + 2.0 * LABEL_GAP < other.label_left
+                        || left > other_right + 2.0 * LABEL_GAP
                 }
                 // The line of the higher label passes beside the text of the lower label.
-                std::cmp::Ordering::Less => !crosses(other.x, left, right),
-                std::cmp::Ordering::Greater => !crosses(x, other.left, *other_right),
+                std::cmp::Ordering::Less => !crosses(other.line_x, left, right),
+                std::cmp::Ordering::Greater => !crosses(x, other.label_left, *other_right),
             })
         };
         // The heights of the following lines are not yet known. A label that would cover one of them is placed above
         // all of them, as is a label for which there is no lower position.
-        let covers = |left: f64| to_come.iter().any(|other| crosses(other.0, left, left + width));
+        let covers =
+            |left: f64| following_marks.iter().any(|other| crosses(other.0, left, left + width));
         let count = marks.len();
         let rows = (0..count).chain((count..=2 * count).rev()).chain(2 * count + 1..=3 * count);
         let mut places = rows.flat_map(|row| lefts.map(|left| (row, left)));
         let (row, left) = places
-            .find(|&(row, left)| free(row, left) && (row >= count || !covers(left)))
+            .find(|&(row, left)| is_free(row, left) && (row >= count || !covers(left)))
             .unwrap_or((3 * count + 1 + index, lefts[0]));
-        placed.push((PlacedMark { x, row, label, left }, left + width));
+        placed.push((PlacedMark { line_x: x, row, label, label_left: left }, left + width));
     }
     let mut used: Vec<usize> = placed.iter().map(|(mark, _)| mark.row).collect();
     used.sort_unstable();
@@ -476,64 +493,73 @@ fn place_marks(panel: &Panel, scales: &Scales, frame: Rectangle) -> Vec<PlacedMa
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::{check_drawing, odd_curves};
+    use crate::tests::{check_drawing, edge_case_curves};
 
-    fn panel(x_log: bool, points: &[[f64; 2]], marks: &[f64]) -> Panel {
-        Panel {
+    fn sample_panel(x_log: bool, points: &[[f64; 2]], marks: &[f64]) -> GrowthPanel {
+        GrowthPanel {
             x_label: if x_log { "wave number k (1/m)" } else { "direction θ (°)" }.to_owned(),
             y_label: "growth rate Re ς (1/s)".to_owned(),
-            x_log,
-            curves: vec![Line { label: "model".to_owned(), points: points.to_vec() }],
-            guides: vec![Line { label: "asymptote".to_owned(), points: points.to_vec() }],
-            marks: marks.iter().map(|&x| Mark { label: format!("θ = {x}°"), x }).collect(),
+            is_x_log: x_log,
+            curves: vec![LabelledCurve { label: "model".to_owned(), points: points.to_vec() }],
+            reference_lines: vec![LabelledCurve {
+                label: "asymptote".to_owned(),
+                points: points.to_vec(),
+            }],
+            marks: marks.iter().map(|&x| AxisMark { label: format!("θ = {x}°"), x }).collect(),
         }
     }
 
-    fn figure(points: &[[f64; 2]], marks: &[f64]) -> GrowthFigure {
+    fn sample_figure(points: &[[f64; 2]], marks: &[f64]) -> GrowthFigure {
         GrowthFigure {
             title: "Title".to_owned(),
             subtitle: "subtitle".to_owned(),
-            by_direction: panel(false, points, marks),
-            by_wave_number: panel(true, points, &[]),
+            by_direction: sample_panel(false, points, marks),
+            by_wave_number: sample_panel(true, points, &[]),
         }
     }
 
-    fn check(figure: &GrowthFigure) {
-        check_drawing(&figure.picture(), |format| figure.draw(format));
+    fn check_figure(figure: &GrowthFigure) {
+        check_drawing(&figure.to_picture(), |format| figure.draw(format));
     }
 
     #[test]
     fn any_points_are_drawn() {
-        for points in odd_curves() {
-            check(&figure(&points, &[]));
+        for points in edge_case_curves() {
+            check_figure(&sample_figure(&points, &[]));
         }
     }
 
     #[test]
-    fn labels_of_marks_keep_apart() {
+    fn mark_labels_do_not_overlap() {
         let points = [[0.0, -1e6], [180.0, 1e4]];
-        check(&figure(&points, &[0.0, 27.5, 57.5, 62.0, 117.5, 152.5, 180.0]));
-        check(&figure(&points, &[90.0, 90.0, 90.5, 91.0, 170.0, 171.0]));
-        check(&figure(&[], &[f64::NAN, 45.0, f64::INFINITY]));
-        let mut long = figure(&points, &[10.0, 20.0]);
+        check_figure(&sample_figure(&points, &[0.0, 27.5, 57.5, 62.0, 117.5, 152.5, 180.0]));
+        check_figure(&sample_figure(&points, &[90.0, 90.0, 90.5, 91.0, 170.0, 171.0]));
+        check_figure(&sample_figure(&[], &[f64::NAN, 45.0, f64::INFINITY]));
+        let mut long = sample_figure(&points, &[10.0, 20.0]);
         for mark in &mut long.by_direction.marks {
             mark.label = "a characteristic direction of the steady equations ".repeat(5);
         }
         long.by_direction.curves[0].label = "model ".repeat(100);
         long.by_direction.y_label = "growth rate ".repeat(50);
-        check(&long);
+        check_figure(&long);
     }
 
     #[test]
-    fn the_line_of_a_mark_crosses_no_label() {
-        let panel = panel(false, &[[0.0, 0.0], [180.0, 1.0]], &[27.5, 57.5, 62.0, 117.5, 152.5]);
+    fn mark_lines_cross_no_labels() {
+        let panel =
+            sample_panel(false, &[[0.0, 0.0], [180.0, 1.0]], &[27.5, 57.5, 62.0, 117.5, 152.5]);
         let frame = Rectangle { left: 0.0, top: 0.0, right: 600.0, bottom: 600.0 };
-        let placed = place_marks(&panel, &Scales::of(&panel), frame);
+        let placed = place_marks(&panel, &GrowthScales::from_panel(&panel), frame);
         assert_eq!(placed.len(), 5);
         for mark in &placed {
             for other in placed.iter().filter(|other| other.row < mark.row) {
-                let right = other.left + text_width(&other.label, MARK_LABEL, false);
-                assert!(mark.x < other.left || mark.x > right, "{} {}", mark.label, other.label);
+                let right = other.label_left + text_width(&other.label, MARK_LABEL_SIZE, false);
+                assert!(
+                    mark.line_x < other.label_left || mark.line_x > right,
+                    "{} {}",
+                    mark.label,
+                    other.label
+                );
             }
         }
     }
@@ -541,8 +567,9 @@ mod tests {
     #[test]
     fn infinite_growth_is_drawn_at_the_upper_edge() {
         let drawn = |last: f64| {
-            let figure = figure(&[[1.0, 1.0], [2.0, 100.0], [3.0, last], [4.0, last]], &[]);
-            let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
+            let figure = sample_figure(&[[1.0, 1.0], [2.0, 100.0], [3.0, last], [4.0, last]], &[]);
+            let (width, pixels) =
+                crate::tests::decode_png(&figure.draw(FigureFormat::Png).unwrap());
             // Counts black pixels in the left panel just below the upper edge of the frame.
             let frame_top = (0..).find(|y| pixels[3 * (y * width + 400)] < 60 && *y > 150).unwrap();
             let dark = |x: usize, y: usize| pixels[3 * (y * width + x)] < 60;
@@ -552,15 +579,21 @@ mod tests {
     }
 
     #[test]
-    fn lines_of_one_label_share_their_look() {
-        let mut figure = figure(&[[1.0, 1.0], [2.0, 3.0]], &[]);
-        figure.by_wave_number.curves.push(Line { label: "other".to_owned(), points: vec![] });
-        assert_eq!(figure.labels(), ["model", "other"]);
+    fn lines_with_equal_labels_share_a_style() {
+        let mut figure = sample_figure(&[[1.0, 1.0], [2.0, 3.0]], &[]);
+        figure
+            .by_wave_number
+            .curves
+            .push(LabelledCurve { label: "other".to_owned(), points: vec![] });
+        assert_eq!(figure.distinct_labels(), ["model", "other"]);
         for count in [0, 1, 4, 9] {
             figure.by_direction.curves = (0..count)
-                .map(|index| Line { label: format!("model {index}"), points: vec![[1.0, 2.0]] })
+                .map(|index| LabelledCurve {
+                    label: format!("model {index}"),
+                    points: vec![[1.0, 2.0]],
+                })
                 .collect();
-            check(&figure);
+            check_figure(&figure);
         }
     }
 }

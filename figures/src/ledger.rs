@@ -1,8 +1,8 @@
 //! Energy ledger of a simulation against time.
 
 use crate::error::FigureError;
-use crate::format::Format;
-use crate::record::{Series, Sheet, Strip};
+use crate::format::FigureFormat;
+use crate::record::{RecordFigure, RecordPanel, RecordSeries};
 
 /// A term of the energy ledger, or the residual of the energy balance.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,47 +24,53 @@ pub struct LedgerFigure {
     /// Name, symbol and unit of the time axis.
     pub time_label: String,
     /// Name and unit of the energies, e.g. `energy, J/m`.
-    pub label: String,
+    pub energy_label: String,
     /// Times of the values, non-decreasing, in the unit of the time label.
     pub times: Vec<f64>,
     /// Energies, in the unit of the label; the first eight have distinct styles.
     pub terms: Vec<LedgerTerm>,
     /// Residual of the energy balance, in the unit given in its name; without values its panel is omitted.
-    pub balance: LedgerTerm,
+    pub residual: LedgerTerm,
 }
 
 /// Minimum heights of the frames of the terms and of the balance, pixels.
-const LEAST: [f64; 2] = [420.0, 120.0];
+const MIN_FRAME_HEIGHTS: [f64; 2] = [420.0, 120.0];
 
 impl LedgerFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// A term does not have one value per time, or rendering or encoding fails.
-    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
-        self.sheet().draw(format)
+    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+        self.to_record_figure().draw(format)
     }
 
-    fn sheet(&self) -> Sheet<'_> {
+    fn to_record_figure(&self) -> RecordFigure<'_> {
         let terms = self.terms.iter();
-        let terms = terms.map(|LedgerTerm { name, values }| Series { name: Some(name), values });
-        let mut strips = vec![Strip {
-            label: &self.label,
+        let terms =
+            terms.map(|LedgerTerm { name, values }| RecordSeries { name: Some(name), values });
+        let mut panels = vec![RecordPanel {
+            label: &self.energy_label,
             series: terms.collect(),
-            least: LEAST[0],
-            weight: 4.0,
+            min_height: MIN_FRAME_HEIGHTS[0],
+            height_weight: 4.0,
         }];
-        let LedgerTerm { name, values } = &self.balance;
+        let LedgerTerm { name, values } = &self.residual;
         if !values.is_empty() {
-            let series = vec![Series { name: None, values }];
-            strips.push(Strip { label: name, series, least: LEAST[1], weight: 1.0 });
+            let series = vec![RecordSeries { name: None, values }];
+            panels.push(RecordPanel {
+                label: name,
+                series,
+                min_height: MIN_FRAME_HEIGHTS[1],
+                height_weight: 1.0,
+            });
         }
-        Sheet {
+        RecordFigure {
             title: &self.title,
             subtitle: &self.subtitle,
             time_label: &self.time_label,
             times: &self.times,
-            strips,
+            panels,
         }
     }
 }
@@ -72,9 +78,9 @@ impl LedgerFigure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::tests::{check, texts};
+    use crate::record::tests::{check_figure, picture_texts};
 
-    fn figure(terms: usize, samples: usize, balance: impl Fn(f64) -> f64) -> LedgerFigure {
+    fn sample_figure(terms: usize, samples: usize, balance: impl Fn(f64) -> f64) -> LedgerFigure {
         let times: Vec<f64> = (0..samples).map(|index| 0.01 * index as f64).collect();
         let term = |index: usize| LedgerTerm {
             name: format!("energy of kind {index}"),
@@ -84,9 +90,9 @@ mod tests {
             title: "Title".to_owned(),
             subtitle: "subtitle".to_owned(),
             time_label: "time t, s".to_owned(),
-            label: "energy, J/m".to_owned(),
+            energy_label: "energy, J/m".to_owned(),
             terms: (0..terms).map(term).collect(),
-            balance: LedgerTerm {
+            residual: LedgerTerm {
                 name: "balance, share of the energy".to_owned(),
                 values: times.iter().map(|time| balance(*time)).collect(),
             },
@@ -98,21 +104,30 @@ mod tests {
     fn ledgers_of_all_kinds_are_drawn() {
         for (terms, samples) in [(0, 1), (1, 1), (7, 400), (9, 30), (3, 200_000)] {
             for size in [0.0, 1e-13, 0.03, f64::NAN] {
-                check(&figure(terms, samples, |time| size * (40.0 * time).sin()).sheet());
+                check_figure(
+                    &sample_figure(terms, samples, |time| size * (40.0 * time).sin())
+                        .to_record_figure(),
+                );
             }
         }
     }
 
     #[test]
-    fn residuals_and_percents_have_scales_of_their_own() {
-        let residual = figure(3, 500, |time| 3e-13 * (9.0 * time).sin());
-        let said = texts(&residual.sheet());
-        assert!(said.contains(&"2×10⁻¹³".to_owned()), "{said:?}");
-        assert!(said.contains(&"balance, share of the energy".to_owned()));
+    fn residual_has_its_own_panel_and_scale() {
+        let residual = sample_figure(3, 500, |time| 3e-13 * (9.0 * time).sin());
+        let texts = picture_texts(&residual.to_record_figure());
+        assert!(texts.contains(&"2×10⁻¹³".to_owned()), "{texts:?}");
+        assert!(texts.contains(&"balance, share of the energy".to_owned()));
         let mut without = residual;
-        without.balance.values.clear();
-        assert!(!texts(&without.sheet()).contains(&"balance, share of the energy".to_owned()));
-        check(&without.sheet());
-        assert!(texts(&figure(2, 50, |_| 0.0).sheet()).contains(&"zero".to_owned()));
+        without.residual.values.clear();
+        assert!(
+            !picture_texts(&without.to_record_figure())
+                .contains(&"balance, share of the energy".to_owned())
+        );
+        check_figure(&without.to_record_figure());
+        assert!(
+            picture_texts(&sample_figure(2, 50, |_| 0.0).to_record_figure())
+                .contains(&"zero".to_owned())
+        );
     }
 }

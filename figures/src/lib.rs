@@ -6,11 +6,12 @@
 //! system fonts are used.
 //!
 //! To add a figure, write a file here with a struct and its `draw`, and a line in `examples/gallery`. `picture` is the
-//! canvas, `page` has margins and legends, `scale` axes.
+//! canvas, `page` has the page elements (heading, axes, legend), `scale` the axis scales.
 
 #![deny(missing_docs)]
 
 mod animation;
+mod colour;
 mod contour;
 mod directions;
 mod dispersion;
@@ -18,6 +19,7 @@ mod error;
 mod field;
 mod format;
 mod growth;
+mod hemisphere;
 mod ledger;
 mod note;
 mod page;
@@ -31,21 +33,21 @@ mod speeds;
 mod sphere;
 mod verdict_map;
 
-pub use animation::{Animation, animate};
-pub use directions::{Direction, DirectionsFigure, Style};
-pub use dispersion::{Band, Branch, DispersionFigure, Level};
+pub use animation::{GifAnimation, animate};
+pub use directions::{Direction, DirectionKind, DirectionsFigure};
+pub use dispersion::{DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel};
 pub use error::FigureError;
 pub use field::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
-pub use format::Format;
-pub use growth::{GrowthFigure, Line, Mark, Panel};
+pub use format::FigureFormat;
+pub use growth::{AxisMark, GrowthFigure, GrowthPanel, LabelledCurve};
 pub use ledger::{LedgerFigure, LedgerTerm};
 pub use note::NoteFigure;
 pub use polar::{PolarFigure, Spoke, SpokeStyle};
 pub use seismogram::{SeismogramFigure, SeismogramPanel, Trace};
 pub use spectrum::SpectrumFigure;
-pub use speeds::{Response, SpeedCurve, SpeedsFigure, Vanishing};
+pub use speeds::{SolidResponse, SpeedCurve, SpeedsFigure, ZeroSpeedNormal};
 pub use sphere::{SphereFigure, SphereMark};
-pub use verdict_map::{Axis, Category, Curve, Look, VerdictMap};
+pub use verdict_map::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 
 #[cfg(test)]
 mod tests {
@@ -58,10 +60,10 @@ mod tests {
     /// Asserts that no texts of a picture overlap, and that its files are valid and reproducible.
     pub(crate) fn check_drawing(
         picture: &crate::picture::Picture,
-        draw: impl Fn(crate::Format) -> Result<Vec<u8>, crate::FigureError>,
+        draw: impl Fn(crate::FigureFormat) -> Result<Vec<u8>, crate::FigureError>,
     ) {
-        use crate::Format::{Png, Svg};
-        picture.assert_texts_are_apart();
+        use crate::FigureFormat::{Png, Svg};
+        picture.assert_texts_do_not_overlap();
         let png = draw(Png).unwrap();
         assert_eq!(png_size(&png)[0], 1600);
         assert_eq!(png, draw(Png).unwrap());
@@ -71,7 +73,7 @@ mod tests {
 
     /// Returns curves that every figure must be able to draw: empty, single points, constants, non-finite values, and
     /// values at the limits of the range of doubles.
-    pub(crate) fn odd_curves() -> Vec<Vec<[f64; 2]>> {
+    pub(crate) fn edge_case_curves() -> Vec<Vec<[f64; 2]>> {
         let (nan, inf) = (f64::NAN, f64::INFINITY);
         vec![
             vec![],
@@ -89,7 +91,7 @@ mod tests {
     }
 
     /// Returns the width and the pixels, three bytes each, of a PNG file.
-    pub(crate) fn pixels(bytes: &[u8]) -> (usize, Vec<u8>) {
+    pub(crate) fn decode_png(bytes: &[u8]) -> (usize, Vec<u8>) {
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut pixels).unwrap();

@@ -10,19 +10,27 @@ pub(crate) const HEIGHT: f64 = 1100.0;
 /// Margin along the edges of the figure, pixels.
 pub(crate) const MARGIN: f64 = 44.0;
 
-const TITLE: f64 = 38.0;
-const SUBTITLE: f64 = 26.0;
+/// Font sizes of title and subtitle, pixels.
+const TITLE_SIZE: f64 = 38.0;
+const SUBTITLE_SIZE: f64 = 26.0;
 /// Font size of axis names, pixels.
-pub(crate) const NAME: f64 = 28.0;
+pub(crate) const AXIS_NAME_SIZE: f64 = 28.0;
 /// Font size of tick labels and legends, pixels.
-pub(crate) const NUMBER: f64 = 26.0;
-const TICK: f64 = 9.0;
+pub(crate) const TICK_LABEL_SIZE: f64 = 26.0;
+/// Length of labelled ticks, pixels.
+const TICK_LENGTH: f64 = 9.0;
 /// Line width of frames and ticks, pixels.
-pub(crate) const RULE: f64 = 2.0;
+pub(crate) const FRAME_LINE_WIDTH: f64 = 2.0;
 
 /// Breaks a text into at most `most` lines of `width` pixels; a truncated text ends in an ellipsis.
-pub(crate) fn wrap(text: &str, size: f64, bold: bool, width: f64, most: usize) -> Vec<String> {
-    let fits = |line: &str| text_width(line, size, bold) <= width;
+pub(crate) fn wrap_text(
+    text: &str,
+    size: f64,
+    is_bold: bool,
+    width: f64,
+    max_lines: usize,
+) -> Vec<String> {
+    let fits = |line: &str| text_width(line, size, is_bold) <= width;
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
     for word in text.split_whitespace() {
@@ -43,15 +51,15 @@ pub(crate) fn wrap(text: &str, size: f64, bold: bool, width: f64, most: usize) -
             }
         }
         // The remaining text is truncated, which bounds the run time for long texts.
-        if lines.len() > most {
+        if lines.len() > max_lines {
             break;
         }
     }
     if !line.is_empty() {
         lines.push(line);
     }
-    if lines.len() > most {
-        lines.truncate(most);
+    if lines.len() > max_lines {
+        lines.truncate(max_lines);
         if let Some(last) = lines.last_mut() {
             last.push('…');
             while !fits(last) && last.chars().count() > 1 {
@@ -66,26 +74,38 @@ pub(crate) fn wrap(text: &str, size: f64, bold: bool, width: f64, most: usize) -
 
 /// Fits a text into one line of `width` pixels: the font size is reduced by up to a third, then the text is truncated.
 /// Returns text and size.
-pub(crate) fn fit(text: &str, size: f64, width: f64) -> (String, f64) {
+pub(crate) fn fit_text(text: &str, size: f64, width: f64) -> (String, f64) {
     let natural = text_width(text, size, false);
     if natural <= width {
         return (text.to_owned(), size);
     }
     let smaller = (size * width / natural).max(size / 1.5);
-    let line = wrap(text, smaller, false, width * 1.0001, 1).pop().unwrap_or_default();
+    let line = wrap_text(text, smaller, false, width * 1.0001, 1).pop().unwrap_or_default();
     (line, smaller)
 }
 
+/// Creates a picture of figure width and `height` pixels with title and subtitle.
+pub(crate) fn create_page(height: f64, title: &str, subtitle: &str) -> Picture {
+    let mut picture = Picture::new(WIDTH as u32, height as u32);
+    draw_heading(&mut picture, title, subtitle);
+    picture
+}
+
+/// Computes the y position below title and subtitle, pixels.
+pub(crate) fn heading_bottom(title: &str, subtitle: &str) -> f64 {
+    draw_heading(&mut Picture::new(WIDTH as u32, 1), title, subtitle)
+}
+
 /// Writes title and subtitle; returns the y position below them.
-pub(crate) fn heading(picture: &mut Picture, title: &str, subtitle: &str) -> f64 {
+fn draw_heading(picture: &mut Picture, title: &str, subtitle: &str) -> f64 {
     let width = f64::from(picture.width) - 2.0 * MARGIN;
     let mut bottom = MARGIN;
-    for (text, size, bold, colour) in
-        [(title, TITLE, true, INK), (subtitle, SUBTITLE, false, PALE_INK)]
+    for (text, size, is_bold, colour) in
+        [(title, TITLE_SIZE, true, INK), (subtitle, SUBTITLE_SIZE, false, PALE_INK)]
     {
-        for line in wrap(text, size, bold, width, 2) {
+        for line in wrap_text(text, size, is_bold, width, 2) {
             let at = [MARGIN, bottom + 0.76 * size];
-            picture.text(Text { bold, colour, ..Text::new(at, Anchor::Start, size, line) });
+            picture.draw_text(Text { is_bold, colour, ..Text::new(at, Anchor::Start, size, line) });
             bottom += 1.3 * size;
         }
         bottom += 0.2 * size;
@@ -93,74 +113,92 @@ pub(crate) fn heading(picture: &mut Picture, title: &str, subtitle: &str) -> f64
     bottom + 12.0
 }
 
-/// Height below the frame needed by [`bottom_axis`], pixels.
-pub(crate) const BOTTOM_AXIS: f64 = TICK + 1.5 * NUMBER + 1.4 * NAME;
+/// Height below the frame needed by [`draw_bottom_axis`], pixels.
+pub(crate) const BOTTOM_AXIS_HEIGHT: f64 =
+    TICK_LENGTH + 1.5 * TICK_LABEL_SIZE + 1.4 * AXIS_NAME_SIZE;
 
 /// Draws ticks and axis name below a frame; ticks are located in pixels.
-pub(crate) fn bottom_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick], name: &str) {
+pub(crate) fn draw_bottom_axis(
+    picture: &mut Picture,
+    frame: Rectangle,
+    ticks: &[Tick],
+    name: &str,
+) {
     let Rectangle { left, right, bottom, .. } = frame;
     for (x, label) in ticks {
-        let length = if label.is_empty() { 0.6 * TICK } else { TICK };
-        picture.line([[*x, bottom], [*x, bottom + length]], RULE, INK);
-        let at = [*x, bottom + TICK + 0.3 * NUMBER + 0.76 * NUMBER];
+        let length = if label.is_empty() { 0.6 * TICK_LENGTH } else { TICK_LENGTH };
+        picture.draw_line([[*x, bottom], [*x, bottom + length]], FRAME_LINE_WIDTH, INK);
+        let at = [*x, bottom + TICK_LENGTH + 0.3 * TICK_LABEL_SIZE + 0.76 * TICK_LABEL_SIZE];
         if !label.is_empty() {
-            picture.text(Text::new(at, Anchor::Middle, NUMBER, label));
+            picture.draw_text(Text::new(at, Anchor::Middle, TICK_LABEL_SIZE, label));
         }
     }
     if !name.is_empty() {
-        let (name, size) = fit(name, NAME, frame.width());
-        let at = [0.5 * (left + right), bottom + TICK + 1.4 * NUMBER + NAME];
-        picture.text(Text::new(at, Anchor::Middle, size, name));
+        let (name, size) = fit_text(name, AXIS_NAME_SIZE, frame.width());
+        let at =
+            [0.5 * (left + right), bottom + TICK_LENGTH + 1.4 * TICK_LABEL_SIZE + AXIS_NAME_SIZE];
+        picture.draw_text(Text::new(at, Anchor::Middle, size, name));
     }
 }
 
-/// Computes the width to the left of the frame needed by [`left_axis`], pixels.
+/// Computes the width to the left of the frame needed by [`draw_left_axis`], pixels.
 pub(crate) fn left_axis_width(ticks: &[Tick]) -> f64 {
-    1.4 * NAME + widest(ticks) + 10.0 + TICK
+    1.4 * AXIS_NAME_SIZE + max_label_width(ticks) + 10.0 + TICK_LENGTH
 }
 
 /// Draws ticks and axis name to the left of a frame; ticks are located in pixels.
-pub(crate) fn left_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick], name: &str) {
+pub(crate) fn draw_left_axis(picture: &mut Picture, frame: Rectangle, ticks: &[Tick], name: &str) {
     let Rectangle { left, top, bottom, .. } = frame;
     for (y, label) in ticks {
-        let length = if label.is_empty() { 0.6 * TICK } else { TICK };
-        picture.line([[left, *y], [left - length, *y]], RULE, INK);
+        let length = if label.is_empty() { 0.6 * TICK_LENGTH } else { TICK_LENGTH };
+        picture.draw_line([[left, *y], [left - length, *y]], FRAME_LINE_WIDTH, INK);
         if !label.is_empty() {
-            let at = [left - TICK - 6.0, y + 0.36 * NUMBER];
-            picture.text(Text::new(at, Anchor::End, NUMBER, label));
+            let at = [left - TICK_LENGTH - 6.0, y + 0.36 * TICK_LABEL_SIZE];
+            picture.draw_text(Text::new(at, Anchor::End, TICK_LABEL_SIZE, label));
         }
     }
     if name.is_empty() {
         return;
     }
-    let (name, size) = fit(name, NAME, frame.height());
-    let at = [left - TICK - 10.0 - widest(ticks) - 0.4 * NAME, 0.5 * (top + bottom)];
+    let (name, size) = fit_text(name, AXIS_NAME_SIZE, frame.height());
+    let at = [
+        left - TICK_LENGTH - 10.0 - max_label_width(ticks) - 0.4 * AXIS_NAME_SIZE,
+        0.5 * (top + bottom),
+    ];
     let text = Text::new(at, Anchor::Middle, size, name);
-    picture.text(Text { upwards: true, ..text });
+    picture.draw_text(Text { is_vertical: true, ..text });
 }
 
 /// Returns the width of the widest tick label, pixels.
-pub(crate) fn widest(ticks: &[Tick]) -> f64 {
-    ticks.iter().map(|(_, label)| text_width(label, NUMBER, false)).fold(0.0, f64::max)
+pub(crate) fn max_label_width(ticks: &[Tick]) -> f64 {
+    ticks.iter().map(|(_, label)| text_width(label, TICK_LABEL_SIZE, false)).fold(0.0, f64::max)
 }
 
-/// Returns the largest set of ticks whose labels do not overlap along `length` pixels; `scale` computes the ticks for a
+/// Returns the largest set of ticks whose labels do not overlap along `length` pixels; `compute_ticks` computes the ticks for a
 /// maximum number.
-pub(crate) fn spaced(length: f64, upright: bool, scale: impl Fn(usize) -> Vec<Tick>) -> Vec<Tick> {
-    let most = if upright { (length / 65.0) as usize } else { (length / 70.0) as usize };
+pub(crate) fn choose_ticks(
+    length: f64,
+    is_vertical: bool,
+    compute_ticks: impl Fn(usize) -> Vec<Tick>,
+) -> Vec<Tick> {
+    let max_count = if is_vertical { (length / 65.0) as usize } else { (length / 70.0) as usize };
     let fits = |ticks: &Vec<Tick>| {
-        let room = if upright { 1.5 * NUMBER } else { widest(ticks) + 0.8 * NUMBER };
+        let label_extent = if is_vertical {
+            1.5 * TICK_LABEL_SIZE
+        } else {
+            max_label_width(ticks) + 0.8 * TICK_LABEL_SIZE
+        };
         let labelled = ticks.iter().filter(|(_, label)| !label.is_empty()).count();
-        labelled as f64 * room <= length
+        labelled as f64 * label_extent <= length
     };
-    (2..=most).rev().map(&scale).find(fits).unwrap_or_else(|| scale(2))
+    (2..=max_count).rev().map(&compute_ticks).find(fits).unwrap_or_else(|| compute_ticks(2))
 }
 
 /// Function that draws the sample of a legend entry in an area.
 pub(crate) type Swatch = Box<dyn Fn(&mut Picture, Rectangle)>;
 
 /// Legend entry: text and sample.
-pub(crate) type Entry = (String, Swatch);
+pub(crate) type LegendEntry = (String, Swatch);
 
 /// Legend: samples with their texts, row by row in aligned columns.
 pub(crate) struct Legend {
@@ -169,23 +207,28 @@ pub(crate) struct Legend {
 }
 
 impl Legend {
-    const SWATCH: f64 = 70.0;
-    const GAP: f64 = 16.0;
-    const BETWEEN: f64 = 40.0;
-    const LINE: f64 = 1.3 * NUMBER;
-    const ROW: f64 = 1.7 * NUMBER;
+    const SWATCH_WIDTH: f64 = 70.0;
+    const SWATCH_GAP: f64 = 16.0;
+    const COLUMN_GAP: f64 = 40.0;
+    const LINE_HEIGHT: f64 = 1.3 * TICK_LABEL_SIZE;
+    const ROW_HEIGHT: f64 = 1.7 * TICK_LABEL_SIZE;
 
-    pub fn new(entries: Vec<Entry>, width: f64) -> Self {
-        let words: Vec<String> = entries.iter().map(|(words, _)| words.clone()).collect();
-        Self::with_room(entries, &words, width)
+    pub fn new(entries: Vec<LegendEntry>, width: f64) -> Self {
+        let label_text: Vec<String> =
+            entries.iter().map(|(label_text, _)| label_text.clone()).collect();
+        Self::with_reserved_texts(entries, &label_text, width)
     }
 
-    /// Creates a legend with columns wide enough for the texts `room` in place of the texts of the entries.
-    pub fn with_room(entries: Vec<Entry>, room: &[String], width: f64) -> Self {
-        let beside = Self::SWATCH + Self::GAP + Self::BETWEEN;
-        let natural: Vec<f64> = room
+    /// Creates a legend with columns wide enough for the texts `reserved_texts` in place of the texts of the entries.
+    pub fn with_reserved_texts(
+        entries: Vec<LegendEntry>,
+        reserved_texts: &[String],
+        width: f64,
+    ) -> Self {
+        let beside = Self::SWATCH_WIDTH + Self::SWATCH_GAP + Self::COLUMN_GAP;
+        let natural: Vec<f64> = reserved_texts
             .iter()
-            .map(|words| text_width(words, NUMBER, false).ceil() + 1.0 + beside)
+            .map(|label_text| text_width(label_text, TICK_LABEL_SIZE, false).ceil() + 1.0 + beside)
             .collect();
         let widths = |columns: usize| -> Vec<f64> {
             (0..columns)
@@ -194,15 +237,24 @@ impl Legend {
                 })
                 .collect()
         };
-        let fits = |widths: &Vec<f64>| widths.iter().sum::<f64>() <= width + Self::BETWEEN;
+        let fits = |widths: &Vec<f64>| widths.iter().sum::<f64>() <= width + Self::COLUMN_GAP;
         let column_widths =
-            (2..=5).rev().map(widths).find(fits).unwrap_or_else(|| vec![width + Self::BETWEEN]);
+            (2..=5).rev().map(widths).find(fits).unwrap_or_else(|| vec![width + Self::COLUMN_GAP]);
         let columns = column_widths.len();
         let entries = entries
             .into_iter()
             .enumerate()
             .map(|(index, (label, swatch))| {
-                (wrap(&label, NUMBER, false, column_widths[index % columns] - beside, 2), swatch)
+                (
+                    wrap_text(
+                        &label,
+                        TICK_LABEL_SIZE,
+                        false,
+                        column_widths[index % columns] - beside,
+                        2,
+                    ),
+                    swatch,
+                )
             })
             .collect();
         Self { entries, column_widths }
@@ -211,7 +263,7 @@ impl Legend {
     fn row_heights(&self) -> impl Iterator<Item = f64> {
         self.entries.chunks(self.column_widths.len()).map(|row| {
             let lines = row.iter().map(|(lines, _)| lines.len()).max().unwrap_or(1).max(1);
-            Self::ROW + (lines - 1) as f64 * Self::LINE
+            Self::ROW_HEIGHT + (lines - 1) as f64 * Self::LINE_HEIGHT
         })
     }
 
@@ -229,14 +281,19 @@ impl Legend {
                 let area = Rectangle {
                     left: x,
                     top: y + 2.0,
-                    right: x + Self::SWATCH,
-                    bottom: y + 2.0 + 1.3 * NUMBER,
+                    right: x + Self::SWATCH_WIDTH,
+                    bottom: y + 2.0 + 1.3 * TICK_LABEL_SIZE,
                 };
                 swatch(picture, area);
-                let x = area.right + Self::GAP;
+                let x = area.right + Self::SWATCH_GAP;
                 for (index, line) in lines.iter().enumerate() {
-                    let baseline = y + 2.0 + NUMBER + index as f64 * Self::LINE;
-                    picture.text(Text::new([x, baseline], Anchor::Start, NUMBER, line));
+                    let baseline = y + 2.0 + TICK_LABEL_SIZE + index as f64 * Self::LINE_HEIGHT;
+                    picture.draw_text(Text::new(
+                        [x, baseline],
+                        Anchor::Start,
+                        TICK_LABEL_SIZE,
+                        line,
+                    ));
                 }
             }
             y += height;
@@ -251,22 +308,22 @@ mod tests {
     #[test]
     fn wrapped_lines_fit_and_lose_no_word() {
         let text = "growth rate of the fastest wave over all directions of propagation";
-        let lines = wrap(text, 28.0, false, 300.0, 10);
+        let lines = wrap_text(text, 28.0, false, 300.0, 10);
         assert!(lines.len() > 2);
         assert!(lines.iter().all(|line| text_width(line, 28.0, false) <= 300.0));
         assert_eq!(lines.join(" "), text);
-        let cut = wrap(text, 28.0, false, 300.0, 2);
+        let cut = wrap_text(text, 28.0, false, 300.0, 2);
         assert_eq!(cut.len(), 2);
         assert!(cut[1].ends_with('…') && text_width(&cut[1], 28.0, false) <= 300.0);
-        let broken = wrap(&"x".repeat(5000), 28.0, false, 300.0, 3);
+        let broken = wrap_text(&"x".repeat(5000), 28.0, false, 300.0, 3);
         assert_eq!(broken.len(), 3);
-        assert!(wrap("  ", 28.0, false, 300.0, 3).is_empty());
+        assert!(wrap_text("  ", 28.0, false, 300.0, 3).is_empty());
     }
 
     #[test]
-    fn fitted_lines_fit() {
+    fn fitted_text_is_within_the_width() {
         for repeat in [1, 4, 20, 400] {
-            let (line, size) = fit(&"pressure ".repeat(repeat), 28.0, 400.0);
+            let (line, size) = fit_text(&"pressure ".repeat(repeat), 28.0, 400.0);
             assert!(text_width(&line, size, false) <= 401.0);
             assert!((18.6..=28.0).contains(&size));
         }

@@ -3,18 +3,18 @@
 use plotters::style::RGBColor;
 
 use crate::error::FigureError;
-use crate::format::Format;
-use crate::growth::{GRID, LINE_WIDTH, Look, draw_marker_of};
-use crate::page::{self, Entry, Legend, MARGIN, RULE};
+use crate::format::FigureFormat;
+use crate::growth::{GRID_COLOUR, LINE_WIDTH, LineStyle, draw_marker_with_radius};
+use crate::page::{self, FRAME_LINE_WIDTH, Legend, LegendEntry, MARGIN};
 use crate::picture::{
-    Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip, polyline_length,
+    Anchor, INK, PALE_INK, Picture, Point, Rectangle, Text, WHITE, clip_polyline, polyline_length,
     text_width,
 };
-use crate::scale::{self, Tick};
-use crate::verdict_map::percent;
+use crate::scale::{self, FINITE_LIMIT, Tick};
+use crate::verdict_map::format_percent;
 
 /// Values of a record at the times of a figure.
-pub(crate) struct Series<'a> {
+pub(crate) struct RecordSeries<'a> {
     /// Legend text; series with the same name share a style. A series without name is drawn plain and is named by the
     /// panel title.
     pub name: Option<&'a str>,
@@ -22,139 +22,141 @@ pub(crate) struct Series<'a> {
 }
 
 /// A panel across the figure with its own vertical scale.
-pub(crate) struct Strip<'a> {
+pub(crate) struct RecordPanel<'a> {
     /// Name, symbol and unit of the values; the panel title.
     pub label: &'a str,
-    pub series: Vec<Series<'a>>,
+    pub series: Vec<RecordSeries<'a>>,
     /// Minimum height of the frame, pixels.
-    pub least: f64,
+    pub min_height: f64,
     /// Weight with which the panel shares the remaining height.
-    pub weight: f64,
+    pub height_weight: f64,
 }
 
 /// Content of a figure of records.
-pub(crate) struct Sheet<'a> {
+pub(crate) struct RecordFigure<'a> {
     pub title: &'a str,
     pub subtitle: &'a str,
     pub time_label: &'a str,
     pub times: &'a [f64],
-    pub strips: Vec<Strip<'a>>,
+    pub panels: Vec<RecordPanel<'a>>,
 }
 
 /// Font size of panel titles, pixels.
-const LABEL: f64 = 26.0;
+const PANEL_TITLE_SIZE: f64 = 26.0;
 /// Height of the row of a panel title, and gap between panels, pixels.
-const LABEL_ROW: f64 = 1.4 * LABEL;
-const BETWEEN: f64 = 12.0;
+const PANEL_TITLE_HEIGHT: f64 = 1.4 * PANEL_TITLE_SIZE;
+const PANEL_GAP: f64 = 12.0;
 /// Ratio of line length to window width above which a line is drawn thin, width of the window and width of the thin
 /// line; widths in pixels.
-const DENSE: f64 = 4.0;
-const WINDOW: f64 = 50.0;
-const DENSE_WIDTH: f64 = 1.8;
+const DENSE_LENGTH_RATIO: f64 = 4.0;
+const DENSITY_WINDOW: f64 = 50.0;
+const DENSE_LINE_WIDTH: f64 = 1.8;
 /// Width, pixels, of the thin solid line drawn along a dashed line, so that no peak is lost in a gap.
-const THREAD: f64 = 1.0;
+const THIN_LINE_WIDTH: f64 = 1.0;
 /// Minimum vertical distance of labelled ticks, pixels.
-const TICKS_APART: f64 = 1.15 * page::NUMBER;
-const MARKER: f64 = 6.5;
+const MIN_TICK_DISTANCE: f64 = 1.15 * page::TICK_LABEL_SIZE;
+const MARKER_RADIUS: f64 = 6.5;
 /// Distance between the markers of one line, and between the markers of neighbouring lines, pixels.
-const MARKERS_APART: f64 = 160.0;
-const MARKERS_BESIDE: f64 = 56.0;
-/// Magnitude above which numbers are treated as infinite, since differences would overflow.
-const FINITE: f64 = 1e300;
+const MARKER_SPACING: f64 = 160.0;
+const MARKER_OFFSET: f64 = 56.0;
 /// Relative change below which values are regarded as constant up to round-off.
-const ROUND_OFF: f64 = 1e-9;
+const ROUND_OFF_TOLERANCE: f64 = 1e-9;
 
-const ZERO: RGBColor = RGBColor(110, 110, 110);
+const ZERO_LINE_COLOUR: RGBColor = RGBColor(110, 110, 110);
 
 fn is_finite(value: f64) -> bool {
-    value.abs() < FINITE
+    value.abs() < FINITE_LIMIT
 }
 
 /// Vertical scale of a panel.
 #[derive(Debug, Clone, PartialEq)]
-struct Range {
+struct RecordScale {
     low: f64,
     high: f64,
     ticks: Vec<Tick>,
     /// Text shown in place of a scale, e.g. for missing values.
-    words: Option<String>,
+    message: Option<String>,
 }
 
-impl Range {
-    fn of(strip: &Strip, height: f64) -> Self {
-        let all = || strip.series.iter().flat_map(|series| series.values.iter().copied());
+impl RecordScale {
+    fn from_panel(panel: &RecordPanel, height: f64) -> Self {
+        let all = || panel.series.iter().flat_map(|series| series.values.iter().copied());
         let finite = || all().filter(|value| is_finite(*value));
         let (low, high) = finite()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                 (low.min(value), high.max(value))
             });
         let size = low.abs().max(high.abs());
-        let said = |words: &str, ticks: Vec<Tick>| {
-            let words = Some(words.to_owned());
-            Self { low: -1.0, high: 1.0, ticks, words }
+        let with_message = |message: &str, ticks: Vec<Tick>| {
+            let message = Some(message.to_owned());
+            Self { low: -1.0, high: 1.0, ticks, message }
         };
         if low > high {
             let is_empty = all().next().is_none();
-            return said(if is_empty { "no values" } else { "no finite values" }, Vec::new());
+            return with_message(
+                if is_empty { "no values" } else { "no finite values" },
+                Vec::new(),
+            );
         }
         let is_partial = all().any(|value| !is_finite(value));
         if size == 0.0 {
-            let words = if is_partial { "zero wherever it is finite" } else { "zero" };
-            return said(words, vec![(0.0, "0".to_owned())]);
+            let message = if is_partial { "zero wherever it is finite" } else { "zero" };
+            return with_message(message, vec![(0.0, "0".to_owned())]);
         }
-        if high - low <= ROUND_OFF * size {
+        if high - low <= ROUND_OFF_TOLERANCE * size {
             let middle = 0.5 * (low + high);
             let ends = [middle - 0.5 * size, middle + 0.5 * size];
-            let ticks = vec![(middle, scale::plain(middle))];
-            return Self { low: ends[0], high: ends[1], ticks, words: None };
+            let ticks = vec![(middle, scale::format_number(middle))];
+            return Self { low: ends[0], high: ends[1], ticks, message: None };
         }
         // Zero is included if it is near the range.
         let near = 0.5 * (high - low);
         let low = if low > 0.0 && low <= near { 0.0 } else { low };
         let high = if high < 0.0 && high >= -near { 0.0 } else { high };
         // Larger margins or one more tick may allow round numbers at both ends.
-        let most = ((height / 46.0) as usize).clamp(3, 7);
-        let tried = [0.06, 0.12, 0.2, 0.3].into_iter().flat_map(|room| {
-            let room = room * (high - low);
-            let (low, high) = (low - room, high + room);
-            [most, most + 1].map(|most| {
-                let ticks = scale::ticks(low, high, most, false);
-                Self { low, high, ticks, words: None }
+        let max_ticks = ((height / 46.0) as usize).clamp(3, 7);
+        let candidates = [0.06, 0.12, 0.2, 0.3].into_iter().flat_map(|margin| {
+            let margin = margin * (high - low);
+            let (low, high) = (low - margin, high + margin);
+            [max_ticks, max_ticks + 1].map(|max_count| {
+                let ticks = scale::linear_ticks(low, high, max_count, false);
+                Self { low, high, ticks, message: None }
             })
         });
-        let stand_apart = |range: &Self| {
+        let has_separate_ticks = |range: &Self| {
             let places: Vec<f64> =
-                range.ticks.iter().map(|(value, _)| range.share(*value) * height).collect();
-            places.windows(2).all(|pair| pair[1] - pair[0] > TICKS_APART)
+                range.ticks.iter().map(|(value, _)| range.fraction(*value) * height).collect();
+            places.windows(2).all(|pair| pair[1] - pair[0] > MIN_TICK_DISTANCE)
         };
-        let tried: Vec<Self> = tried.filter(stand_apart).collect();
-        let with = |least: usize| tried.iter().find(|range| range.ticks.len() >= least);
+        let candidates: Vec<Self> = candidates.filter(has_separate_ticks).collect();
+        let with =
+            |min_ticks: usize| candidates.iter().find(|range| range.ticks.len() >= min_ticks);
         let best = with(3).or_else(|| with(2)).or_else(|| with(0)).cloned();
-        best.unwrap_or(Self { low, high, ticks: Vec::new(), words: None })
+        best.unwrap_or(Self { low, high, ticks: Vec::new(), message: None })
     }
 
-    fn share(&self, value: f64) -> f64 {
+    fn fraction(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 
-    fn place(&self, value: f64, frame: Rectangle) -> f64 {
-        frame.bottom - self.share(value) * frame.height()
+    fn y_position(&self, value: f64, frame: Rectangle) -> f64 {
+        frame.bottom - self.fraction(value) * frame.height()
     }
 }
 
 /// Reduces a line to at most four points per pixel column (first, lowest, highest, last), so that no peak is lost. The
 /// line is split into parts where values are non-finite.
-fn reduced(
+fn decimate(
     times: &[f64],
     values: &[f64],
-    place: impl Fn(f64, f64) -> Point,
+    to_point: impl Fn(f64, f64) -> Point,
     is_same_column: impl Fn(Point, Point) -> bool,
 ) -> Vec<Vec<Point>> {
     /// First, lowest, highest and last point of a pixel column, each with its index.
-    struct Column([(usize, Point); 4]);
+    struct PixelColumn([(usize, Point); 4]);
 
-    impl Column {
-        fn finish(self, part: &mut Vec<Point>) {
+    impl PixelColumn {
+        fn append_to(self, part: &mut Vec<Point>) {
             let Self(mut points) = self;
             points.sort_by_key(|(index, _)| *index);
             let mut last = None;
@@ -169,7 +171,7 @@ fn reduced(
 
     let mut parts: Vec<Vec<Point>> = Vec::new();
     let mut part: Vec<Point> = Vec::new();
-    let mut column: Option<Column> = None;
+    let mut column: Option<PixelColumn> = None;
     // Gaps within a pixel column are not visible: the line continues.
     let mut is_broken = false;
     for (index, (time, value)) in times.iter().zip(values).enumerate() {
@@ -177,33 +179,33 @@ fn reduced(
             is_broken = true;
             continue;
         }
-        let point = place(*time, *value);
+        let point = to_point(*time, *value);
         match &mut column {
-            Some(Column(kept)) if is_same_column(kept[0].1, point) => {
+            Some(PixelColumn(points)) if is_same_column(points[0].1, point) => {
                 is_broken = false;
                 // The y coordinate of the picture increases downwards.
-                if point[1] > kept[1].1[1] {
-                    kept[1] = (index, point);
+                if point[1] > points[1].1[1] {
+                    points[1] = (index, point);
                 }
-                if point[1] < kept[2].1[1] {
-                    kept[2] = (index, point);
+                if point[1] < points[2].1[1] {
+                    points[2] = (index, point);
                 }
-                kept[3] = (index, point);
+                points[3] = (index, point);
             }
             _ => {
                 if let Some(column) = column.take() {
-                    column.finish(&mut part);
+                    column.append_to(&mut part);
                 }
                 if is_broken && !part.is_empty() {
                     parts.push(std::mem::take(&mut part));
                 }
                 is_broken = false;
-                column = Some(Column([(index, point); 4]));
+                column = Some(PixelColumn([(index, point); 4]));
             }
         }
     }
     if let Some(column) = column {
-        column.finish(&mut part);
+        column.append_to(&mut part);
     }
     if !part.is_empty() {
         parts.push(part);
@@ -211,13 +213,13 @@ fn reduced(
     parts
 }
 
-impl Sheet<'_> {
+impl RecordFigure<'_> {
     /// Renders the figure in a file format and returns the bytes of the file.
-    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
-        self.picture()?.render(format)
+    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+        self.to_picture()?.render(format)
     }
 
-    fn check(&self) -> Result<(), FigureError> {
+    fn validate(&self) -> Result<(), FigureError> {
         let refuse =
             |problem| Err(FigureError::Axis { label: self.time_label.to_owned(), problem });
         if self.times.is_empty() {
@@ -229,8 +231,8 @@ impl Sheet<'_> {
         if self.times.windows(2).any(|pair| pair[1] < pair[0]) {
             return refuse("has values that decrease");
         }
-        let all = self.strips.iter().flat_map(|strip| {
-            strip.series.iter().map(|series| (series.name.unwrap_or(strip.label), series.values))
+        let all = self.panels.iter().flat_map(|panel| {
+            panel.series.iter().map(|series| (series.name.unwrap_or(panel.label), series.values))
         });
         for (name, values) in all {
             if values.len() != self.times.len() {
@@ -245,9 +247,11 @@ impl Sheet<'_> {
     }
 
     /// Returns the names of the legend, in the order of their first occurrence.
-    fn names(&self) -> Vec<&str> {
+    fn series_names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
-        for name in self.strips.iter().flat_map(|strip| &strip.series).filter_map(|own| own.name) {
+        for name in
+            self.panels.iter().flat_map(|panel| &panel.series).filter_map(|series| series.name)
+        {
             if !names.contains(&name) {
                 names.push(name);
             }
@@ -255,41 +259,46 @@ impl Sheet<'_> {
         names
     }
 
-    fn legend(&self, names: &[&str]) -> Legend {
-        let mut entries: Vec<Entry> = Vec::new();
+    fn build_legend(&self, names: &[&str]) -> Legend {
+        let mut entries: Vec<LegendEntry> = Vec::new();
         for (index, name) in names.iter().enumerate() {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let look = Look::of(index);
+                let style = LineStyle::from_index(index);
                 let middle = 0.5 * (area.top + area.bottom);
                 let ends = [[area.left, middle], [area.right, middle]];
-                picture.dashed(&ends, look.dashes, LINE_WIDTH, look.colour);
-                draw_marker_of(picture, [0.5 * (area.left + area.right), middle], &look, MARKER);
+                picture.draw_dashed_line(&ends, style.dashes, LINE_WIDTH, style.colour);
+                draw_marker_with_radius(
+                    picture,
+                    [0.5 * (area.left + area.right), middle],
+                    &style,
+                    MARKER_RADIUS,
+                );
             };
             entries.push(((*name).to_owned(), Box::new(swatch)));
         }
         let values = || {
-            let series = self.strips.iter().flat_map(|strip| &strip.series);
+            let series = self.panels.iter().flat_map(|panel| &panel.series);
             series.flat_map(|series| series.values)
         };
-        let unknown = values().filter(|value| !is_finite(**value)).count();
-        if unknown > 0 {
+        let non_finite = values().filter(|value| !is_finite(**value)).count();
+        if non_finite > 0 {
             let swatch = |picture: &mut Picture, area: Rectangle| {
                 let y = 0.5 * (area.top + area.bottom);
                 for [from, to] in [[0.0, 0.3], [0.7, 1.0]] {
                     let place = |share: f64| [area.left + share * area.width(), y];
-                    picture.line([place(from), place(to)], LINE_WIDTH, PALE_INK);
+                    picture.draw_line([place(from), place(to)], LINE_WIDTH, PALE_INK);
                 }
             };
-            let share = percent(unknown, values().count());
+            let share = format_percent(non_finite, values().count());
             entries.push((format!("not a finite number ({share})"), Box::new(swatch)));
         }
         Legend::new(entries, page::WIDTH - 2.0 * MARGIN)
     }
 
     /// Returns the ends of the time axis.
-    fn ends(&self) -> [f64; 2] {
+    fn time_range(&self) -> [f64; 2] {
         let [from, to] = [self.times[0], self.times[self.times.len() - 1]];
-        if to - from > ROUND_OFF * from.abs().max(to.abs()) {
+        if to - from > ROUND_OFF_TOLERANCE * from.abs().max(to.abs()) {
             [from, to]
         } else {
             let half = 0.5 * from.abs().max(1.0);
@@ -297,153 +306,157 @@ impl Sheet<'_> {
         }
     }
 
-    pub fn picture(&self) -> Result<Picture, FigureError> {
-        self.check()?;
-        let names = self.names();
-        let legend = self.legend(&names);
-        let mut sheet = Picture::new(page::WIDTH as u32, 1);
-        let top = page::heading(&mut sheet, self.title, self.subtitle);
-        let below = page::BOTTOM_AXIS + 22.0 + legend.height() + MARGIN - 12.0;
-        let rows = LABEL_ROW * self.strips.len() as f64
-            + BETWEEN * self.strips.len().saturating_sub(1) as f64;
-        let least: f64 = self.strips.iter().map(|strip| strip.least).sum();
-        let height = page::HEIGHT.max(top + rows + least + below).ceil();
-        let spare = height - top - rows - least - below;
-        let weights: f64 = self.strips.iter().map(|strip| strip.weight).sum();
+    pub fn to_picture(&self) -> Result<Picture, FigureError> {
+        self.validate()?;
+        let names = self.series_names();
+        let legend = self.build_legend(&names);
+        let top = page::heading_bottom(self.title, self.subtitle);
+        let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
+        let rows = PANEL_TITLE_HEIGHT * self.panels.len() as f64
+            + PANEL_GAP * self.panels.len().saturating_sub(1) as f64;
+        let min_height: f64 = self.panels.iter().map(|panel| panel.min_height).sum();
+        let height = page::HEIGHT.max(top + rows + min_height + below).ceil();
+        let spare = height - top - rows - min_height - below;
+        let weights: f64 = self.panels.iter().map(|panel| panel.height_weight).sum();
 
         let mut y = top;
         let mut frames = Vec::new();
-        for strip in &self.strips {
-            let high = strip.least + spare * strip.weight / weights;
-            let top = (y + LABEL_ROW).round();
-            y += LABEL_ROW + high + BETWEEN;
-            frames.push([top, (y - BETWEEN).round()]);
+        for panel in &self.panels {
+            let high = panel.min_height + spare * panel.height_weight / weights;
+            let top = (y + PANEL_TITLE_HEIGHT).round();
+            y += PANEL_TITLE_HEIGHT + high + PANEL_GAP;
+            frames.push([top, (y - PANEL_GAP).round()]);
         }
-        let ranges: Vec<Range> = self
-            .strips
+        let ranges: Vec<RecordScale> = self
+            .panels
             .iter()
             .zip(&frames)
-            .map(|(strip, [top, bottom])| Range::of(strip, bottom - top))
+            .map(|(panel, [top, bottom])| RecordScale::from_panel(panel, bottom - top))
             .collect();
-        let widest = ranges.iter().map(|range| page::widest(&range.ticks)).fold(0.0, f64::max);
+        let widest =
+            ranges.iter().map(|range| page::max_label_width(&range.ticks)).fold(0.0, f64::max);
         // The rightmost tick label of the time axis extends beyond the frame.
         let left = (MARGIN + widest + 24.0).round();
         let right = page::WIDTH - MARGIN - 36.0;
 
-        let mut picture = Picture::new(page::WIDTH as u32, height as u32);
-        page::heading(&mut picture, self.title, self.subtitle);
-        let [from, to] = self.ends();
-        let x_ticks: Vec<Tick> =
-            page::spaced(right - left, false, |most| scale::ticks(from, to, most.min(10), false))
-                .into_iter()
-                .map(|(time, label)| (left + (time - from) / (to - from) * (right - left), label))
-                .collect();
-        let count = self.strips.len();
-        for (index, (strip, range)) in self.strips.iter().zip(&ranges).enumerate() {
+        let mut picture = page::create_page(height, self.title, self.subtitle);
+        let [from, to] = self.time_range();
+        let x_ticks: Vec<Tick> = page::choose_ticks(right - left, false, |max_count| {
+            scale::linear_ticks(from, to, max_count.min(10), false)
+        })
+        .into_iter()
+        .map(|(time, label)| (left + (time - from) / (to - from) * (right - left), label))
+        .collect();
+        let count = self.panels.len();
+        for (index, (panel, range)) in self.panels.iter().zip(&ranges).enumerate() {
             let [top, bottom] = frames[index];
             let frame = Rectangle { left, top, right, bottom };
-            self.draw_strip(&mut picture, strip, range, frame, (&x_ticks, &names));
+            self.draw_panel(&mut picture, panel, range, frame, (&x_ticks, &names));
             if index + 1 == count {
-                page::bottom_axis(&mut picture, frame, &x_ticks, self.time_label);
+                page::draw_bottom_axis(&mut picture, frame, &x_ticks, self.time_label);
             } else {
                 let bare: Vec<Tick> = x_ticks.iter().map(|(x, _)| (*x, String::new())).collect();
-                page::bottom_axis(&mut picture, frame, &bare, "");
+                page::draw_bottom_axis(&mut picture, frame, &bare, "");
             }
         }
         if count == 0 {
-            let at = [MARGIN, top + LABEL_ROW];
-            picture.text(Text::new(at, Anchor::Start, LABEL, "nothing recorded"));
+            let at = [MARGIN, top + PANEL_TITLE_HEIGHT];
+            picture.draw_text(Text::new(at, Anchor::Start, PANEL_TITLE_SIZE, "nothing recorded"));
         }
-        legend.draw(&mut picture, MARGIN, height - below + page::BOTTOM_AXIS + 22.0);
+        legend.draw(&mut picture, MARGIN, height - below + page::BOTTOM_AXIS_HEIGHT + 22.0);
         Ok(picture)
     }
 
-    fn draw_strip(
+    fn draw_panel(
         &self,
         picture: &mut Picture,
-        strip: &Strip,
-        range: &Range,
+        panel: &RecordPanel,
+        scale: &RecordScale,
         frame: Rectangle,
         (x_ticks, names): (&[Tick], &[&str]),
     ) {
-        let (label, size) = page::fit(strip.label, LABEL, frame.width());
+        let (label, size) = page::fit_text(panel.label, PANEL_TITLE_SIZE, frame.width());
         if !label.is_empty() {
-            let at = [frame.left, frame.top - 0.36 * LABEL];
-            picture.text(Text::new(at, Anchor::Start, size, label));
+            let at = [frame.left, frame.top - 0.36 * PANEL_TITLE_SIZE];
+            picture.draw_text(Text::new(at, Anchor::Start, size, label));
         }
         for (x, _) in x_ticks {
-            picture.line([[*x, frame.top], [*x, frame.bottom]], 1.2, GRID);
+            picture.draw_line([[*x, frame.top], [*x, frame.bottom]], 1.2, GRID_COLOUR);
         }
-        let y_ticks: Vec<Tick> = range
+        let y_ticks: Vec<Tick> = scale
             .ticks
             .iter()
-            .map(|(value, label)| (range.place(*value, frame), label.clone()))
+            .map(|(value, label)| (scale.y_position(*value, frame), label.clone()))
             .collect();
         for (y, _) in &y_ticks {
-            picture.line([[frame.left, *y], [frame.right, *y]], 1.2, GRID);
+            picture.draw_line([[frame.left, *y], [frame.right, *y]], 1.2, GRID_COLOUR);
         }
-        if range.low < 0.0 && range.high > 0.0 && !range.ticks.is_empty() {
-            let zero = range.place(0.0, frame);
-            picture.line([[frame.left, zero], [frame.right, zero]], 2.0, ZERO);
+        if scale.low < 0.0 && scale.high > 0.0 && !scale.ticks.is_empty() {
+            let zero = scale.y_position(0.0, frame);
+            picture.draw_line([[frame.left, zero], [frame.right, zero]], 2.0, ZERO_LINE_COLOUR);
         }
-        let [from, to] = self.ends();
+        let [from, to] = self.time_range();
         let place = |time: f64, value: f64| {
             let x = frame.left + (time - from) / (to - from) * frame.width();
-            [x, range.place(value, frame)]
+            [x, scale.y_position(value, frame)]
         };
         let is_same_column = |a: Point, b: Point| a[0].floor() == b[0].floor();
-        let lines: Vec<(Option<usize>, Vec<Vec<Point>>)> = strip
+        let lines: Vec<(Option<usize>, Vec<Vec<Point>>)> = panel
             .series
             .iter()
             .map(|series| {
-                let own = series.name.and_then(|name| names.iter().position(|own| *own == name));
-                (own, reduced(self.times, series.values, place, is_same_column))
+                let style_index =
+                    series.name.and_then(|name| names.iter().position(|other| *other == name));
+                (style_index, decimate(self.times, series.values, place, is_same_column))
             })
             .collect();
-        if range.words.is_none() {
-            for (own, parts) in &lines {
-                draw_line(picture, own.map(Look::of), parts, frame);
+        if scale.message.is_none() {
+            for (style_index, parts) in &lines {
+                draw_line(picture, style_index.map(LineStyle::from_index), parts, frame);
             }
             // The first marker of each line is shifted, so that markers of coincident lines are all visible.
-            let apart = MARKERS_APART.max(MARKERS_BESIDE * lines.len() as f64);
-            for (index, (own, parts)) in lines.iter().enumerate() {
-                let Some(look) = own.map(Look::of) else { continue };
-                let mut next = frame.left + apart * (index as f64 + 0.5) / lines.len() as f64;
+            let spacing = MARKER_SPACING.max(MARKER_OFFSET * lines.len() as f64);
+            for (index, (style_index, parts)) in lines.iter().enumerate() {
+                let Some(style) = style_index.map(LineStyle::from_index) else { continue };
+                let mut next_marker_x =
+                    frame.left + spacing * (index as f64 + 0.5) / lines.len() as f64;
                 for &point in parts.iter().flatten() {
-                    if point[0] >= next {
-                        draw_marker_of(picture, point, &look, MARKER);
-                        next += apart * ((point[0] - next) / apart + 1.0).floor();
+                    if point[0] >= next_marker_x {
+                        draw_marker_with_radius(picture, point, &style, MARKER_RADIUS);
+                        next_marker_x +=
+                            spacing * ((point[0] - next_marker_x) / spacing + 1.0).floor();
                     }
                 }
             }
         }
-        picture.frame(frame, RULE, INK);
-        if let Some(words) = &range.words {
+        picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
+        if let Some(label_text) = &scale.message {
             let middle = [0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom)];
-            let at = [middle[0], middle[1] + 0.26 * LABEL];
-            let text = Text::new(at, Anchor::Middle, LABEL, words);
-            let half = 0.5 * text_width(words, LABEL, false) + 14.0;
+            let at = [middle[0], middle[1] + 0.26 * PANEL_TITLE_SIZE];
+            let text = Text::new(at, Anchor::Middle, PANEL_TITLE_SIZE, label_text);
+            let half = 0.5 * text_width(label_text, PANEL_TITLE_SIZE, false) + 14.0;
             let ground =
                 Rectangle { left: middle[0] - half, right: middle[0] + half, ..text.bounds() };
-            picture.fill(ground, WHITE);
-            picture.text(Text { colour: PALE_INK, ..text });
+            picture.fill_rectangle(ground, WHITE);
+            picture.draw_text(Text { colour: PALE_INK, ..text });
         }
-        page::left_axis(picture, frame, &y_ticks, "");
+        page::draw_left_axis(picture, frame, &y_ticks, "");
     }
 }
 
 /// Splits a line into pieces of low and high density, each with whether it is dense, i.e. oscillates so fast that its
 /// strokes would merge.
-fn by_density(part: Vec<Point>) -> Vec<(bool, Vec<Point>)> {
+fn split_by_density(part: Vec<Point>) -> Vec<(bool, Vec<Point>)> {
     let mut pieces: Vec<(bool, Vec<Point>)> = Vec::new();
     let mut start = 0;
     for end in 1..part.len() {
         let is_last = end + 1 == part.len();
-        if part[end][0] - part[start][0] < WINDOW && !is_last {
+        if part[end][0] - part[start][0] < DENSITY_WINDOW && !is_last {
             continue;
         }
         let piece = &part[start..=end];
-        let is_dense = polyline_length(piece) > DENSE * WINDOW.max(part[end][0] - part[start][0]);
+        let is_dense = polyline_length(piece)
+            > DENSE_LENGTH_RATIO * DENSITY_WINDOW.max(part[end][0] - part[start][0]);
         match pieces.last_mut() {
             Some((kind, line)) if *kind == is_dense => line.extend(&piece[1..]),
             _ => pieces.push((is_dense, piece.to_vec())),
@@ -453,20 +466,25 @@ fn by_density(part: Vec<Point>) -> Vec<(bool, Vec<Point>)> {
     pieces
 }
 
-fn draw_line(picture: &mut Picture, look: Option<Look>, parts: &[Vec<Point>], frame: Rectangle) {
-    let (colour, dashes) = look.map_or((INK, &[][..]), |look| (look.colour, look.dashes));
+fn draw_line(
+    picture: &mut Picture,
+    style: Option<LineStyle>,
+    parts: &[Vec<Point>],
+    frame: Rectangle,
+) {
+    let (colour, dashes) = style.map_or((INK, &[][..]), |style| (style.colour, style.dashes));
     for part in parts {
         if let [point] = part[..] {
-            picture.disc(point, 0.7 * LINE_WIDTH, colour);
+            picture.fill_disc(point, 0.7 * LINE_WIDTH, colour);
         }
         // Rounding may place points slightly outside the frame.
-        for (is_dense, piece) in clip(part, frame).into_iter().flat_map(by_density) {
+        for (is_dense, piece) in clip_polyline(part, frame).into_iter().flat_map(split_by_density) {
             if is_dense {
-                picture.line(piece, DENSE_WIDTH, colour);
+                picture.draw_line(piece, DENSE_LINE_WIDTH, colour);
             } else {
-                picture.dashed(&piece, dashes, LINE_WIDTH, colour);
+                picture.draw_dashed_line(&piece, dashes, LINE_WIDTH, colour);
                 if !dashes.is_empty() {
-                    picture.line(piece, THREAD, colour);
+                    picture.draw_line(piece, THIN_LINE_WIDTH, colour);
                 }
             }
         }
@@ -479,25 +497,25 @@ pub(crate) mod tests {
     use crate::tests::check_drawing;
 
     /// Checks a figure of records as [`check_drawing`] does.
-    pub(crate) fn check(sheet: &Sheet) {
-        check_drawing(&sheet.picture().unwrap(), |format| sheet.draw(format));
+    pub(crate) fn check_figure(figure: &RecordFigure) {
+        check_drawing(&figure.to_picture().unwrap(), |format| figure.draw(format));
     }
 
-    pub(crate) fn texts(sheet: &Sheet) -> Vec<String> {
-        sheet.picture().unwrap().texts().map(|text| text.content.clone()).collect()
+    pub(crate) fn picture_texts(figure: &RecordFigure) -> Vec<String> {
+        figure.to_picture().unwrap().texts().map(|text| text.content.clone()).collect()
     }
 
-    fn parts(times: &[f64], values: &[f64]) -> Vec<Vec<Point>> {
-        reduced(times, values, |t, v| [t, -v], |a, b| a[0].floor() == b[0].floor())
+    fn decimate_by_column(times: &[f64], values: &[f64]) -> Vec<Vec<Point>> {
+        decimate(times, values, |t, v| [t, -v], |a, b| a[0].floor() == b[0].floor())
     }
 
     #[test]
-    fn columns_keep_their_ends_and_extremes() {
+    fn decimation_keeps_ends_and_extremes() {
         let times: Vec<f64> = (0..100_000).map(|index| 1e-3 * f64::from(index)).collect();
         let mut values: Vec<f64> = times.iter().map(|time| (900.0 * time).sin()).collect();
         values[54_321] = 40.0;
         values[54_329] = -30.0;
-        let parts = parts(&times, &values);
+        let parts = decimate_by_column(&times, &values);
         assert_eq!(parts.len(), 1);
         assert!(parts[0].len() <= 400 && parts[0].len() > 300, "{}", parts[0].len());
         for index in [54_321, 54_329, 0, 99_999] {
@@ -507,7 +525,7 @@ pub(crate) mod tests {
         // A line with few points is unchanged.
         let times = [0.0, 0.4, 0.9, 1.1, 2.7];
         let values = [1.0, 3.0, 2.0, 2.0, 5.0];
-        assert_eq!(super::tests::parts(&times, &values)[0].len(), 5);
+        assert_eq!(super::tests::decimate_by_column(&times, &values)[0].len(), 5);
     }
 
     #[test]
@@ -515,7 +533,7 @@ pub(crate) mod tests {
         let (nan, infinite) = (f64::NAN, f64::INFINITY);
         let times: Vec<f64> = (0..8).map(f64::from).collect();
         let lengths = |values: [f64; 8]| -> Vec<usize> {
-            parts(&times, &values).iter().map(Vec::len).collect()
+            decimate_by_column(&times, &values).iter().map(Vec::len).collect()
         };
         assert_eq!(lengths([1.0, 2.0, nan, 3.0, 3.0, infinite, 1.0, nan]), [2, 2, 1]);
         assert_eq!(lengths([nan; 8]), []);
@@ -523,13 +541,13 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn only_where_a_line_swings_often_it_is_dense() {
+    fn only_fast_oscillations_are_dense() {
         let place = |index: u32| {
             let x = f64::from(index);
             [x, if (300..600).contains(&index) { 60.0 * x.powi(2).sin() } else { 0.05 * x }]
         };
         let line: Vec<Point> = (0..1000).map(place).collect();
-        let pieces = by_density(line.clone());
+        let pieces = split_by_density(line.clone());
         let kinds: Vec<bool> = pieces.iter().map(|(is_dense, _)| *is_dense).collect();
         assert_eq!(kinds, [false, true, false]);
         assert!((250.0..=301.0).contains(&pieces[1].1[0][0]));
@@ -537,22 +555,23 @@ pub(crate) mod tests {
         let joined = pieces.iter().flat_map(|(_, piece)| &piece[1..]);
         assert!(line[1..].iter().eq(joined));
         assert!(pieces.windows(2).all(|pair| pair[0].1.last() == pair[1].1.first()));
-        assert!(by_density(Vec::new()).is_empty());
+        assert!(split_by_density(Vec::new()).is_empty());
     }
 
     #[test]
-    fn every_range_has_ticks() {
+    fn every_scale_has_ticks() {
         for exponent in [-300, -12, -3, 0, 5, 200] {
             for step in 0..60 {
                 let size = (1.0 + 0.15 * f64::from(step)) * 10_f64.powi(exponent);
                 for [low, high] in [[-1.0, 1.0], [0.0, 1.0], [-0.3, 1.0], [5.0, 6.0], [-9.0, -8.7]]
                 {
                     let values = [low * size, high * size];
-                    let series = vec![Series { name: None, values: &values }];
-                    let strip = Strip { label: "", series, least: 0.0, weight: 1.0 };
-                    let range = Range::of(&strip, 110.0);
-                    assert!((2..=5).contains(&range.ticks.len()), "{range:?}");
-                    assert!(range.low <= values[0] && range.high >= values[1]);
+                    let series = vec![RecordSeries { name: None, values: &values }];
+                    let panel =
+                        RecordPanel { label: "", series, min_height: 0.0, height_weight: 1.0 };
+                    let scale = RecordScale::from_panel(&panel, 110.0);
+                    assert!((2..=5).contains(&scale.ticks.len()), "{scale:?}");
+                    assert!(scale.low <= values[0] && scale.high >= values[1]);
                 }
             }
         }
@@ -561,15 +580,16 @@ pub(crate) mod tests {
     #[test]
     fn wrong_input_is_refused() {
         let refused = |times: &[f64], values: &[f64]| {
-            let strip = Strip {
+            let panel = RecordPanel {
                 label: "velocity",
-                series: vec![Series { name: Some("R1"), values }],
-                least: 100.0,
-                weight: 1.0,
+                series: vec![RecordSeries { name: Some("R1"), values }],
+                min_height: 100.0,
+                height_weight: 1.0,
             };
-            let strips = vec![strip];
-            let sheet = Sheet { title: "", subtitle: "", time_label: "time", times, strips };
-            sheet.draw(Format::Svg).unwrap_err().to_string()
+            let panels = vec![panel];
+            let figure =
+                RecordFigure { title: "", subtitle: "", time_label: "time", times, panels };
+            figure.draw(FigureFormat::Svg).unwrap_err().to_string()
         };
         assert_eq!(refused(&[0.0, 1.0], &[1.0]), "the record \"R1\" has 1 values for 2 times");
         assert!(refused(&[], &[]).contains("\"time\" has no values"));

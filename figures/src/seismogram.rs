@@ -1,8 +1,8 @@
 //! Seismograms: recorded quantities at receivers against time.
 
 use crate::error::FigureError;
-use crate::format::Format;
-use crate::record::{Series, Sheet, Strip};
+use crate::format::FigureFormat;
+use crate::record::{RecordFigure, RecordPanel, RecordSeries};
 
 /// Trace of one quantity at one receiver.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,30 +41,31 @@ pub struct SeismogramFigure {
 }
 
 /// Minimum height of the frame of a panel, pixels.
-const LEAST: f64 = 110.0;
+const MIN_PANEL_HEIGHT: f64 = 110.0;
 
 impl SeismogramFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// A trace does not have one value per time, or rendering or encoding fails.
-    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
-        self.sheet().draw(format)
+    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+        self.to_record_figure().draw(format)
     }
 
-    fn sheet(&self) -> Sheet<'_> {
-        let strips = self.panels.iter().map(|SeismogramPanel { label, traces }| {
+    fn to_record_figure(&self) -> RecordFigure<'_> {
+        let panels = self.panels.iter().map(|SeismogramPanel { label, traces }| {
             let traces = traces.iter();
-            let series =
-                traces.map(|Trace { name, values }| Series { name: Some(name), values }).collect();
-            Strip { label, series, least: LEAST, weight: 1.0 }
+            let series = traces
+                .map(|Trace { name, values }| RecordSeries { name: Some(name), values })
+                .collect();
+            RecordPanel { label, series, min_height: MIN_PANEL_HEIGHT, height_weight: 1.0 }
         });
-        Sheet {
+        RecordFigure {
             title: &self.title,
             subtitle: &self.subtitle,
             time_label: &self.time_label,
             times: &self.times,
-            strips: strips.collect(),
+            panels: panels.collect(),
         }
     }
 }
@@ -72,9 +73,9 @@ impl SeismogramFigure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::tests::{check, texts};
+    use crate::record::tests::{check_figure, picture_texts};
 
-    fn figure(
+    fn sample_figure(
         [panels, receivers, samples]: [usize; 3],
         value: impl Fn(usize, usize, f64) -> f64,
     ) -> SeismogramFigure {
@@ -102,9 +103,9 @@ mod tests {
             (10.0 * time + panel as f64).sin() * (1.0 + receiver as f64)
         };
         for size in [[0, 0, 3], [1, 0, 3], [1, 1, 1], [1, 1, 300], [6, 3, 500], [14, 20, 90]] {
-            let figure = figure(size, wave);
-            check(&figure.sheet());
-            let height = crate::tests::png_size(&figure.draw(Format::Png).unwrap())[1];
+            let figure = sample_figure(size, wave);
+            check_figure(&figure.to_record_figure());
+            let height = crate::tests::png_size(&figure.draw(FigureFormat::Png).unwrap())[1];
             assert_eq!(height > 1100, size[0] > 5, "{size:?} {height}");
         }
     }
@@ -113,54 +114,57 @@ mod tests {
     fn any_values_are_drawn() {
         let values = [f64::NAN, 1e308, f64::MIN, 9e299, -9e299, 5e-324, f64::INFINITY, 1e-200];
         for kinds in 1..=values.len() {
-            let figure = figure([2, 2, 50], |panel, receiver, time| {
+            let figure = sample_figure([2, 2, 50], |panel, receiver, time| {
                 values[((1e3 * time) as usize + panel + receiver) % kinds]
             });
-            check(&figure.sheet());
+            check_figure(&figure.to_record_figure());
         }
-        let constant = figure([3, 2, 20], |panel, _, _| [1e5, -3.0, 7e-9][panel]);
-        check(&constant.sheet());
-        assert!(texts(&constant.sheet()).contains(&"−3".to_owned()));
-        let offset = figure([1, 1, 2000], |_, _, time| 1e5 + 1e-3 * time);
-        check(&offset.sheet());
+        let constant = sample_figure([3, 2, 20], |panel, _, _| [1e5, -3.0, 7e-9][panel]);
+        check_figure(&constant.to_record_figure());
+        assert!(picture_texts(&constant.to_record_figure()).contains(&"−3".to_owned()));
+        let offset = sample_figure([1, 1, 2000], |_, _, time| 1e5 + 1e-3 * time);
+        check_figure(&offset.to_record_figure());
     }
 
     #[test]
-    fn panels_without_motion_say_so() {
-        let still = figure([3, 2, 20], |panel, _, time| match panel {
+    fn panels_without_motion_are_labelled() {
+        let still = sample_figure([3, 2, 20], |panel, _, time| match panel {
             0 => -0.0,
             1 if time > 0.005 => f64::NAN,
             1 => 0.0,
             _ => f64::INFINITY,
         });
-        let said = texts(&still.sheet());
-        for words in ["zero", "zero wherever it is finite", "no finite values"] {
-            assert!(said.iter().any(|text| text == words), "{words} {said:?}");
+        let texts = picture_texts(&still.to_record_figure());
+        for label_text in ["zero", "zero wherever it is finite", "no finite values"] {
+            assert!(texts.iter().any(|text| text == label_text), "{label_text} {texts:?}");
         }
-        assert!(said.contains(&"not a finite number (56.7 %)".to_owned()), "{said:?}");
-        check(&still.sheet());
+        assert!(texts.contains(&"not a finite number (56.7 %)".to_owned()), "{texts:?}");
+        check_figure(&still.to_record_figure());
         assert!(
-            texts(&figure([0, 0, 1], |_, _, _| 0.0).sheet())
+            picture_texts(&sample_figure([0, 0, 1], |_, _, _| 0.0).to_record_figure())
                 .contains(&"nothing recorded".to_owned())
         );
-        assert!(texts(&figure([1, 0, 1], |_, _, _| 0.0).sheet()).contains(&"no values".to_owned()));
+        assert!(
+            picture_texts(&sample_figure([1, 0, 1], |_, _, _| 0.0).to_record_figure())
+                .contains(&"no values".to_owned())
+        );
     }
 
     #[test]
-    fn a_single_sample_of_a_long_record_is_not_lost() {
-        let mut figure = figure([1, 1, 1_000_000], |_, _, time| 1e-3 * (70.0 * time).sin());
+    fn single_sample_of_a_long_record_is_drawn() {
+        let mut figure = sample_figure([1, 1, 1_000_000], |_, _, time| 1e-3 * (70.0 * time).sin());
         figure.panels[0].traces[0].values[617_283] = 1.0;
-        let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
+        let (width, pixels) = crate::tests::decode_png(&figure.draw(FigureFormat::Png).unwrap());
         let ink = |x: usize, y: usize| pixels[3 * (y * width + x)] < 128;
         // A vertical line above the middle of the figure, away from texts and the frame.
         let column = (900..1100).find(|&x| (400..500).all(|y| ink(x, y)));
         assert!(column.is_some());
-        assert!(figure.draw(Format::Svg).unwrap().len() < 200_000);
+        assert!(figure.draw(FigureFormat::Svg).unwrap().len() < 200_000);
     }
 
     #[test]
-    fn long_words_stay_on_the_sheet() {
-        let mut figure = figure([3, 12, 30], |_, receiver, time| time + receiver as f64);
+    fn long_texts_stay_within_the_picture() {
+        let mut figure = sample_figure([3, 12, 30], |_, receiver, time| time + receiver as f64);
         let long = "a rather long description of what is meant ".repeat(40);
         for panel in &mut figure.panels {
             panel.label.clone_from(&long);
@@ -170,6 +174,6 @@ mod tests {
         for text in [title, subtitle, time_label] {
             text.clone_from(&long);
         }
-        check(&figure.sheet());
+        check_figure(&figure.to_record_figure());
     }
 }

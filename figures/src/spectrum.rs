@@ -2,10 +2,13 @@
 
 use crate::dispersion::draw_ring;
 use crate::error::FigureError;
-use crate::format::Format;
-use crate::growth::{GRID, LINE_WIDTH, LOOKS, Line, MARKER_SPACING, draw_marker, legend_of};
-use crate::page::{self, Legend, MARGIN, RULE};
-use crate::picture::{INK, Picture, Rectangle, clip};
+use crate::format::FigureFormat;
+use crate::growth::{
+    GRID_COLOUR, LINE_STYLES, LINE_WIDTH, LabelledCurve, MARKER_SPACING, build_line_entries,
+    draw_marker,
+};
+use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
+use crate::picture::{INK, Picture, Rectangle, clip_polyline};
 use crate::scale::{self, Tick};
 
 /// Spectra of a positive quantity at several times, against the mode number; both axes are logarithmic.
@@ -23,44 +26,48 @@ pub struct SpectrumFigure {
     pub y_label: String,
     /// Spectra, one per time; the first eight have distinct styles. Points that are non-positive or non-finite
     /// interrupt a line.
-    pub lines: Vec<Line>,
+    pub spectra: Vec<LabelledCurve>,
     /// Measured points of each line, drawn as rings in its colour; may have fewer lists than there are lines.
-    pub rings: Vec<Vec<[f64; 2]>>,
+    pub measured_points: Vec<Vec<[f64; 2]>>,
 }
 
 /// Maximum number of decades of the vertical axis.
-const DECADES: f64 = 16.0;
+const MAX_DECADES: f64 = 16.0;
 
 impl SpectrumFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
-        self.picture().render(format)
+    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(format)
     }
 
-    fn picture(&self) -> Picture {
-        let labels: Vec<&str> = self.lines.iter().map(|line| line.label.as_str()).collect();
-        let legend = Legend::new(legend_of(&labels), page::WIDTH - 2.0 * MARGIN);
-        let below = page::BOTTOM_AXIS + 22.0 + legend.height() + MARGIN - 12.0;
-        let mut picture = Picture::new(page::WIDTH as u32, page::HEIGHT as u32);
-        let top = page::heading(&mut picture, &self.title, &self.subtitle) + 14.0;
+    fn to_picture(&self) -> Picture {
+        let labels: Vec<&str> = self.spectra.iter().map(|line| line.label.as_str()).collect();
+        let legend = Legend::new(build_line_entries(&labels), page::WIDTH - 2.0 * MARGIN);
+        let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
+        let mut picture = page::create_page(page::HEIGHT, &self.title, &self.subtitle);
+        let top = page::heading_bottom(&self.title, &self.subtitle) + 14.0;
         let bottom = page::HEIGHT - below;
 
         // Decimal logarithms of the coordinates; NaN for non-positive numbers.
         let place = |value: f64| if value > 0.0 { value.log10() } else { f64::NAN };
         let lines: Vec<Vec<[f64; 2]>> = self
-            .lines
+            .spectra
             .iter()
             .map(|line| line.points.iter().map(|p| p.map(place)).collect())
             .collect();
-        let rings: Vec<Vec<[f64; 2]>> =
-            self.rings.iter().map(|own| own.iter().map(|p| p.map(place)).collect()).collect();
+        let rings: Vec<Vec<[f64; 2]>> = self
+            .measured_points
+            .iter()
+            .map(|points| points.iter().map(|p| p.map(place)).collect())
+            .collect();
         let all = || lines.iter().chain(&rings).flatten();
-        let [x, y] = [0, 1].map(|axis| range(all().map(|point| point[axis])));
-        let y = [y[0].max(y[1] - DECADES), y[1]];
-        let ticks = |[low, high]: [f64; 2], most: usize| scale::log_ticks(low, high, most);
+        let [x, y] = [0, 1].map(|axis| axis_range(all().map(|point| point[axis])));
+        let y = [y[0].max(y[1] - MAX_DECADES), y[1]];
+        let ticks =
+            |[low, high]: [f64; 2], max_count: usize| scale::log_ticks(low, high, max_count);
         let y_ticks = ticks(y, ((bottom - top) / 48.0) as usize);
         let left = MARGIN + page::left_axis_width(&y_ticks);
         let frame = Rectangle { left, top, right: page::WIDTH - MARGIN, bottom };
@@ -69,28 +76,28 @@ impl SpectrumFigure {
             let share = |value: f64, [low, high]: [f64; 2]| (value - low) / (high - low);
             [frame.left + share(a, x) * frame.width(), frame.bottom - share(b, y) * frame.height()]
         };
-        let x_ticks = page::spaced(frame.width(), false, |most| ticks(x, most));
+        let x_ticks = page::choose_ticks(frame.width(), false, |max_count| ticks(x, max_count));
         let across: Vec<Tick> =
             x_ticks.into_iter().map(|(value, name)| (at([value, y[0]])[0], name)).collect();
         let upwards: Vec<Tick> =
             y_ticks.into_iter().map(|(value, name)| (at([x[0], value])[1], name)).collect();
         for (place, _) in &across {
-            picture.line([[*place, frame.top], [*place, frame.bottom]], 1.2, GRID);
+            picture.draw_line([[*place, frame.top], [*place, frame.bottom]], 1.2, GRID_COLOUR);
         }
         for (place, _) in &upwards {
-            picture.line([[frame.left, *place], [frame.right, *place]], 1.2, GRID);
+            picture.draw_line([[frame.left, *place], [frame.right, *place]], 1.2, GRID_COLOUR);
         }
         for (index, line) in lines.iter().enumerate() {
-            let look = &LOOKS[index % LOOKS.len()];
+            let style = &LINE_STYLES[index % LINE_STYLES.len()];
             let points: Vec<[f64; 2]> = line.iter().map(|point| at(*point)).collect();
-            for part in clip(&points, frame) {
-                picture.dashed(&part, look.dashes, LINE_WIDTH, look.colour);
+            for part in clip_polyline(&points, frame) {
+                picture.draw_dashed_line(&part, style.dashes, LINE_WIDTH, style.colour);
             }
-            let mut next = frame.left + MARKER_SPACING * 0.28 * index as f64;
+            let mut next_marker_x = frame.left + MARKER_SPACING * 0.28 * index as f64;
             for &point in points.iter().filter(|p| (frame.top..=frame.bottom).contains(&p[1])) {
-                if point[0] >= next {
-                    draw_marker(&mut picture, point, look);
-                    next = point[0] + MARKER_SPACING;
+                if point[0] >= next_marker_x {
+                    draw_marker(&mut picture, point, style);
+                    next_marker_x = point[0] + MARKER_SPACING;
                 }
             }
         }
@@ -101,20 +108,20 @@ impl SpectrumFigure {
                     (frame.top..=frame.bottom).contains(&point[1]),
                 ];
                 if inside_x && inside_y {
-                    draw_ring(&mut picture, point, LOOKS[index % LOOKS.len()].colour);
+                    draw_ring(&mut picture, point, LINE_STYLES[index % LINE_STYLES.len()].colour);
                 }
             }
         }
-        picture.frame(frame, RULE, INK);
-        page::bottom_axis(&mut picture, frame, &across, &self.x_label);
-        page::left_axis(&mut picture, frame, &upwards, &self.y_label);
-        legend.draw(&mut picture, MARGIN, bottom + page::BOTTOM_AXIS + 22.0);
+        picture.draw_frame(frame, FRAME_LINE_WIDTH, INK);
+        page::draw_bottom_axis(&mut picture, frame, &across, &self.x_label);
+        page::draw_left_axis(&mut picture, frame, &upwards, &self.y_label);
+        legend.draw(&mut picture, MARGIN, bottom + page::BOTTOM_AXIS_HEIGHT + 22.0);
         picture
     }
 }
 
 /// Computes the range of the finite positions with margins; a default range if there are none.
-fn range(places: impl Iterator<Item = f64>) -> [f64; 2] {
+fn axis_range(places: impl Iterator<Item = f64>) -> [f64; 2] {
     let finite = places.filter(|place| place.is_finite());
     let ends = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
         [low.min(place), high.max(place)]
@@ -122,8 +129,8 @@ fn range(places: impl Iterator<Item = f64>) -> [f64; 2] {
     match ends {
         [low, high] if low > high => [0.0, 1.0],
         [low, high] => {
-            let room = (0.03 * (high - low)).max(0.05);
-            [low - room, high + room]
+            let margin = (0.03 * (high - low)).max(0.05);
+            [low - margin, high + margin]
         }
     }
 }
@@ -133,8 +140,8 @@ mod tests {
     use super::*;
     use crate::tests::png_size;
 
-    fn figure(times: usize, value: impl Fn(f64, usize) -> f64) -> SpectrumFigure {
-        let line = |time: usize| Line {
+    fn sample_figure(times: usize, value: impl Fn(f64, usize) -> f64) -> SpectrumFigure {
+        let line = |time: usize| LabelledCurve {
             label: format!("t = {time} s"),
             points: (1..=64).map(f64::from).map(|n| [n, value(n, time)]).collect(),
         };
@@ -143,8 +150,8 @@ mod tests {
             subtitle: "subtitle".to_owned(),
             x_label: "mode number n".to_owned(),
             y_label: "energy, J/m³".to_owned(),
-            lines: (0..times).map(line).collect(),
-            rings: vec![(1..4).map(f64::from).map(|n| [n, value(n, 0)]).collect()],
+            spectra: (0..times).map(line).collect(),
+            measured_points: vec![(1..4).map(f64::from).map(|n| [n, value(n, 0)]).collect()],
         }
     }
 
@@ -158,9 +165,9 @@ mod tests {
                 |n: f64, time: usize| if time == 1 { f64::NAN } else { n - 3.0 },
                 |n: f64, _: usize| if n > 5.0 { f64::INFINITY } else { 2.0 },
             ] {
-                let figure = figure(times, value);
-                assert_eq!(png_size(&figure.draw(Format::Png).unwrap()), [1600, 1100]);
-                let svg = figure.draw(Format::Svg).unwrap();
+                let figure = sample_figure(times, value);
+                assert_eq!(png_size(&figure.draw(FigureFormat::Png).unwrap()), [1600, 1100]);
+                let svg = figure.draw(FigureFormat::Svg).unwrap();
                 assert!(!String::from_utf8(svg).unwrap().contains("NaN"));
             }
         }
@@ -169,8 +176,8 @@ mod tests {
     #[test]
     fn rounding_does_not_stretch_the_axis() {
         let text = |small: f64| {
-            let figure = figure(1, |n, _| if n < 9.0 { 1.0 / n } else { small });
-            String::from_utf8(figure.draw(Format::Svg).unwrap()).unwrap()
+            let figure = sample_figure(1, |n, _| if n < 9.0 { 1.0 / n } else { small });
+            String::from_utf8(figure.draw(FigureFormat::Svg).unwrap()).unwrap()
         };
         assert!(text(1e-12).contains("10⁻¹⁰") && !text(1e-40).contains("10⁻³⁰"));
     }

@@ -6,28 +6,31 @@
 
 use std::collections::BTreeMap;
 
-use crate::open::Written;
+use crate::regular_file::FileDigest;
 
 /// Header line.
-const HEAD: &str = "# CRC-32, length in bytes and name of every file but the log; the last line is for those above\n";
+const HEADER_LINE: &str = "# CRC-32, length in bytes and name of every file but the log; the last line is for those above\n";
 
 /// List of files with lengths and checksums.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Checksums {
-    files: BTreeMap<String, Written>,
+    files: BTreeMap<String, FileDigest>,
 }
 
 impl Checksums {
     /// File name of the list, and the name in its last line.
-    pub const NAME: &str = "checksums.txt";
+    pub const FILE_NAME: &str = "checksums.txt";
 
     /// Adds a file or replaces its entry.
     ///
     /// # Panics
     /// The name contains a line break or is the name of the list itself.
-    pub fn insert(&mut self, name: &str, written: Written) {
-        assert!(!name.contains('\n') && name != Self::NAME, "no name of a file in a list: {name}");
-        self.files.insert(name.to_owned(), written);
+    pub fn insert(&mut self, name: &str, digest: FileDigest) {
+        assert!(
+            !name.contains('\n') && name != Self::FILE_NAME,
+            "no name of a file in a list: {name}"
+        );
+        self.files.insert(name.to_owned(), digest);
     }
 
     /// Removes a file from the list, if listed.
@@ -36,43 +39,43 @@ impl Checksums {
     }
 
     /// Length and checksum of a file; `None` if it is not listed.
-    pub fn get(&self, name: &str) -> Option<Written> {
+    pub fn digest(&self, name: &str) -> Option<FileDigest> {
         self.files.get(name).copied()
     }
 
     /// All files, sorted by name.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, Written)> {
+    pub fn iter(&self) -> impl Iterator<Item = (&str, FileDigest)> {
         self.files.iter().map(|(name, written)| (name.as_str(), *written))
     }
 
     /// Formats the list as the bytes of its file.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut text = HEAD.to_owned();
+        let mut text = HEADER_LINE.to_owned();
         for (name, written) in &self.files {
-            text += &line(name, *written);
+            text += &format_line(name, *written);
         }
-        text += &line(Self::NAME, Written::of(text.as_bytes()));
+        text += &format_line(Self::FILE_NAME, FileDigest::from_bytes(text.as_bytes()));
         text.into_bytes()
     }
 
     /// Parses the bytes of a list; `None` if they are damaged.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         let text = str::from_utf8(bytes).ok()?;
-        let mut own = Self::default();
-        for line in text.strip_prefix(HEAD)?.lines() {
+        let mut list = Self::default();
+        for line in text.strip_prefix(HEADER_LINE)?.lines() {
             let [checksum, length, name] =
                 line.splitn(3, ' ').collect::<Vec<_>>().try_into().ok()?;
             let checksum = u32::from_str_radix(checksum, 16).ok()?;
-            let written = Written { length: length.parse().ok()?, checksum };
-            if name != Self::NAME {
-                own.files.insert(name.to_owned(), written);
+            let written = FileDigest { length: length.parse().ok()?, checksum };
+            if name != Self::FILE_NAME {
+                list.files.insert(name.to_owned(), written);
             }
         }
-        (own.to_bytes() == bytes).then_some(own)
+        (list.to_bytes() == bytes).then_some(list)
     }
 }
 
-fn line(name: &str, Written { length, checksum }: Written) -> String {
+fn format_line(name: &str, FileDigest { length, checksum }: FileDigest) -> String {
     format!("{checksum:08x} {length} {name}\n")
 }
 
@@ -80,33 +83,33 @@ fn line(name: &str, Written { length, checksum }: Written) -> String {
 mod tests {
     use super::*;
 
-    fn sample() -> Checksums {
+    fn sample_list() -> Checksums {
         let mut list = Checksums::default();
-        list.insert("run.json", Written::of(b"{}\n"));
-        list.insert("a name with spaces", Written::of(b""));
-        list.insert("φ.csv", Written { length: u64::MAX, checksum: u32::MAX });
+        list.insert("run.json", FileDigest::from_bytes(b"{}\n"));
+        list.insert("a name with spaces", FileDigest::from_bytes(b""));
+        list.insert("φ.csv", FileDigest { length: u64::MAX, checksum: u32::MAX });
         list
     }
 
     #[test]
-    fn lists_come_back() {
-        for list in [sample(), Checksums::default()] {
+    fn list_is_read_back_unchanged() {
+        for list in [sample_list(), Checksums::default()] {
             assert_eq!(Checksums::parse(&list.to_bytes()), Some(list));
         }
-        let mut list = sample();
+        let mut list = sample_list();
         let text = String::from_utf8(list.to_bytes()).unwrap();
         assert!(text.contains("\n00000000 0 a name with spaces\n"), "{text}");
         assert!(text.lines().last().unwrap().ends_with(" checksums.txt"), "{text}");
-        list.insert("run.json", Written::of(b"other"));
-        assert_eq!(list.get("run.json"), Some(Written::of(b"other")));
+        list.insert("run.json", FileDigest::from_bytes(b"other"));
+        assert_eq!(list.digest("run.json"), Some(FileDigest::from_bytes(b"other")));
         list.remove("run.json");
         assert_eq!(list.iter().count(), 2);
-        assert_eq!(list.get("run.json"), None);
+        assert_eq!(list.digest("run.json"), None);
     }
 
     #[test]
-    fn every_changed_bit_and_every_truncation_is_noticed() {
-        let bytes = sample().to_bytes();
+    fn every_changed_bit_and_truncation_is_detected() {
+        let bytes = sample_list().to_bytes();
         for bit in 0..8 * bytes.len() {
             let mut changed = bytes.clone();
             changed[bit / 8] ^= 1 << (bit % 8);
@@ -119,8 +122,8 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_is_left_out_or_moved_is_noticed() {
-        let text = String::from_utf8(sample().to_bytes()).unwrap();
+    fn omitted_or_moved_line_is_detected() {
+        let text = String::from_utf8(sample_list().to_bytes()).unwrap();
         let lines: Vec<&str> = text.split_inclusive('\n').collect();
         for index in 0..lines.len() {
             let mut fewer = lines.clone();

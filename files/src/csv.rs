@@ -2,7 +2,7 @@
 
 /// One cell of a table.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
+pub enum CsvCell {
     /// Number in the shortest form that reads back to the same bits; not-a-number becomes an empty cell, infinities
     /// become `inf` and `-inf`.
     Number(f64),
@@ -10,13 +10,13 @@ pub enum Cell {
     Text(String),
 }
 
-impl From<f64> for Cell {
+impl From<f64> for CsvCell {
     fn from(number: f64) -> Self {
         Self::Number(number)
     }
 }
 
-impl From<&str> for Cell {
+impl From<&str> for CsvCell {
     fn from(text: &str) -> Self {
         Self::Text(text.to_owned())
     }
@@ -25,7 +25,7 @@ impl From<&str> for Cell {
 /// Error of a row whose length differs from that of the header.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("row {row} of the table has {found} cells where the header names {expected} columns")]
-pub struct RowLength {
+pub struct RowLengthError {
     /// Number of the row, counted from 1 for the first row after the header.
     pub row: usize,
     /// Cells found in the row.
@@ -35,28 +35,32 @@ pub struct RowLength {
 }
 
 /// Formats a CSV table: column names, then one line per row, each ended by a line feed.
-pub fn table(
+pub fn format_table(
     header: &[&str],
-    rows: impl IntoIterator<Item = Vec<Cell>>,
-) -> Result<Vec<u8>, RowLength> {
-    const IN_MEMORY: &str = "rows of checked length are written into memory";
+    rows: impl IntoIterator<Item = Vec<CsvCell>>,
+) -> Result<Vec<u8>, RowLengthError> {
+    const MEMORY_WRITE_MESSAGE: &str = "rows of checked length are written into memory";
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(header).expect(IN_MEMORY);
+    writer.write_record(header).expect(MEMORY_WRITE_MESSAGE);
     for (index, row) in rows.into_iter().enumerate() {
         if row.len() != header.len() {
-            return Err(RowLength { row: index + 1, found: row.len(), expected: header.len() });
+            return Err(RowLengthError {
+                row: index + 1,
+                found: row.len(),
+                expected: header.len(),
+            });
         }
         let texts = row.into_iter().map(|cell| match cell {
-            Cell::Number(number) => shortest(number),
-            Cell::Text(text) => text,
+            CsvCell::Number(number) => format_shortest(number),
+            CsvCell::Text(text) => text,
         });
-        writer.write_record(texts).expect(IN_MEMORY);
+        writer.write_record(texts).expect(MEMORY_WRITE_MESSAGE);
     }
-    Ok(writer.into_inner().expect(IN_MEMORY))
+    Ok(writer.into_inner().expect(MEMORY_WRITE_MESSAGE))
 }
 
 /// Shortest decimal form that reads back to the same bits, with exponent for very large and very small numbers.
-pub(crate) fn shortest(number: f64) -> String {
+pub(crate) fn format_shortest(number: f64) -> String {
     let size = number.abs();
     if number.is_nan() {
         String::new()
@@ -71,26 +75,26 @@ pub(crate) fn shortest(number: f64) -> String {
 mod tests {
     use super::*;
 
-    fn written(header: &[&str], rows: Vec<Vec<Cell>>) -> String {
-        String::from_utf8(table(header, rows).unwrap()).unwrap()
+    fn format_text(header: &[&str], rows: Vec<Vec<CsvCell>>) -> String {
+        String::from_utf8(format_table(header, rows).unwrap()).unwrap()
     }
 
     #[test]
-    fn numbers_text_and_gaps() {
+    fn numbers_text_and_missing_values_are_formatted() {
         let rows = vec![
-            vec![Cell::from(0.1), Cell::from("plain")],
-            vec![Cell::from(f64::NAN), Cell::from("comma, \"quote\"\nbreak")],
-            vec![Cell::from(f64::NEG_INFINITY), Cell::from("φ")],
+            vec![CsvCell::from(0.1), CsvCell::from("plain")],
+            vec![CsvCell::from(f64::NAN), CsvCell::from("comma, \"quote\"\nbreak")],
+            vec![CsvCell::from(f64::NEG_INFINITY), CsvCell::from("φ")],
         ];
         let expected = "Δ (°),words\n0.1,plain\n,\"comma, \"\"quote\"\"\nbreak\"\n-inf,φ\n";
-        assert_eq!(written(&["Δ (°)", "words"], rows), expected);
+        assert_eq!(format_text(&["Δ (°)", "words"], rows), expected);
     }
 
     #[test]
-    fn a_line_that_holds_nothing_is_still_a_line() {
+    fn row_with_one_empty_cell_is_quoted() {
         // Readers skip an empty line, which would shift all later rows up.
-        let rows = vec![vec![Cell::from(f64::NAN)], vec![Cell::from(2.0)]];
-        assert_eq!(written(&["a"], rows), "a\n\"\"\n2\n");
+        let rows = vec![vec![CsvCell::from(f64::NAN)], vec![CsvCell::from(2.0)]];
+        assert_eq!(format_text(&["a"], rows), "a\n\"\"\n2\n");
     }
 
     #[test]
@@ -111,7 +115,7 @@ mod tests {
             f64::MAX,
             f64::INFINITY,
         ] {
-            let text = shortest(number);
+            let text = format_shortest(number);
             assert_eq!(text.parse::<f64>().unwrap().to_bits(), number.to_bits(), "{text}");
             assert!(text.len() <= 25, "{text}");
         }
@@ -119,8 +123,8 @@ mod tests {
 
     #[test]
     fn a_row_of_the_wrong_length_is_refused() {
-        let rows = vec![vec![Cell::from(1.0); 2], vec![Cell::from(1.0); 3]];
-        let refused = table(&["a", "b"], rows).unwrap_err();
-        assert_eq!(refused, RowLength { row: 2, found: 3, expected: 2 });
+        let rows = vec![vec![CsvCell::from(1.0); 2], vec![CsvCell::from(1.0); 3]];
+        let refused = format_table(&["a", "b"], rows).unwrap_err();
+        assert_eq!(refused, RowLengthError { row: 2, found: 3, expected: 2 });
     }
 }

@@ -2,20 +2,21 @@
 //!
 //! The crate contains no physics. It encodes columns and arrays as CSV ([`csv`]), NumPy archives ([`npz`]) and VTK
 //! files ([`vti`]), and writes files so that a reader never finds a partial file ([`write_atomically`]). For restarts
-//! there are checkpoint files with checksums ([`sealed`]) and tables extended row by row ([`append`]); for folders
-//! shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file format, add a
-//! module here, its use in `report` and the file names in `cli::folder::names` and `cli::run::planned` of the program.
+//! there are checkpoint files with checksums ([`section_file`]) and tables extended row by row ([`table_appender`]);
+//! for folders shared by processes there are locks ([`lock`]) and lists of checksums ([`checksums`]). To add a file
+//! format, add a module here, its use in `report` and the file names in `cli::folder::names` and `cli::run::planned` of
+//! the program.
 
 #![deny(missing_docs)]
 
-pub mod append;
-mod atomic;
+mod atomic_write;
 pub mod checksums;
 pub mod csv;
 pub mod lock;
 pub mod npz;
-mod open;
-pub mod sealed;
+mod regular_file;
+pub mod section_file;
+pub mod table_appender;
 pub mod vti;
 
 /// CRC-32 checksum as in zlib; detects accidental but not intentional damage.
@@ -23,8 +24,10 @@ pub fn checksum(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)
 }
 
-pub use atomic::{
-    FileError, Staged, remove_abandoned, remove_own_temporaries, stage_with, write_atomically,
-    write_atomically_with,
+pub use atomic_write::{
+    FileError, StagedFile, remove_abandoned_file, remove_temporary_files, stage_file_with,
+    write_atomically, write_atomically_with,
 };
-pub use open::{Written, open_regular, open_to_append, read_regular, read_regular_within};
+pub use regular_file::{
+    FileDigest, open_regular_file, open_to_append, read_regular_file, read_regular_file_up_to,
+};

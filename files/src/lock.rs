@@ -9,10 +9,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::open::{open_in_place, open_regular, stands_at};
+use crate::regular_file::{is_file_at, open_for_update, open_regular_file};
 
 /// Pause between two attempts to acquire a lock.
-const PAUSE: Duration = Duration::from_millis(5);
+const RETRY_INTERVAL: Duration = Duration::from_millis(5);
 
 /// Error of acquiring a lock.
 #[derive(Debug, thiserror::Error)]
@@ -22,7 +22,7 @@ pub enum LockError {
     Busy,
     /// The file cannot be created or opened.
     #[error("{0}")]
-    Refused(#[from] io::Error),
+    Io(#[from] io::Error),
 }
 
 /// Held lock. Drop releases it, and removes its file if the lock created it.
@@ -31,7 +31,7 @@ pub struct Lock {
     path: PathBuf,
     file: File,
     /// Whether the lock created its file.
-    is_new: bool,
+    is_removed_on_drop: bool,
 }
 
 impl Lock {
@@ -45,7 +45,7 @@ impl Lock {
                 match File::options().read(true).write(true).create_new(true).open(path) {
                     Ok(file) => (file, true),
                     Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                        match open_in_place(path) {
+                        match open_for_update(path) {
                             Ok(file) => (file, false),
                             // Removed by its holder in the meantime.
                             Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
@@ -59,21 +59,23 @@ impl Lock {
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
             // A lock on a file that its previous holder has removed excludes nobody: try again.
-            if stands_at(&file, path) {
-                return Ok(Self { path: path.to_owned(), file, is_new });
+            if is_file_at(&file, path) {
+                return Ok(Self { path: path.to_owned(), file, is_removed_on_drop: is_new });
             }
         }
     }
 
-    /// Acquires the lock, waiting up to `patience` for its release.
+    /// Acquires the lock, waiting up to `timeout` for its release.
     ///
     /// # Errors
     /// As [`try_acquire`](Self::try_acquire), after the waiting time has elapsed.
-    pub fn acquire(path: &Path, patience: Duration) -> Result<Self, LockError> {
+    pub fn acquire(path: &Path, timeout: Duration) -> Result<Self, LockError> {
         let start = Instant::now();
         loop {
             match Self::try_acquire(path) {
-                Err(LockError::Busy) if start.elapsed() < patience => std::thread::sleep(PAUSE),
+                Err(LockError::Busy) if start.elapsed() < timeout => {
+                    std::thread::sleep(RETRY_INTERVAL)
+                }
                 end => return end,
             }
         }
@@ -82,13 +84,13 @@ impl Lock {
     /// Whether the lock with its file at `path` is held. The check acquires the lock for a moment, so callers must
     /// exclude concurrent acquirers by another lock.
     pub fn is_held(path: &Path) -> bool {
-        let file = open_regular(path);
+        let file = open_regular_file(path);
         file.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
     }
 
     /// Returns this lock, with its file to be removed on drop even if it existed before.
-    pub fn without_trace(mut self) -> Self {
-        self.is_new = true;
+    pub fn with_removal_on_drop(mut self) -> Self {
+        self.is_removed_on_drop = true;
         self
     }
 }
@@ -97,7 +99,7 @@ impl Drop for Lock {
     fn drop(&mut self) {
         // Remove the file before the lock is released: afterwards it may belong to another holder. On systems that
         // cannot identify the file it is not removed.
-        if self.is_new && cfg!(unix) && stands_at(&self.file, &self.path) {
+        if self.is_removed_on_drop && cfg!(unix) && is_file_at(&self.file, &self.path) {
             let _ = fs::remove_file(&self.path);
         }
     }
@@ -109,30 +111,33 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
-    fn one_holder_at_a_time_and_no_file_afterwards() {
+    fn lock_has_one_holder_and_removes_its_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("lock");
-        let (inside, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let (holders, max_holders) = (AtomicUsize::new(0), AtomicUsize::new(0));
         std::thread::scope(|scope| {
             for _ in 0..8 {
                 scope.spawn(|| {
                     for _ in 0..50 {
                         let lock = Lock::acquire(&path, Duration::from_secs(60)).unwrap();
-                        let lock = lock.without_trace();
-                        most.fetch_max(1 + inside.fetch_add(1, Ordering::SeqCst), Ordering::SeqCst);
+                        let lock = lock.with_removal_on_drop();
+                        max_holders.fetch_max(
+                            1 + holders.fetch_add(1, Ordering::SeqCst),
+                            Ordering::SeqCst,
+                        );
                         std::thread::yield_now();
-                        inside.fetch_sub(1, Ordering::SeqCst);
+                        holders.fetch_sub(1, Ordering::SeqCst);
                         drop(lock);
                     }
                 });
             }
         });
-        assert_eq!(most.into_inner(), 1);
+        assert_eq!(max_holders.into_inner(), 1);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]
-    fn a_held_lock_is_busy_and_a_file_that_was_there_stays() {
+    fn held_lock_is_busy_and_existing_file_remains() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("lock");
         assert!(!Lock::is_held(&path));
@@ -147,7 +152,7 @@ mod tests {
         assert!(start.elapsed() >= patience);
         drop(lock);
         assert_eq!(fs::read(&path).unwrap(), b"of a dead process");
-        drop(Lock::try_acquire(&path).unwrap().without_trace());
+        drop(Lock::try_acquire(&path).unwrap().with_removal_on_drop());
         assert!(!path.exists());
     }
 

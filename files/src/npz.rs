@@ -5,7 +5,7 @@
 
 use std::io::{self, Cursor, Read, Write};
 
-use crate::open::read_fallibly;
+use crate::regular_file::try_read_to_end;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
@@ -40,17 +40,17 @@ pub enum NpzError {
 
 /// NPZ archive under construction. Arrays are compressed as they are added; the same arrays added in the same order
 /// give the same bytes.
-pub struct Npz {
+pub struct NpzWriter {
     archive: ZipWriter<Cursor<Vec<u8>>>,
 }
 
-impl Default for Npz {
+impl Default for NpzWriter {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Npz {
+impl NpzWriter {
     /// Creates an archive without arrays.
     pub fn new() -> Self {
         Self { archive: ZipWriter::new(Cursor::new(Vec::new())) }
@@ -58,17 +58,23 @@ impl Npz {
 
     /// Adds an array of double-precision numbers (`<f8`) in row-major order; an empty shape denotes a single number.
     pub fn add_f64(&mut self, name: &str, shape: &[usize], data: &[f64]) -> Result<(), NpzError> {
-        self.add(name, "<f8", 8, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
+        self.add_entry(name, "<f8", 8, shape, data, |value, bytes| {
+            bytes.extend(value.to_le_bytes())
+        })
     }
 
     /// Adds an array of 8-bit integers (`|i1`) in row-major order.
     pub fn add_i8(&mut self, name: &str, shape: &[usize], data: &[i8]) -> Result<(), NpzError> {
-        self.add(name, "|i1", 1, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
+        self.add_entry(name, "|i1", 1, shape, data, |value, bytes| {
+            bytes.extend(value.to_le_bytes())
+        })
     }
 
     /// Adds an array of 32-bit integers (`<i4`) in row-major order.
     pub fn add_i32(&mut self, name: &str, shape: &[usize], data: &[i32]) -> Result<(), NpzError> {
-        self.add(name, "<i4", 4, shape, data, |value, bytes| bytes.extend(value.to_le_bytes()))
+        self.add_entry(name, "<i4", 4, shape, data, |value, bytes| {
+            bytes.extend(value.to_le_bytes())
+        })
     }
 
     /// Adds an array of Unicode strings (`<U…`) in row-major order. The format pads strings with zero characters;
@@ -81,7 +87,7 @@ impl Npz {
     ) -> Result<(), NpzError> {
         let longest = data.iter().map(|text| text.as_ref().chars().count()).max();
         let width = longest.unwrap_or(0).max(1);
-        self.add(name, &format!("<U{width}"), 4 * width, shape, data, |text, bytes| {
+        self.add_entry(name, &format!("<U{width}"), 4 * width, shape, data, |text, bytes| {
             let end = bytes.len() + 4 * width;
             bytes.extend(text.as_ref().chars().flat_map(|c| u32::from(c).to_le_bytes()));
             bytes.resize(end, 0);
@@ -93,23 +99,23 @@ impl Npz {
         Ok(self.archive.finish()?.into_inner())
     }
 
-    /// Adds an entry; `put` appends `width` bytes for each value.
-    fn add<T>(
+    /// Adds an entry; `append_bytes` appends `width` bytes for each value.
+    fn add_entry<T>(
         &mut self,
         name: &str,
-        kind: &str,
+        type_code: &str,
         width: usize,
         shape: &[usize],
         data: &[T],
-        put: impl Fn(&T, &mut Vec<u8>),
+        append_bytes: impl Fn(&T, &mut Vec<u8>),
     ) -> Result<(), NpzError> {
-        if count(shape) != Some(data.len()) {
+        if value_count(shape) != Some(data.len()) {
             let (name, shape) = (name.to_owned(), shape.to_vec());
             return Err(NpzError::Shape { name, shape, found: data.len() });
         }
-        let mut bytes = header(kind, shape);
+        let mut bytes = format_header(type_code, shape);
         bytes.reserve(width * data.len());
-        data.iter().for_each(|value| put(value, &mut bytes));
+        data.iter().for_each(|value| append_bytes(value, &mut bytes));
         // The fixed date makes the bytes reproducible. Entries of 4 GiB or more need the ZIP64 format.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
@@ -122,17 +128,19 @@ impl Npz {
 }
 
 /// Number of values of a shape; `None` on integer overflow.
-fn count(shape: &[usize]) -> Option<usize> {
+fn value_count(shape: &[usize]) -> Option<usize> {
     shape.iter().try_fold(1_usize, |product, &length| product.checked_mul(length))
 }
 
+/// Magic string of `.npy` files, and format version 1.0.
 const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
 /// Header of a `.npy` file, format version 1.0, padded so that the data start at a multiple of 64 bytes.
-fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
+fn format_header(type_code: &str, shape: &[usize]) -> Vec<u8> {
     // A Python tuple of one item needs a trailing comma; longer tuples may have one.
     let lengths: String = shape.iter().map(|length| format!("{length}, ")).collect();
-    let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({lengths}), }}");
+    let mut text =
+        format!("{{'descr': '{type_code}', 'fortran_order': False, 'shape': ({lengths}), }}");
     let unpadded = MAGIC.len() + 2 + text.len() + 1;
     text.push_str(&" ".repeat(unpadded.next_multiple_of(64) - unpadded));
     text.push('\n');
@@ -144,7 +152,7 @@ fn header(kind: &str, shape: &[usize]) -> Vec<u8> {
 
 /// Values of an array in row-major order.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Values {
+pub enum ArrayValues {
     /// Double-precision numbers, `<f8`.
     F64(Vec<f64>),
     /// 8-bit integers, `|i1`.
@@ -157,31 +165,31 @@ pub enum Values {
 
 /// Array read from an archive.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Array {
+pub struct NpzArray {
     /// Name of the array in the archive.
     pub name: String,
     /// Length along each dimension, slowest first.
     pub shape: Vec<usize>,
     /// Values in row-major order.
-    pub values: Values,
+    pub values: ArrayValues,
 }
 
 /// Reads all arrays of an archive, in order. Archives of other programs are accepted if all arrays are of the supported
 /// types in row-major order.
-pub fn read(bytes: &[u8]) -> Result<Vec<Array>, NpzError> {
-    read_some(bytes, |_| true, usize::MAX)
+pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NpzArray>, NpzError> {
+    read_selected_arrays(bytes, |_| true, usize::MAX)
 }
 
-/// Reads the arrays with wanted names from an untrusted archive, each limited to the size of `most_values` doubles;
+/// Reads the arrays with wanted names from an untrusted archive, each limited to the size of `max_values` doubles;
 /// other arrays are not decompressed.
 ///
 /// # Errors
 /// The archive is damaged, or a wanted array is larger or does not fit into memory.
-pub fn read_some(
+pub fn read_selected_arrays(
     bytes: &[u8],
     is_wanted: impl Fn(&str) -> bool,
-    most_values: usize,
-) -> Result<Vec<Array>, NpzError> {
+    max_values: usize,
+) -> Result<Vec<NpzArray>, NpzError> {
     let mut archive = ZipArchive::new(Cursor::new(bytes))?;
     let mut arrays = Vec::new();
     for index in 0..archive.len() {
@@ -191,74 +199,83 @@ pub fn read_some(
         if !is_wanted(&name) {
             continue;
         }
-        let wrong = |problem| NpzError::Entry { name: name.clone(), problem };
+        let entry_error = |problem| NpzError::Entry { name: name.clone(), problem };
         // The width of strings is stated by the array; the limit applies to bytes, in units of 8-byte numbers.
-        let most = (MAX_HEADER as u64).saturating_add((most_values as u64).saturating_mul(8));
+        let max_length =
+            (MAX_HEADER_LENGTH as u64).saturating_add((max_values as u64).saturating_mul(8));
         let mut bytes = Vec::new();
-        let expected = entry.size().min(most);
-        read_fallibly(entry.take(most.saturating_add(1)), expected, &mut bytes)?;
-        if bytes.len() as u64 > most {
-            return Err(wrong("is larger than it can be"));
+        let expected = entry.size().min(max_length);
+        try_read_to_end(entry.take(max_length.saturating_add(1)), expected, &mut bytes)?;
+        if bytes.len() as u64 > max_length {
+            return Err(entry_error("is larger than it can be"));
         }
-        let (shape, values) = parse(&bytes).map_err(wrong)?;
-        arrays.push(Array { name, shape, values });
+        let (shape, values) = parse_array(&bytes).map_err(entry_error)?;
+        arrays.push(NpzArray { name, shape, values });
     }
     Ok(arrays)
 }
 
 /// Maximum length of a header of format version 1.0, bytes.
-const MAX_HEADER: usize = 10 + u16::MAX as usize;
+const MAX_HEADER_LENGTH: usize = 10 + u16::MAX as usize;
 
 /// Text between `open` and the next `close`.
-fn between<'a>(text: &'a str, open: &str, close: char) -> Option<&'a str> {
+fn find_delimited<'a>(text: &'a str, open: &str, close: char) -> Option<&'a str> {
     let rest = &text[text.find(open)? + open.len()..];
     Some(&rest[..rest.find(close)?])
 }
 
-fn parse(bytes: &[u8]) -> Result<(Vec<usize>, Values), &'static str> {
-    const HEADER: &str = "has no readable header of format version 1.0";
-    let rest = bytes.strip_prefix(MAGIC).ok_or(HEADER)?;
-    let (length, rest) = rest.split_first_chunk::<2>().ok_or(HEADER)?;
+fn parse_array(bytes: &[u8]) -> Result<(Vec<usize>, ArrayValues), &'static str> {
+    const HEADER_PROBLEM: &str = "has no readable header of format version 1.0";
+    let rest = bytes.strip_prefix(MAGIC).ok_or(HEADER_PROBLEM)?;
+    let (length, rest) = rest.split_first_chunk::<2>().ok_or(HEADER_PROBLEM)?;
     let length = usize::from(u16::from_le_bytes(*length));
-    let (header, data) = rest.split_at_checked(length).ok_or(HEADER)?;
-    let header = str::from_utf8(header).map_err(|_| HEADER)?;
+    let (header, data) = rest.split_at_checked(length).ok_or(HEADER_PROBLEM)?;
+    let header = str::from_utf8(header).map_err(|_| HEADER_PROBLEM)?;
     if !header.contains("'fortran_order': False") {
         return Err("is not in row-major order");
     }
-    let kind = between(header, "'descr': '", '\'').ok_or(HEADER)?;
-    let shape = between(header, "'shape': (", ')').ok_or(HEADER)?;
+    let type_code = find_delimited(header, "'descr': '", '\'').ok_or(HEADER_PROBLEM)?;
+    let shape = find_delimited(header, "'shape': (", ')').ok_or(HEADER_PROBLEM)?;
     let shape = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
-    let shape = shape.map(str::parse).collect::<Result<Vec<usize>, _>>().map_err(|_| HEADER)?;
+    let shape =
+        shape.map(str::parse).collect::<Result<Vec<usize>, _>>().map_err(|_| HEADER_PROBLEM)?;
 
-    const KIND: &str = "holds values of a kind that is not read here";
-    let width = match kind {
+    const TYPE_PROBLEM: &str = "holds values of a kind that is not read here";
+    let width = match type_code {
         "<f8" => 8,
         "|i1" => 1,
         "<i4" => 4,
         _ => {
-            let characters = kind.strip_prefix("<U").and_then(|width| width.parse().ok());
-            let width = characters.and_then(|width: usize| width.checked_mul(4)).ok_or(KIND)?;
+            let characters = type_code.strip_prefix("<U").and_then(|width| width.parse().ok());
+            let width =
+                characters.and_then(|width: usize| width.checked_mul(4)).ok_or(TYPE_PROBLEM)?;
             if width == 0 {
-                return Err(KIND);
+                return Err(TYPE_PROBLEM);
             }
             width
         }
     };
-    if count(&shape).and_then(|count| count.checked_mul(width)) != Some(data.len()) {
+    if value_count(&shape).and_then(|count| count.checked_mul(width)) != Some(data.len()) {
         return Err("has another length than its shape says");
     }
     let items = data.chunks_exact(width);
-    let values = match kind {
-        "<f8" => Values::F64(data.as_chunks().0.iter().map(|&b| f64::from_le_bytes(b)).collect()),
-        "|i1" => Values::I8(data.iter().map(|&b| i8::from_le_bytes([b])).collect()),
-        "<i4" => Values::I32(data.as_chunks().0.iter().map(|&b| i32::from_le_bytes(b)).collect()),
-        _ => Values::Text(items.map(text).collect::<Option<_>>().ok_or("holds a broken string")?),
+    let values = match type_code {
+        "<f8" => {
+            ArrayValues::F64(data.as_chunks().0.iter().map(|&b| f64::from_le_bytes(b)).collect())
+        }
+        "|i1" => ArrayValues::I8(data.iter().map(|&b| i8::from_le_bytes([b])).collect()),
+        "<i4" => {
+            ArrayValues::I32(data.as_chunks().0.iter().map(|&b| i32::from_le_bytes(b)).collect())
+        }
+        _ => ArrayValues::Text(
+            items.map(decode_string).collect::<Option<_>>().ok_or("holds a broken string")?,
+        ),
     };
     Ok((shape, values))
 }
 
 /// String from its zero-padded UTF-32 code points.
-fn text(item: &[u8]) -> Option<String> {
+fn decode_string(item: &[u8]) -> Option<String> {
     let points = item.as_chunks().0.iter().map(|&b| char::from_u32(u32::from_le_bytes(b)));
     let padded: String = points.collect::<Option<_>>()?;
     Some(padded.trim_end_matches('\0').to_owned())
@@ -268,8 +285,8 @@ fn text(item: &[u8]) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn sample() -> Vec<u8> {
-        let mut npz = Npz::new();
+    fn sample_archive() -> Vec<u8> {
+        let mut npz = NpzWriter::new();
         let grid = [1.0, -0.0, f64::INFINITY, f64::NAN, 5e-324, 1.0 / 3.0];
         npz.add_f64("rate", &[2, 3], &grid).unwrap();
         npz.add_f64("single", &[], &[2.5]).unwrap();
@@ -281,25 +298,25 @@ mod tests {
     }
 
     #[test]
-    fn arrays_come_back() {
-        let arrays = read(&sample()).unwrap();
+    fn arrays_are_read_back_unchanged() {
+        let arrays = read_arrays(&sample_archive()).unwrap();
         let names: Vec<&str> = arrays.iter().map(|array| array.name.as_str()).collect();
         assert_eq!(names, ["rate", "single", "nothing", "verdict", "count", "axis Δ"]);
         let shapes: Vec<&[usize]> = arrays.iter().map(|array| &array.shape[..]).collect();
         assert_eq!(shapes, [&[2, 3][..], &[], &[0, 4], &[3], &[1, 1, 2], &[2]]);
-        let Values::F64(rate) = &arrays[0].values else { panic!("numbers expected") };
+        let ArrayValues::F64(rate) = &arrays[0].values else { panic!("numbers expected") };
         let expected = [1.0, -0.0, f64::INFINITY, f64::NAN, 5e-324, 1.0 / 3.0];
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(rate), bits(&expected));
-        assert_eq!(arrays[1].values, Values::F64(vec![2.5]));
-        assert_eq!(arrays[3].values, Values::I8(vec![-1, 0, 127]));
-        assert_eq!(arrays[4].values, Values::I32(vec![i32::MIN, 7]));
-        assert_eq!(arrays[5].values, Values::Text(vec!["Δ (°)".to_owned(), String::new()]));
+        assert_eq!(arrays[1].values, ArrayValues::F64(vec![2.5]));
+        assert_eq!(arrays[3].values, ArrayValues::I8(vec![-1, 0, 127]));
+        assert_eq!(arrays[4].values, ArrayValues::I32(vec![i32::MIN, 7]));
+        assert_eq!(arrays[5].values, ArrayValues::Text(vec!["Δ (°)".to_owned(), String::new()]));
     }
 
     #[test]
     fn headers_follow_the_format() {
-        let header = header("<f8", &[2, 3]);
+        let header = format_header("<f8", &[2, 3]);
         assert_eq!(&header[..8], b"\x93NUMPY\x01\x00");
         assert_eq!(header.len() % 64, 0);
         assert_eq!(usize::from(u16::from_le_bytes([header[8], header[9]])) + 10, header.len());
@@ -311,8 +328,8 @@ mod tests {
 
     #[test]
     fn equal_content_gives_equal_bytes() {
-        let bytes = sample();
-        assert_eq!(bytes, sample());
+        let bytes = sample_archive();
+        assert_eq!(bytes, sample_archive());
         // No entry contains its time of writing.
         let mut archive = ZipArchive::new(Cursor::new(&bytes[..])).unwrap();
         for index in 0..archive.len() {
@@ -322,8 +339,8 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_shape_or_a_name_used_twice_is_refused() {
-        let mut npz = Npz::new();
+    fn wrong_shape_or_duplicate_name_is_refused() {
+        let mut npz = NpzWriter::new();
         let refused = npz.add_f64("a", &[2, 2], &[1.0; 3]).unwrap_err();
         assert!(matches!(refused, NpzError::Shape { found: 3, .. }), "{refused}");
         assert!(npz.add_i8("huge", &[usize::MAX, 2], &[1]).is_err());
@@ -332,39 +349,39 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_an_error() {
-        let whole = sample();
-        assert!(read(&whole[..whole.len() / 2]).is_err());
+    fn damaged_archives_are_refused() {
+        let whole = sample_archive();
+        assert!(read_arrays(&whole[..whole.len() / 2]).is_err());
         let mut flipped = 0;
         for at in 0..whole.len() {
             let mut bytes = whole.clone();
             bytes[at] ^= 0x10;
-            flipped += usize::from(read(&bytes).is_err());
+            flipped += usize::from(read_arrays(&bytes).is_err());
         }
         assert!(flipped > whole.len() / 2, "only {flipped} of {} noticed", whole.len());
-        assert!(parse(b"\x93NUMPY\x01\x00\xff\xff{}").is_err());
-        assert!(parse(&header("<U0", &[3])).is_err());
-        assert!(parse(&header("|O", &[0])).is_err());
-        assert!(parse(&header("<f8", &[usize::MAX, usize::MAX])).is_err());
+        assert!(parse_array(b"\x93NUMPY\x01\x00\xff\xff{}").is_err());
+        assert!(parse_array(&format_header("<U0", &[3])).is_err());
+        assert!(parse_array(&format_header("|O", &[0])).is_err());
+        assert!(parse_array(&format_header("<f8", &[usize::MAX, usize::MAX])).is_err());
     }
 
     #[test]
-    fn what_is_not_wanted_is_not_inflated_and_sizes_have_limits() {
-        let mut npz = Npz::new();
+    fn unwanted_arrays_are_not_decompressed_and_sizes_are_limited() {
+        let mut npz = NpzWriter::new();
         npz.add_f64("v1", &[3], &[1.0, 2.0, 3.0]).unwrap();
         npz.add_f64("large", &[100_000], &vec![0.0; 100_000]).unwrap();
         let mut bytes = npz.finish().unwrap();
         let wanted = |name: &str| name == "v1";
-        assert_eq!(read_some(&bytes, wanted, 3).unwrap().len(), 1);
-        let refused = read_some(&bytes, |_| true, 3).unwrap_err().to_string();
+        assert_eq!(read_selected_arrays(&bytes, wanted, 3).unwrap().len(), 1);
+        let refused = read_selected_arrays(&bytes, |_| true, 3).unwrap_err().to_string();
         assert_eq!(refused, "entry \"large\" of the array archive is larger than it can be");
         // Damage to an entry is detected only when that entry is read.
         let place = bytes.windows(9).position(|window| window == b"large.npy").unwrap() + 9;
         bytes[place..place + 40].fill(0xff);
         assert_eq!(
-            read_some(&bytes, wanted, 3).unwrap()[0].values,
-            Values::F64(vec![1.0, 2.0, 3.0])
+            read_selected_arrays(&bytes, wanted, 3).unwrap()[0].values,
+            ArrayValues::F64(vec![1.0, 2.0, 3.0])
         );
-        assert!(read(&bytes).is_err());
+        assert!(read_arrays(&bytes).is_err());
     }
 }

@@ -10,7 +10,7 @@
 //! | [`solid`] | elastic laws, their symbol, and their waves in closed form |
 //! | [`yield_set`] | yield sets: conditions, return mapping, tangent of the flow rule |
 //! | [`rheology`] | solids whose stress depends on history: relaxation of the deviator |
-//! | [`interface`] | face laws between Riemann invariants and fluxes, with memory: interlayers |
+//! | [`interface`] | face laws between Riemann invariants and fluxes, with history variables: interlayers |
 //! | [`elastoplastic`] | a solid with an elastic law and a yield set |
 //! | [`registry`] | all models by name; a program adds one with one call |
 //!
@@ -37,4 +37,4 @@ pub mod yield_set;
 pub use common::input::InputError;
 pub use common::rounding::Rounded;
 pub use common::system::LinearisedSystem;
-pub use flow::closed_form::ClosedForm;
+pub use flow::closed_form::ClosedFormVerdict;

@@ -51,21 +51,22 @@ pub const COSSERAT_MISES: YieldSetKind = YieldSetKind::new(&mises::COSSERAT_MISE
 pub const STANDARD_YIELD_SETS: [YieldSetKind; 4] =
     [INTERLAYER, VON_MISES, DRUCKER_PRAGER, COSSERAT_MISES];
 
-static FLOWS: List<FlowKind> = List { standard: &STANDARD_FLOWS, added: RwLock::new(Vec::new()) };
-static SOLIDS: List<SolidKind> =
-    List { standard: &STANDARD_SOLIDS, added: RwLock::new(Vec::new()) };
-static YIELD_SETS: List<YieldSetKind> =
-    List { standard: &STANDARD_YIELD_SETS, added: RwLock::new(Vec::new()) };
+static FLOWS: Registry<FlowKind> =
+    Registry { standard_entries: &STANDARD_FLOWS, added_entries: RwLock::new(Vec::new()) };
+static SOLIDS: Registry<SolidKind> =
+    Registry { standard_entries: &STANDARD_SOLIDS, added_entries: RwLock::new(Vec::new()) };
+static YIELD_SETS: Registry<YieldSetKind> =
+    Registry { standard_entries: &STANDARD_YIELD_SETS, added_entries: RwLock::new(Vec::new()) };
 
 /// Error of registering a model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RegistryError {
     /// A model of this name is registered already.
     #[error("a model is called {0} already")]
-    NameTaken(&'static str),
+    DuplicateName(&'static str),
     /// Another model has a parameter of this name in another unit.
     #[error("{model}: the parameter {parameter} has the unit '{unit}' in other models")]
-    OtherUnit {
+    UnitMismatch {
         /// The model.
         model: &'static str,
         /// Name of the parameter.
@@ -75,7 +76,7 @@ pub enum RegistryError {
     },
     /// An example value of a constant, used in templates, is out of range.
     #[error("{model}: the examples of its constants are refused: {error}")]
-    Example {
+    InvalidExample {
         /// The model.
         model: &'static str,
         /// Error of the constant out of range.
@@ -83,13 +84,13 @@ pub enum RegistryError {
     },
     /// The law built for a solid differs from its entry in theory or dimensions.
     #[error("{0}: its elastic law has another theory or other dimensions than its entry")]
-    OtherTheory(&'static str),
+    TheoryMismatch(&'static str),
     /// The number of named conditions of a yield set differs from its number of half-spaces.
     #[error(
         "{model}: {names} conditions are named, but the set of a {theory:?} solid has {half_spaces} \
          half-spaces; give each half-space a name, or none"
     )]
-    NamedConditions {
+    ConditionCountMismatch {
         /// Name of the yield set.
         model: &'static str,
         /// Theory of the solid.
@@ -103,65 +104,66 @@ pub enum RegistryError {
 
 /// All registered granular-flow models, starting with the models of this crate.
 pub fn flows() -> Vec<FlowKind> {
-    FLOWS.all()
+    FLOWS.entries()
 }
 
 /// All registered elastic solids, starting with the solids of this crate.
 pub fn solids() -> Vec<SolidKind> {
-    SOLIDS.all()
+    SOLIDS.entries()
 }
 
 /// All registered yield sets, starting with the sets of this crate.
 pub fn yield_sets() -> Vec<YieldSetKind> {
-    YIELD_SETS.all()
+    YIELD_SETS.entries()
 }
 
 /// The registered granular-flow model called `name`.
-pub fn flow(name: &str) -> Option<FlowKind> {
+pub fn find_flow(name: &str) -> Option<FlowKind> {
     FLOWS.find(name)
 }
 
 /// The registered elastic solid called `name`.
-pub fn solid(name: &str) -> Option<SolidKind> {
+pub fn find_solid(name: &str) -> Option<SolidKind> {
     SOLIDS.find(name)
 }
 
 /// The registered yield set called `name`.
-pub fn yield_set(name: &str) -> Option<YieldSetKind> {
+pub fn find_yield_set(name: &str) -> Option<YieldSetKind> {
     YIELD_SETS.find(name)
 }
 
 /// Registers a granular-flow model.
 ///
 /// # Errors
-/// The name is taken, or a parameter has another unit in another model.
+/// A model of this name is registered already, or a parameter has another unit in another model.
 pub fn register_flow(model: &'static FlowModel) -> Result<(), RegistryError> {
     let flow = FlowKind::new(model);
-    solids().into_iter().try_for_each(|other| check(flow, other))?;
+    solids().into_iter().try_for_each(|other| check_compatible(flow, other))?;
     FLOWS.add(flow)
 }
 
 /// Registers an elastic solid.
 ///
 /// # Errors
-/// The name is taken, a parameter has another unit in another model, the example constants are out of range, or the
-/// law built from them has another theory than the entry.
+/// A model of this name is registered already, a parameter has another unit in another model, the example constants are
+/// out of range, or the law built from them has another theory than the entry.
 pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
     let solid = SolidKind::new(model);
-    let law =
-        solid.example().map_err(|error| RegistryError::Example { model: model.name, error })?;
+    let law = solid
+        .example()
+        .map_err(|error| RegistryError::InvalidExample { model: model.name, error })?;
     if law.theory() != model.theory || law.is_plane() != model.is_plane {
-        return Err(RegistryError::OtherTheory(model.name));
+        return Err(RegistryError::TheoryMismatch(model.name));
     }
-    flows().into_iter().try_for_each(|other| check(solid, other))?;
+    flows().into_iter().try_for_each(|other| check_compatible(solid, other))?;
     SOLIDS.add(solid)
 }
 
 /// Registers a yield set.
 ///
 /// # Errors
-/// The name is taken, a parameter has another unit in another set, the example constants are out of range for a solid
-/// of some theory, or the number of named conditions differs from the number of half-spaces.
+/// A set of this name is registered already, a parameter has another unit in another set, the example constants are out
+/// of range for a solid of some theory, or the number of named conditions differs from the number of half-spaces.
 pub fn register_yield_set(model: &'static YieldSetModel) -> Result<(), RegistryError> {
     check_conditions(YieldSetKind::new(model))?;
     YIELD_SETS.add(YieldSetKind::new(model))
@@ -171,30 +173,40 @@ pub fn register_yield_set(model: &'static YieldSetModel) -> Result<(), RegistryE
 fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
     let model = kind.name;
     let sets = [Theory::Classical, Theory::Reduced, Theory::Cosserat].map(|theory| {
-        let examples: Vec<f64> = kind.parameters_for(theory).map(Parameter::example).collect();
-        (theory, kind.set(theory, &examples))
+        let examples: Vec<f64> =
+            kind.parameters_for(theory).map(Parameter::example_value).collect();
+        (theory, kind.build_set(theory, &examples))
     });
-    for (theory, set) in sets.iter().filter_map(|(own, set)| Some((*own, set.as_ref().ok()?))) {
+    for (theory, set) in
+        sets.iter().filter_map(|(parameter, set)| Some((*parameter, set.as_ref().ok()?)))
+    {
         let names = kind.conditions_for(theory).len();
-        let half_spaces = set.half_spaces().map_or(0, |own| own.len());
+        let half_spaces = set.half_spaces().map_or(0, |parameter| parameter.len());
         if names > 0 && names != half_spaces {
-            return Err(RegistryError::NamedConditions { model, theory, names, half_spaces });
+            return Err(RegistryError::ConditionCountMismatch {
+                model,
+                theory,
+                names,
+                half_spaces,
+            });
         }
     }
     // It suffices that one theory admits the set: an error of a single theory is ignored.
     match sets {
-        [(_, Err(error)), (_, Err(_)), (_, Err(_))] => Err(RegistryError::Example { model, error }),
+        [(_, Err(error)), (_, Err(_)), (_, Err(_))] => {
+            Err(RegistryError::InvalidExample { model, error })
+        }
         _ => Ok(()),
     }
 }
 
 /// Properties common to the registry entries of all lists.
-trait Entry: Copy + 'static {
+trait RegistryEntry: Copy + 'static {
     fn name(self) -> &'static str;
     fn parameters(self) -> Vec<&'static Parameter>;
 }
 
-impl Entry for FlowKind {
+impl RegistryEntry for FlowKind {
     fn name(self) -> &'static str {
         FlowKind::name(self)
     }
@@ -204,7 +216,7 @@ impl Entry for FlowKind {
     }
 }
 
-impl Entry for SolidKind {
+impl RegistryEntry for SolidKind {
     fn name(self) -> &'static str {
         self.name
     }
@@ -214,50 +226,59 @@ impl Entry for SolidKind {
     }
 }
 
-impl Entry for YieldSetKind {
+impl RegistryEntry for YieldSetKind {
     fn name(self) -> &'static str {
         self.name
     }
 
     fn parameters(self) -> Vec<&'static Parameter> {
-        self.parameters.iter().map(|own| &own.0).collect()
+        self.parameters.iter().map(|parameter| &parameter.0).collect()
     }
 }
 
 /// A list of registry entries: built-in entries, then entries added at run time.
-struct List<K: 'static> {
-    standard: &'static [K],
-    added: RwLock<Vec<K>>,
+struct Registry<K: 'static> {
+    standard_entries: &'static [K],
+    added_entries: RwLock<Vec<K>>,
 }
 
-impl<K: Entry> List<K> {
-    fn all(&self) -> Vec<K> {
-        let added = self.added.read().unwrap_or_else(PoisonError::into_inner);
-        self.standard.iter().chain(added.iter()).copied().collect()
+impl<K: RegistryEntry> Registry<K> {
+    fn entries(&self) -> Vec<K> {
+        let added = self.added_entries.read().unwrap_or_else(PoisonError::into_inner);
+        self.standard_entries.iter().chain(added.iter()).copied().collect()
     }
 
     fn find(&self, name: &str) -> Option<K> {
-        self.all().into_iter().find(|entry| entry.name() == name)
+        self.entries().into_iter().find(|entry| entry.name() == name)
     }
 
     fn add(&self, entry: K) -> Result<(), RegistryError> {
-        let mut added = self.added.write().unwrap_or_else(PoisonError::into_inner);
-        self.standard.iter().chain(added.iter()).try_for_each(|other| check(entry, *other))?;
+        let mut added = self.added_entries.write().unwrap_or_else(PoisonError::into_inner);
+        self.standard_entries
+            .iter()
+            .chain(added.iter())
+            .try_for_each(|other| check_compatible(entry, *other))?;
         added.push(entry);
         Ok(())
     }
 }
 
 /// Checks that `entry` is compatible with `other`: another name, and equal units of parameters of the same name.
-fn check(entry: impl Entry, other: impl Entry) -> Result<(), RegistryError> {
+fn check_compatible(
+    entry: impl RegistryEntry,
+    other: impl RegistryEntry,
+) -> Result<(), RegistryError> {
     let model = entry.name();
     if other.name() == model {
-        return Err(RegistryError::NameTaken(model));
+        return Err(RegistryError::DuplicateName(model));
     }
-    for own in entry.parameters() {
-        let same = other.parameters().into_iter().find(|same| same.name == own.name);
-        if let Some(Parameter { unit, .. }) = same.filter(|same| same.unit != own.unit) {
-            return Err(RegistryError::OtherUnit { model, parameter: own.name, unit });
+    for parameter in entry.parameters() {
+        let counterpart =
+            other.parameters().into_iter().find(|counterpart| counterpart.name == parameter.name);
+        if let Some(Parameter { unit, .. }) =
+            counterpart.filter(|counterpart| counterpart.unit != parameter.unit)
+        {
+            return Err(RegistryError::UnitMismatch { model, parameter: parameter.name, unit });
         }
     }
     Ok(())

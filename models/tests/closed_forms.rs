@@ -6,49 +6,51 @@
 
 mod support;
 
-use support::states::{self, Dilatancy};
-use support::{Complex, Polynomial, Random, Real, Wide, complex, evaluate, quadratic_roots, wide};
-use testkit::flows::Parameters;
+use support::states::{self, DilatancyKind};
+use support::{
+    Complex, DifferentiableReal, DoubleDouble, Polynomial, RandomNumbers, complex, dd,
+    evaluate_polynomial, quadratic_roots,
+};
+use testkit::flows::FlowParameters;
 use wellposed_models::flow::double_shearing::parameters::DoubleShearing;
 use wellposed_models::flow::harris_grekova::parameters::HarrisGrekova;
 use wellposed_models::flow::plastic_potential::parameters::PlasticPotential;
-use wellposed_models::flow::state::{Flow, State};
+use wellposed_models::flow::state::{DeformingFlow, MaterialState};
 use wellposed_models::flow::{FlowKind, Model};
 use wellposed_models::registry;
 
-const STATES: usize = 300;
+const STATE_COUNT: usize = 300;
 
-fn uniform(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> (Parameters, State) {
+fn random_uniform_state(
+    random: &mut RandomNumbers,
+    kind: FlowKind,
+    dilatancy: DilatancyKind,
+) -> (FlowParameters, MaterialState) {
     let parameters = states::random_parameters(random, kind, dilatancy);
-    let full = states::random_state(random, kind, dilatancy);
-    let state = State {
-        velocity: [0.0; 2],
-        pressure_gradient: [0.0; 2],
-        stress_angle_gradient: [0.0; 2],
-        spin_gradient: [0.0; 2],
-        density_gradient: [0.0; 2],
-        inertia_gradient: [0.0; 2],
-        inertia_rate: 0.0,
-        ..full
-    };
-    (parameters, state)
+    let state = states::without_gradients(states::random_state(random, kind, dilatancy));
+    (parameters, MaterialState { velocity: [0.0; 2], ..state })
 }
 
 /// Determinant as a polynomial in ς in the direction with β = 2(Ψ_Σ − ψ_K).
-fn dispersion(model: &Model, flow: &Flow, k: f64, beta: Wide) -> Polynomial {
-    let (s, c) = (wide(flow.stress.angle) - beta * wide(0.5)).sin_cos();
-    states::dispersion(&states::symbol(model, flow), [wide(k) * c, wide(k) * s])
+fn dispersion_polynomial(
+    model: &Model,
+    flow: &DeformingFlow,
+    k: f64,
+    beta: DoubleDouble,
+) -> Polynomial {
+    let (s, c) = (dd(flow.stress.angle) - beta * dd(0.5)).sin_cos();
+    states::dispersion_polynomial(&states::assemble_symbol(model, flow), [dd(k) * c, dd(k) * s])
 }
 
 /// Finds a root by Newton's method from `guess`; asserts that the last relative step is below 1e-20.
-fn root_near(polynomial: &[Complex], guess: Complex) -> Complex {
+fn find_root_near(polynomial: &[Complex], guess: Complex) -> Complex {
     let slope: Polynomial =
         polynomial.iter().enumerate().skip(1).map(|(n, &c)| c * complex(n as f64, 0.0)).collect();
     let mut x = guess;
     for _ in 0..60 {
-        x = x - evaluate(polynomial, x) / evaluate(&slope, x);
+        x = x - evaluate_polynomial(polynomial, x) / evaluate_polynomial(&slope, x);
     }
-    let step = evaluate(polynomial, x) / evaluate(&slope, x);
+    let step = evaluate_polynomial(polynomial, x) / evaluate_polynomial(&slope, x);
     assert!(step.abs() <= 1e-20 * x.abs(), "no root near the guess");
     x
 }
@@ -64,24 +66,25 @@ fn sum_of_roots(polynomial: &[Complex]) -> Complex {
 /// at k = 1e9. The entries have relative errors of 1e-15, amplified near 𝒜 = 0 and |Δ| = 45° (by 1/0.05 each):
 /// tolerance 1e-12.
 #[test]
-fn harris_grekova_leading_coefficient() {
-    let mut random = Random::new(500);
-    let (mut worst, mut used) = (0.0f64, 0);
-    while used < STATES {
-        let (parameters, state) = uniform(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Zero);
-        let model = states::model(registry::HARRIS_GREKOVA, &parameters);
-        let flow = states::flow(&model, &state);
-        let constants = parameters.constants(registry::HARRIS_GREKOVA);
+fn harris_grekova_leading_coefficient_is_the_limit_of_the_roots() {
+    let mut random = RandomNumbers::new(500);
+    let (mut worst, mut compared) = (0.0f64, 0);
+    while compared < STATE_COUNT {
+        let (parameters, state) =
+            random_uniform_state(&mut random, registry::HARRIS_GREKOVA, DilatancyKind::Zero);
+        let model = states::build_model(registry::HARRIS_GREKOVA, &parameters);
+        let flow = states::complete_flow(&model, &state);
+        let constants = parameters.to_constants(registry::HARRIS_GREKOVA);
         let own = HarrisGrekova::from_constants(&constants).expect("in range");
-        let beta = random.generic(0.0, 3.1);
+        let beta = random.signed_uniform(0.0, 3.1);
         let gap = beta.cos() - parameters.friction_angle.sin();
         if gap.abs() < 0.05 || (2.0 * flow.noncoaxiality).cos().abs() < 0.05 {
             continue;
         }
-        used += 1;
+        compared += 1;
         let k = 1e9;
-        let root = sum_of_roots(&dispersion(&model, &flow, k, wide(beta)));
-        let truth = (root / complex(k * k, 0.0)).re.value();
+        let root = sum_of_roots(&dispersion_polynomial(&model, &flow, k, dd(beta)));
+        let truth = (root / complex(k * k, 0.0)).re.to_f64();
         let (q, rho, rate) = (flow.stress.deviator.value, flow.density, flow.shear_rate);
         let closed = own.leading_coefficient(q, rho, rate, flow.noncoaxiality, beta);
         worst = worst.max((closed / truth - 1.0).abs());
@@ -93,22 +96,23 @@ fn harris_grekova_leading_coefficient() {
 /// Double shearing, ν = 0, at rest: the roots are ±k × `leading_coefficient`. At k = 1e12 the relative corrections are
 /// (rates)/(kc) with c of order 0.1 m/s: tolerance 1e-9.
 #[test]
-fn double_shearing_leading_coefficient() {
-    let mut random = Random::new(510);
+fn double_shearing_leading_coefficient_is_the_limit_of_the_roots() {
+    let mut random = RandomNumbers::new(510);
     let mut worst = 0.0f64;
-    for _ in 0..STATES {
-        let (parameters, state) = uniform(&mut random, registry::DOUBLE_SHEARING, Dilatancy::Zero);
-        let model = states::model(registry::DOUBLE_SHEARING, &parameters);
-        let flow = states::flow(&model, &state);
-        let constants = parameters.constants(registry::DOUBLE_SHEARING);
+    for _ in 0..STATE_COUNT {
+        let (parameters, state) =
+            random_uniform_state(&mut random, registry::DOUBLE_SHEARING, DilatancyKind::Zero);
+        let model = states::build_model(registry::DOUBLE_SHEARING, &parameters);
+        let flow = states::complete_flow(&model, &state);
+        let constants = parameters.to_constants(registry::DOUBLE_SHEARING);
         let own = DoubleShearing::from_constants(&constants).expect("in range");
-        let beta = random.generic(0.0, 3.1);
+        let beta = random.signed_uniform(0.0, 3.1);
         if (beta.cos() - parameters.friction_angle.sin()).abs() < 0.05 {
             continue;
         }
         let k = 1e12;
-        let polynomial = dispersion(&model, &flow, k, wide(beta));
-        let roots = quadratic_roots(&polynomial).map(|x| (x / complex(k, 0.0)).re.value());
+        let polynomial = dispersion_polynomial(&model, &flow, k, dd(beta));
+        let roots = quadratic_roots(&polynomial).map(|x| (x / complex(k, 0.0)).re.to_f64());
         let closed = own.leading_coefficient(flow.stress.deviator.value, flow.density, beta);
         for truth in roots {
             worst = worst.max((closed / truth.abs() - 1.0).abs());
@@ -122,24 +126,24 @@ fn double_shearing_leading_coefficient() {
 /// With all gradients and a velocity the roots of double shearing are −ik·V ± kc to order k, with the same drift −ik·V:
 /// the advection term V·∇ enters exactly once.
 #[test]
-fn double_shearing_drifts_with_the_material() {
-    let mut random = Random::new(511);
-    for _ in 0..STATES {
+fn double_shearing_roots_are_advected_with_the_material() {
+    let mut random = RandomNumbers::new(511);
+    for _ in 0..STATE_COUNT {
         let kind = registry::DOUBLE_SHEARING;
-        let parameters = states::random_parameters(&mut random, kind, Dilatancy::Zero);
-        let state = states::random_state(&mut random, kind, Dilatancy::Zero);
-        let model = states::model(kind, &parameters);
-        let flow = states::flow(&model, &state);
-        let (k, beta) = (1e12, random.generic(0.0, 3.1));
+        let parameters = states::random_parameters(&mut random, kind, DilatancyKind::Zero);
+        let state = states::random_state(&mut random, kind, DilatancyKind::Zero);
+        let model = states::build_model(kind, &parameters);
+        let flow = states::complete_flow(&model, &state);
+        let (k, beta) = (1e12, random.signed_uniform(0.0, 3.1));
         if (beta.cos() - parameters.friction_angle.sin()).abs() < 0.05 {
             continue;
         }
-        let roots = quadratic_roots(&dispersion(&model, &flow, k, wide(beta)));
+        let roots = quadratic_roots(&dispersion_polynomial(&model, &flow, k, dd(beta)));
         let (s, c) = (state.stress_angle - 0.5 * beta).sin_cos();
         let drift = c * state.velocity[0] + s * state.velocity[1];
         for root in roots {
             // Corrections: (rates and gradients × velocities)/k, below 1e-6 m/s.
-            assert!((root.im.value() / k + drift).abs() < 1e-6);
+            assert!((root.im.to_f64() / k + drift).abs() < 1e-6);
         }
     }
 }
@@ -147,68 +151,70 @@ fn double_shearing_drifts_with_the_material() {
 /// Plastic potential, all ν: `leading_coefficient` equals lim ς/k² in every direction, and is positive exactly in the
 /// sector where cos β lies between sin ν and sin φ.
 #[test]
-fn plastic_potential_leading_coefficient() {
-    for dilatancy in [Dilatancy::Zero, Dilatancy::Positive, Dilatancy::Associated] {
-        let mut random = Random::new(520);
-        let (mut worst, mut inside, mut used) = (0.0f64, 0, 0);
-        while used < STATES {
-            let (parameters, state) = uniform(&mut random, registry::PLASTIC_POTENTIAL, dilatancy);
-            let model = states::model(registry::PLASTIC_POTENTIAL, &parameters);
-            let flow = states::flow(&model, &state);
-            let constants = parameters.constants(registry::PLASTIC_POTENTIAL);
+fn plastic_potential_leading_coefficient_is_the_limit_of_the_roots() {
+    for dilatancy in [DilatancyKind::Zero, DilatancyKind::Positive, DilatancyKind::Associated] {
+        let mut random = RandomNumbers::new(520);
+        let (mut worst, mut inside, mut compared) = (0.0f64, 0, 0);
+        while compared < STATE_COUNT {
+            let (parameters, state) =
+                random_uniform_state(&mut random, registry::PLASTIC_POTENTIAL, dilatancy);
+            let model = states::build_model(registry::PLASTIC_POTENTIAL, &parameters);
+            let flow = states::complete_flow(&model, &state);
+            let constants = parameters.to_constants(registry::PLASTIC_POTENTIAL);
             let own = PlasticPotential::from_constants(&constants).expect("in range");
-            let beta = random.generic(0.0, 3.1);
+            let beta = random.signed_uniform(0.0, 3.1);
             let (phi, nu) = (parameters.friction_angle.sin(), parameters.dilatancy_angle.sin());
             let gaps = (beta.cos() - phi) * (beta.cos() - nu);
             if gaps.abs() < 1e-3 {
                 continue;
             }
-            used += 1;
+            compared += 1;
             let k = 1e12;
             let (q, rho, rate) = (flow.stress.deviator.value, flow.density, flow.shear_rate);
             let closed = own.leading_coefficient(q, rho, rate, beta);
             assert_eq!(closed > 0.0, gaps < 0.0);
             inside += usize::from(closed > 0.0);
-            let polynomial = dispersion(&model, &flow, k, wide(beta));
-            let root = root_near(&polynomial, complex(closed * k * k, 0.0));
-            let truth = (root / complex(k * k, 0.0)).re.value();
+            let polynomial = dispersion_polynomial(&model, &flow, k, dd(beta));
+            let root = find_root_near(&polynomial, complex(closed * k * k, 0.0));
+            let truth = (root / complex(k * k, 0.0)).re.to_f64();
             // It is the largest root: the sum of all roots agrees, since the others are of order k at most.
-            let sum = (sum_of_roots(&polynomial) / complex(k * k, 0.0)).re.value();
+            let sum = (sum_of_roots(&polynomial) / complex(k * k, 0.0)).re.to_f64();
             assert!((sum / truth - 1.0).abs() < 1e-6);
             // Errors of the entries of 1e-15, amplified by up to 1e3 near a zero of the coefficient.
             worst = worst.max((closed / truth - 1.0).abs());
             assert!((closed / truth - 1.0).abs() < 1e-11, "{closed:e} against {truth:e}");
         }
         // The unstable sector is empty exactly for associated flow.
-        assert_eq!(inside == 0, dilatancy == Dilatancy::Associated);
+        assert_eq!(inside == 0, dilatancy == DilatancyKind::Associated);
         println!("plastic potential {dilatancy:?}: {worst:.1e}");
     }
 }
 
-/// `PlasticPotential::worst` returns the largest growth rate and its direction; verified by a scan of the roots of the
+/// `PlasticPotential::fastest_growth` returns the largest growth rate and its direction; verified by a scan of the roots of the
 /// determinant over the directions.
 #[test]
-fn plastic_potential_worst_direction() {
-    let mut random = Random::new(530);
-    let mut used = 0;
-    while used < 200 {
+fn plastic_potential_fastest_growth_is_the_maximum_over_directions() {
+    let mut random = RandomNumbers::new(530);
+    let mut compared = 0;
+    while compared < 200 {
         let (parameters, state) =
-            uniform(&mut random, registry::PLASTIC_POTENTIAL, Dilatancy::Positive);
+            random_uniform_state(&mut random, registry::PLASTIC_POTENTIAL, DilatancyKind::Positive);
         let (phi, nu) = (parameters.friction_angle, parameters.dilatancy_angle);
         if (phi - nu).abs() < 0.1 {
             continue;
         }
-        used += 1;
-        let model = states::model(registry::PLASTIC_POTENTIAL, &parameters);
-        let flow = states::flow(&model, &state);
-        let constants = parameters.constants(registry::PLASTIC_POTENTIAL);
+        compared += 1;
+        let model = states::build_model(registry::PLASTIC_POTENTIAL, &parameters);
+        let flow = states::complete_flow(&model, &state);
+        let constants = parameters.to_constants(registry::PLASTIC_POTENTIAL);
         let own = PlasticPotential::from_constants(&constants).expect("in range");
-        let (rate, cosine) = own.worst(flow.stress.deviator.value, flow.density, flow.shear_rate);
+        let (rate, cosine) =
+            own.fastest_growth(flow.stress.deviator.value, flow.density, flow.shear_rate);
         assert!(phi.sin().min(nu.sin()) < cosine && cosine < phi.sin().max(nu.sin()));
         let k = 1e12;
         let at = |beta: f64| {
-            let sum = sum_of_roots(&dispersion(&model, &flow, k, wide(beta)));
-            (sum / complex(k * k, 0.0)).re.value()
+            let sum = sum_of_roots(&dispersion_polynomial(&model, &flow, k, dd(beta)));
+            (sum / complex(k * k, 0.0)).re.to_f64()
         };
         let beta = cosine.acos();
         // An error of the direction enters quadratically: tolerance = rounding over the squared gap.
@@ -232,24 +238,31 @@ fn plastic_potential_worst_direction() {
 /// near φ or 0.
 #[test]
 fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
-    for dilatancy in [Dilatancy::Zero, Dilatancy::Positive] {
-        let mut random = Random::new(540);
+    for dilatancy in [DilatancyKind::Zero, DilatancyKind::Positive] {
+        let mut random = RandomNumbers::new(540);
         let mut worst = 0.0f64;
         for _ in 0..200 {
-            let (parameters, state) = uniform(&mut random, registry::HARRIS_GREKOVA, dilatancy);
-            let model = states::model(registry::HARRIS_GREKOVA, &parameters);
+            let (parameters, state) =
+                random_uniform_state(&mut random, registry::HARRIS_GREKOVA, dilatancy);
+            let model = states::build_model(registry::HARRIS_GREKOVA, &parameters);
             let closed = model.noncoaxiality_bound().unwrap();
             let k = 7.0;
             // Mean a and amplitude √(b² + c²) of the highest coefficient over the directions, normalised.
-            let decides = |delta: f64| {
-                let flow = states::flow(&model, &State { noncoaxiality: Some(delta), ..state });
+            let mean_and_amplitude = |delta: f64| {
+                let flow = states::complete_flow(
+                    &model,
+                    &MaterialState { noncoaxiality: Some(delta), ..state },
+                );
                 let highest = |beta: f64| {
                     // The highest coefficient is real.
-                    let polynomial = dispersion(&model, &flow, k, wide(beta));
-                    assert_eq!(polynomial.len(), if dilatancy == Dilatancy::Zero { 3 } else { 4 });
+                    let polynomial = dispersion_polynomial(&model, &flow, k, dd(beta));
+                    assert_eq!(
+                        polynomial.len(),
+                        if dilatancy == DilatancyKind::Zero { 3 } else { 4 }
+                    );
                     let last = *polynomial.last().unwrap();
-                    assert!(last.im.value().abs() <= 1e-25 * last.abs());
-                    last.re.value()
+                    assert!(last.im.to_f64().abs() <= 1e-25 * last.abs());
+                    last.re.to_f64()
                 };
                 let (east, north, west) = (highest(0.0), highest(1.25), highest(2.5));
                 // Fit a + b cos β + c sin β to three directions.
@@ -270,16 +283,16 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
             };
             // Positive if the coefficient has the same sign as in a coaxial flow in all directions. (For ν = 0 it
             // changes sign in all directions at the same Δ.)
-            let coaxial = decides(0.0)[0].signum();
-            let decides = |delta: f64| {
-                let [mean, amplitude] = decides(delta);
+            let coaxial = mean_and_amplitude(0.0)[0].signum();
+            let mean_and_amplitude = |delta: f64| {
+                let [mean, amplitude] = mean_and_amplitude(delta);
                 coaxial * mean - amplitude
             };
             let (mut inside, mut outside) = (0.0, std::f64::consts::FRAC_PI_4 + 0.01);
-            assert!(decides(inside) > 0.0 && decides(outside) < 0.0);
+            assert!(mean_and_amplitude(inside) > 0.0 && mean_and_amplitude(outside) < 0.0);
             for _ in 0..50 {
                 let middle = 0.5 * (inside + outside);
-                if decides(middle) > 0.0 {
+                if mean_and_amplitude(middle) > 0.0 {
                     inside = middle;
                 } else {
                     outside = middle;
@@ -288,7 +301,10 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
             worst = worst.max((inside - closed).abs());
             assert!((inside - closed).abs() < 1e-10, "{inside} from the pencil, {closed} closed");
             // Negative Δ has the same bound.
-            assert!(decides(-closed + 1e-6) > 0.0 && decides(-closed - 1e-6) < 0.0);
+            assert!(
+                mean_and_amplitude(-closed + 1e-6) > 0.0
+                    && mean_and_amplitude(-closed - 1e-6) < 0.0
+            );
         }
         println!("bound on Δ, {dilatancy:?}: {worst:.1e}");
     }
@@ -297,29 +313,32 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
 /// Harris–Grekova, ν > 0: for |Δ| below the bound the leading growth rate is not positive in any direction, beyond it
 /// is positive in some direction; verified by the roots at k = 1e9, not only by the highest coefficient.
 #[test]
-fn noncoaxiality_bound_separates_growth() {
-    let mut random = Random::new(550);
+fn noncoaxiality_bound_separates_growth_from_decay() {
+    let mut random = RandomNumbers::new(550);
     for _ in 0..200 {
         let (parameters, state) =
-            uniform(&mut random, registry::HARRIS_GREKOVA, Dilatancy::Positive);
-        let model = states::model(registry::HARRIS_GREKOVA, &parameters);
+            random_uniform_state(&mut random, registry::HARRIS_GREKOVA, DilatancyKind::Positive);
+        let model = states::build_model(registry::HARRIS_GREKOVA, &parameters);
         let bound = model.noncoaxiality_bound().unwrap();
-        let sign = random.generic(1.0, 1.1).signum();
-        let greatest = |delta: f64| {
-            let flow = states::flow(&model, &State { noncoaxiality: Some(sign * delta), ..state });
+        let sign = random.signed_uniform(1.0, 1.1).signum();
+        let max_growth_rate = |delta: f64| {
+            let flow = states::complete_flow(
+                &model,
+                &MaterialState { noncoaxiality: Some(sign * delta), ..state },
+            );
             let k = 1e9;
             (0..240)
                 .map(|n| {
-                    let beta = wide(std::f64::consts::TAU * f64::from(n) / 240.0);
-                    let sum = sum_of_roots(&dispersion(&model, &flow, k, beta));
-                    (sum / complex(k * k, 0.0)).re.value()
+                    let beta = dd(std::f64::consts::TAU * f64::from(n) / 240.0);
+                    let sum = sum_of_roots(&dispersion_polynomial(&model, &flow, k, beta));
+                    (sum / complex(k * k, 0.0)).re.to_f64()
                 })
                 .fold(f64::MIN, f64::max)
         };
         // The sum of the roots equals the leading root, since the others are of lower order in k. Near directions with
         // 𝒜 = 0 it is zero up to errors of the entries.
         let scale = state.pressure / state.density / state.shear_rate;
-        assert!(greatest(0.95 * bound) <= 1e-9 * scale);
-        assert!(greatest(bound + 0.05) > 1e-6 * scale);
+        assert!(max_growth_rate(0.95 * bound) <= 1e-9 * scale);
+        assert!(max_growth_rate(bound + 0.05) > 1e-6 * scale);
     }
 }

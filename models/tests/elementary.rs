@@ -4,10 +4,10 @@
 
 use wellposed_models::common::elementary::{Elementary, cr_arg, cr_cis, cr_from_polar};
 
-type One = (fn(f64) -> f64, &'static [(u64, u64)]);
-type Two = (fn(f64, f64) -> f64, &'static [(u64, u64, u64)]);
+type UnaryReferences = (fn(f64) -> f64, &'static [(u64, u64)]);
+type BinaryReferences = (fn(f64, f64) -> f64, &'static [(u64, u64, u64)]);
 
-const ONE: &[One] = &[
+const UNARY_REFERENCES: &[UnaryReferences] = &[
     (
         f64::cr_sin,
         &[
@@ -153,7 +153,7 @@ const ONE: &[One] = &[
     ),
 ];
 
-const TWO: &[Two] = &[
+const BINARY_REFERENCES: &[BinaryReferences] = &[
     (
         f64::cr_atan2,
         &[
@@ -180,8 +180,8 @@ const TWO: &[Two] = &[
 
 /// Every function returns the double nearest to the reference value.
 #[test]
-fn results_are_the_nearest_doubles() {
-    for (index, (function, values)) in ONE.iter().enumerate() {
+fn results_are_correctly_rounded() {
+    for (index, (function, values)) in UNARY_REFERENCES.iter().enumerate() {
         for &(x, y) in *values {
             let (x, y) = (f64::from_bits(x), f64::from_bits(y));
             assert_eq!(
@@ -192,7 +192,7 @@ fn results_are_the_nearest_doubles() {
             );
         }
     }
-    for (index, (function, values)) in TWO.iter().enumerate() {
+    for (index, (function, values)) in BINARY_REFERENCES.iter().enumerate() {
         for &(x, y, z) in *values {
             let [x, y, z] = [x, y, z].map(f64::from_bits);
             assert_eq!(function(x, y).to_bits(), z.to_bits(), "function {index} of {x:e}, {y:e}");
@@ -203,7 +203,7 @@ fn results_are_the_nearest_doubles() {
 /// √(x² + y²) is exact for Pythagorean triples at all scales, and otherwise within one unit in the last place of the
 /// platform's `hypot`.
 #[test]
-fn roots_of_sums_of_squares() {
+fn root_sum_square_is_accurate_at_all_scales() {
     for exponent in [-1070, -700, -466, -465, -1, 0, 40, 464, 466, 1000, 1018] {
         let scale = |x: f64| {
             let half = exponent / 2;
@@ -225,7 +225,7 @@ fn roots_of_sums_of_squares() {
 
 /// The complex functions agree with sin, cos and atan2.
 #[test]
-fn complex_numbers_are_made_of_them() {
+fn complex_functions_agree_with_real_functions() {
     for angle in [-3.0, -0.7, 0.0, 1e-9, 0.3, 2.0, 40.0] {
         let (sin, cos) = angle.cr_sin_cos();
         assert_eq!((sin, cos), (angle.cr_sin(), angle.cr_cos()));
@@ -240,7 +240,7 @@ fn complex_numbers_are_made_of_them() {
 /// The hash of the results for 2 × 10⁵ arguments equals the value computed without fused multiply-add
 /// (`qemu-x86_64 -cpu Nehalem`).
 #[test]
-fn bits_do_not_depend_on_the_processor() {
+fn results_do_not_depend_on_fused_multiply_add() {
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut random = || {
         state ^= state << 13;

@@ -1,24 +1,26 @@
 //! Face law of an elastic interlayer: dense solution of its equations, welded limit, energy balance, mirror symmetry.
 
 use nalgebra::{DMatrix, DVector};
-use testkit::random::Random;
+use testkit::random::RandomNumbers;
 use wellposed_models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
-use wellposed_models::interface::{FaceLaw, Incoming};
+use wellposed_models::interface::{FaceLaw, RiemannData};
 
-/// Random law, incoming invariants, time step and memory (V, S) of a face, with coefficients over four decades.
-fn face(random: &mut Random) -> (ElasticInterlayer<f64>, Incoming<f64>, f64, [f64; 2]) {
-    let mut power = || 10f64.powf(random.within(-2.0, 2.0));
+/// Random law, incoming invariants, time step and history variables (V, S) of a face, with coefficients over four decades.
+fn random_face(
+    random: &mut RandomNumbers,
+) -> (ElasticInterlayer<f64>, RiemannData<f64>, f64, [f64; 2]) {
+    let mut power = || 10f64.powf(random.uniform(-2.0, 2.0));
     let law = ElasticInterlayer { mass: power(), compliance: power() };
     let (impedance, step) = ([power(), power()], power());
-    let invariant = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
-    let memory = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
-    (law, Incoming { impedance, invariant }, step, memory)
+    let invariant = [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)];
+    let history = [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)];
+    (law, RiemannData { impedance, invariant }, step, history)
 }
 
 /// Solves the equations of the midpoint rule for v⁻, v⁺, σ⁻, σ⁺ and the new V and S.
-fn solve(
+fn solve_midpoint_rule(
     law: &ElasticInterlayer<f64>,
-    incoming: &Incoming<f64>,
+    incoming: &RiemannData<f64>,
     step: f64,
     [velocity, stress]: [f64; 2],
 ) -> DVector<f64> {
@@ -40,24 +42,24 @@ fn solve(
 
 /// A step of the face law agrees with the dense solution of the equations of both sides and of the layer.
 #[test]
-fn a_step_solves_the_equations_of_both_sides_and_the_layer() {
-    let mut random = Random::new(1);
+fn step_agrees_with_the_dense_solution_of_the_midpoint_rule() {
+    let mut random = RandomNumbers::new(1);
     let mut worst = 0.0f64;
     for _ in 0..10_000 {
-        let (law, incoming, step, mut memory) = face(&mut random);
-        let expected = solve(&law, &incoming, step, memory);
-        let found = law.advance(&incoming, step, &mut memory);
+        let (law, incoming, step, mut history) = random_face(&mut random);
+        let expected = solve_midpoint_rule(&law, &incoming, step, history);
+        let found = law.advance(&incoming, step, &mut history);
         let [before, after] = found.states;
         let [z, y] = incoming.impedance;
         // Scale of the results relative to the coefficients.
-        let scale = (memory[1].abs() + 1.0) * (z.max(y) / z.min(y)) / z.min(y).min(1.0);
+        let scale = (history[1].abs() + 1.0) * (z.max(y) / z.min(y)) / z.min(y).min(1.0);
         for (found, expected) in [
             (before.velocity, expected[0]),
             (after.velocity, expected[1]),
             (before.stress, expected[2]),
             (after.stress, expected[3]),
-            (memory[0], expected[4]),
-            (memory[1], expected[5]),
+            (history[0], expected[4]),
+            (history[1], expected[5]),
         ] {
             worst = worst.max((found - expected).abs() / scale);
         }
@@ -70,10 +72,10 @@ fn a_step_solves_the_equations_of_both_sides_and_the_layer() {
 /// Without mass and compliance the law gives the solution of the Riemann problem, v = (R⁻ + R⁺)/(z⁻ + z⁺),
 /// σ = (z⁻R⁺ − z⁺R⁻)/(z⁻ + z⁺).
 #[test]
-fn a_layer_without_mass_and_compliance_is_welded() {
-    let mut random = Random::new(2);
+fn interlayer_without_mass_and_compliance_is_a_welded_interface() {
+    let mut random = RandomNumbers::new(2);
     for _ in 0..1000 {
-        let (_, incoming, step, _) = face(&mut random);
+        let (_, incoming, step, _) = random_face(&mut random);
         let welded = ElasticInterlayer { mass: 0.0, compliance: 0.0 };
         let found = welded.advance(&incoming, step, &mut [0.0; 2]);
         let ([z, y], [before, after]) = (incoming.impedance, incoming.invariant);
@@ -90,59 +92,59 @@ fn a_layer_without_mass_and_compliance_is_welded() {
 
 /// The energy balance of a step holds to rounding: gain of the layer = work of both sides.
 #[test]
-fn what_both_sides_put_in_is_what_the_layer_gains() {
-    let mut random = Random::new(3);
-    let (mut worst, mut turnover) = (0.0f64, 0.0f64);
-    let (mut law, mut incoming, mut step, mut memory) = face(&mut random);
+fn energy_gain_of_the_interlayer_equals_the_work_of_both_cells() {
+    let mut random = RandomNumbers::new(3);
+    let (mut worst, mut energy_change) = (0.0f64, 0.0f64);
+    let (mut law, mut incoming, mut step, mut history) = random_face(&mut random);
     for number in 0..20_000 {
         if number % 1000 == 0 {
-            (law, incoming, step, memory) = face(&mut random);
+            (law, incoming, step, history) = random_face(&mut random);
         }
-        let energy = |memory: &[f64; 2]| law.kinetic_energy(memory) + law.stored_energy(memory);
-        incoming.invariant = [random.within(-1.0, 1.0), random.within(-1.0, 1.0)];
-        let before = energy(&memory);
-        let found = law.advance(&incoming, step, &mut memory);
+        let energy = |history: &[f64; 2]| law.kinetic_energy(history) + law.stored_energy(history);
+        incoming.invariant = [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)];
+        let before = energy(&history);
+        let found = law.advance(&incoming, step, &mut history);
         // The scale includes the power of incoming and outgoing waves, ½(zv² + σ²/z) on each side.
-        let passes = |side: usize| {
+        let wave_power = |side: usize| {
             let (own, z) = (found.states[side], incoming.impedance[side]);
             0.5 * (z * own.velocity * own.velocity + own.stress * own.stress / z)
         };
-        let size = before + energy(&memory) + step * (passes(0) + passes(1));
-        let residual = energy(&memory) - before + found.dissipated - step * found.power();
+        let size = before + energy(&history) + step * (wave_power(0) + wave_power(1));
+        let residual = energy(&history) - before + found.dissipated_energy - step * found.power();
         worst = worst.max(residual.abs() / size);
-        turnover = turnover.max((energy(&memory) - before).abs() / size);
+        energy_change = energy_change.max((energy(&history) - before).abs() / size);
     }
-    println!("{worst:e}, of a change of {turnover}");
+    println!("{worst:e}, energy change {energy_change}");
     assert!(worst < 20.0 * f64::EPSILON);
-    assert!(turnover > 0.01);
+    assert!(energy_change > 0.01);
 }
 
 /// Reflection of the axis: with both sides exchanged the results are bitwise equal up to the sign of the velocities.
 #[test]
-fn a_mirrored_layer_has_mirrored_bits() {
-    let mut random = Random::new(4);
+fn mirrored_interlayer_gives_bitwise_mirrored_results() {
+    let mut random = RandomNumbers::new(4);
     for _ in 0..1000 {
-        let (law, incoming, step, mut memory) = face(&mut random);
+        let (law, incoming, step, mut history) = random_face(&mut random);
         let swap = |[a, b]: [f64; 2]| [b, a];
-        let mirrored = Incoming {
+        let mirrored = RiemannData {
             impedance: swap(incoming.impedance),
             invariant: swap(incoming.invariant).map(|r| -r),
         };
-        let mut mirrored_memory = [-memory[0], memory[1]];
-        let one = law.advance(&incoming, step, &mut memory);
-        let other = law.advance(&mirrored, step, &mut mirrored_memory);
+        let mut mirrored_history = [-history[0], history[1]];
+        let one = law.advance(&incoming, step, &mut history);
+        let other = law.advance(&mirrored, step, &mut mirrored_history);
         for side in 0..2 {
             let (one, other) = (one.states[side], other.states[1 - side]);
             assert_eq!(one.velocity.to_bits(), (-other.velocity).to_bits());
             assert_eq!(one.stress.to_bits(), other.stress.to_bits());
         }
-        assert_eq!([-mirrored_memory[0], mirrored_memory[1]], memory);
+        assert_eq!([-mirrored_history[0], mirrored_history[1]], history);
     }
 }
 
 /// The stiffness of the layer is K = ρ′c′²/δ, and √(mK) equals the impedance ρ′c′ of its material.
 #[test]
-fn a_layer_has_the_impedance_of_its_material() {
+fn interlayer_has_the_impedance_of_its_material() {
     let material = ElasticMaterial {
         thickness: 1e-3,
         density: 1500.0,
@@ -150,9 +152,10 @@ fn a_layer_has_the_impedance_of_its_material() {
         shear_speed: 500.0,
     };
     assert_eq!(material.check(), Ok(()));
-    for (layer, stiffness, impedance) in
-        [(material.normal(), 1.5e12, 1.5e6), (material.tangential(), 3.75e11, 7.5e5)]
-    {
+    for (layer, stiffness, impedance) in [
+        (material.normal_interlayer(), 1.5e12, 1.5e6),
+        (material.tangential_interlayer(), 3.75e11, 7.5e5),
+    ] {
         assert!((layer.compliance * stiffness - 1.0).abs() < 1e-15);
         assert!(((layer.mass / layer.compliance).sqrt() / impedance - 1.0).abs() < 1e-15);
     }

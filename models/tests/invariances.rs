@@ -4,21 +4,21 @@
 mod support;
 
 use std::f64::consts::FRAC_PI_2;
-use support::Random;
-use support::states::{self, VARIANTS};
-use testkit::flows::Parameters;
-use wellposed_models::flow::state::State;
+use support::RandomNumbers;
+use support::states;
+use testkit::flows::{FlowParameters, MODEL_CASES};
+use wellposed_models::flow::state::MaterialState;
 use wellposed_models::{LinearisedSystem, Rounded};
 
-const STATES: usize = 250;
+const STATE_COUNT: usize = 250;
 
-fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+fn rotate_vector([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (s, c) = angle.sin_cos();
     [c * x - s * y, s * x + c * y]
 }
 
-fn each_vector(state: &State, f: impl Fn([f64; 2]) -> [f64; 2]) -> State {
-    State {
+fn map_vectors(state: &MaterialState, f: impl Fn([f64; 2]) -> [f64; 2]) -> MaterialState {
+    MaterialState {
         velocity: f(state.velocity),
         pressure_gradient: f(state.pressure_gradient),
         stress_angle_gradient: f(state.stress_angle_gradient),
@@ -31,7 +31,7 @@ fn each_vector(state: &State, f: impl Fn([f64; 2]) -> [f64; 2]) -> State {
 
 /// Matrix that rotates the first two unknowns or equations (in all models the velocities or momentum balances) by
 /// `angle` and is the identity on the others.
-fn turning(size: usize, angle: f64) -> Vec<Vec<f64>> {
+fn rotation_matrix(size: usize, angle: f64) -> Vec<Vec<f64>> {
     let (s, c) = angle.sin_cos();
     let mut matrix = vec![vec![0.0; size]; size];
     for (i, row) in matrix.iter_mut().enumerate() {
@@ -43,7 +43,7 @@ fn turning(size: usize, angle: f64) -> Vec<Vec<f64>> {
 }
 
 /// Product L M Rᵀ with rounding bounds.
-fn transformed(
+fn transform_matrix(
     left: &[Vec<f64>],
     matrix: impl Fn(usize, usize) -> Rounded,
     right: &[Vec<f64>],
@@ -56,7 +56,7 @@ fn transformed(
                     for (m, &l) in left[i].iter().enumerate() {
                         for (n, &r) in right[j].iter().enumerate() {
                             if l * r != 0.0 {
-                                sum += Rounded::given(l * r) * matrix(m, n);
+                                sum += Rounded::from_rounded(l * r) * matrix(m, n);
                             }
                         }
                     }
@@ -73,23 +73,21 @@ fn transformed(
 /// Tolerance: twice the rounding bounds of both sides. The vectors of the rotated state are rounded by a few units in
 /// the last place, which the bounds of the terms that contain them cover.
 #[test]
-fn rotation_of_the_frame() {
+fn coefficients_transform_as_tensors_under_rotation_of_the_frame() {
     let mut worst = 0.0f64;
-    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        let mut random = Random::new(900 + seed as u64);
-        for _ in 0..STATES {
-            let parameters = states::random_parameters(&mut random, kind, dilatancy);
-            let model = states::model(kind, &parameters);
-            let state = states::random_state(&mut random, kind, dilatancy);
-            let angle = random.generic(0.1, 3.0);
-            let after = State {
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(900 + seed as u64);
+        for _ in 0..STATE_COUNT {
+            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
+            let angle = random.signed_uniform(0.1, 3.0);
+            let after = MaterialState {
                 stress_angle: state.stress_angle + angle,
-                ..each_vector(&state, |v| turned(v, angle))
+                ..map_vectors(&state, |v| rotate_vector(v, angle))
             };
-            let before = states::symbol(&model, &states::flow(&model, &state));
-            let after = states::symbol(&model, &states::flow(&model, &after));
-            let left = turning(before.equations.len(), angle);
-            let right = turning(before.unknowns.len(), angle);
+            let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
+            let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
+            let left = rotation_matrix(before.equations.len(), angle);
+            let right = rotation_matrix(before.unknowns.len(), angle);
 
             let (s, c) = angle.sin_cos();
             let vector = |i: usize, j: usize, k: usize| {
@@ -97,10 +95,10 @@ fn rotation_of_the_frame() {
                 if k == 0 { c * b1 - s * b2 } else { s * b1 + c * b2 }
             };
             let pairs = [
-                (&after.a, transformed(&left, |i, j| before.a[(i, j)], &right)),
-                (&after.b[0], transformed(&left, |i, j| vector(i, j, 0), &right)),
-                (&after.b[1], transformed(&left, |i, j| vector(i, j, 1), &right)),
-                (&after.c, transformed(&left, |i, j| before.c[(i, j)], &right)),
+                (&after.a, transform_matrix(&left, |i, j| before.a[(i, j)], &right)),
+                (&after.b[0], transform_matrix(&left, |i, j| vector(i, j, 0), &right)),
+                (&after.b[1], transform_matrix(&left, |i, j| vector(i, j, 1), &right)),
+                (&after.c, transform_matrix(&left, |i, j| before.c[(i, j)], &right)),
             ];
             for (number, (own, expected)) in pairs.iter().enumerate() {
                 for (i, row) in expected.iter().enumerate() {
@@ -125,19 +123,17 @@ fn rotation_of_the_frame() {
 
 /// A rotation by 90° maps axes to axes: the entries of A, B¹, B² and C are permuted up to signs, without cancellation.
 #[test]
-fn quarter_turn_swaps_axes() {
-    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        let mut random = Random::new(920 + seed as u64);
-        for _ in 0..STATES {
-            let parameters = states::random_parameters(&mut random, kind, dilatancy);
-            let model = states::model(kind, &parameters);
-            let state = states::random_state(&mut random, kind, dilatancy);
-            let after = State {
+fn rotation_by_90_degrees_permutes_the_coefficients() {
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(920 + seed as u64);
+        for _ in 0..STATE_COUNT {
+            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
+            let after = MaterialState {
                 stress_angle: state.stress_angle + FRAC_PI_2,
-                ..each_vector(&state, |[x, y]| [-y, x])
+                ..map_vectors(&state, |[x, y]| [-y, x])
             };
-            let before = states::symbol(&model, &states::flow(&model, &state));
-            let after = states::symbol(&model, &states::flow(&model, &after));
+            let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
+            let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
             // New and old components: ∂₁' = −∂₂, ∂₂' = ∂₁, v₁' = −v₂, v₂' = v₁.
             let old = |i: usize| [(1, -1.0), (0, 1.0)].get(i).copied().unwrap_or((i, 1.0));
             for i in 0..before.equations.len() {
@@ -163,22 +159,24 @@ fn quarter_turn_swaps_axes() {
 /// antisymmetric part of ∇V) in the momentum rows and by ρw ∇I in the spin row; all other entries of A, B and C are
 /// unchanged.
 #[test]
-fn superposed_rigid_spin() {
-    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        let mut random = Random::new(940 + seed as u64);
-        for _ in 0..STATES {
-            let parameters = states::random_parameters(&mut random, kind, dilatancy);
-            let model = states::model(kind, &parameters);
-            let state = states::random_state(&mut random, kind, dilatancy);
-            let w = random.generic(0.3, 3.0);
-            let after = State { half_vorticity: state.half_vorticity + w, ..state };
-            let (flow, spun) = (states::flow(&model, &state), states::flow(&model, &after));
-            if let (Some(before), Some(after)) = (flow.spin, spun.spin) {
+fn superposed_rigid_spin_changes_only_the_expected_coefficients() {
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(940 + seed as u64);
+        for _ in 0..STATE_COUNT {
+            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
+            let w = random.signed_uniform(0.3, 3.0);
+            let after = MaterialState { half_vorticity: state.half_vorticity + w, ..state };
+            let (flow, flow_with_spin) =
+                (states::complete_flow(&model, &state), states::complete_flow(&model, &after));
+            if let (Some(before), Some(after)) = (flow.spin, flow_with_spin.spin) {
                 assert!((after.value - before.value - w).abs() <= after.bound + before.bound);
             }
-            assert_eq!(flow.relative_rotation, spun.relative_rotation);
-            assert_eq!(flow.power, spun.power, "power is objective");
-            let (before, after) = (states::symbol(&model, &flow), states::symbol(&model, &spun));
+            assert_eq!(flow.relative_rotation, flow_with_spin.relative_rotation);
+            assert_eq!(flow.internal_power, flow_with_spin.internal_power, "power is objective");
+            let (before, after) = (
+                states::assemble_symbol(&model, &flow),
+                states::assemble_symbol(&model, &flow_with_spin),
+            );
             assert_eq!(before.a, after.a);
             assert_eq!(before.b, after.b);
             let momentum = |i: usize| (i < 2).then_some(i);
@@ -209,17 +207,15 @@ fn superposed_rigid_spin() {
 
 /// A Galilean shift changes only `velocity`; A, B and C are bitwise unchanged.
 #[test]
-fn galilean_shift() {
-    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        let mut random = Random::new(960 + seed as u64);
-        for _ in 0..STATES {
-            let parameters = states::random_parameters(&mut random, kind, dilatancy);
-            let model = states::model(kind, &parameters);
-            let state = states::random_state(&mut random, kind, dilatancy);
-            let velocity = [random.generic(1.0, 1e6), random.generic(1.0, 1e6)];
-            let after = State { velocity, ..state };
-            let before = states::symbol(&model, &states::flow(&model, &state));
-            let after = states::symbol(&model, &states::flow(&model, &after));
+fn galilean_shift_changes_only_the_frame_velocity() {
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(960 + seed as u64);
+        for _ in 0..STATE_COUNT {
+            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
+            let velocity = [random.signed_uniform(1.0, 1e6), random.signed_uniform(1.0, 1e6)];
+            let after = MaterialState { velocity, ..state };
+            let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
+            let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
             assert_eq!(before.velocity, state.velocity);
             assert_eq!(after.velocity, velocity);
             assert_eq!((&before.a, &before.b, &before.c), (&after.a, &after.b, &after.c));
@@ -230,45 +226,45 @@ fn galilean_shift() {
 /// Under a change of units by powers of two every entry scales bitwise by the unit of its equation over the unit of its
 /// unknown: there is no constant with a hidden unit and no absolute threshold.
 #[test]
-fn scaling_of_units() {
-    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        let mut random = Random::new(980 + seed as u64);
-        for _ in 0..STATES {
+fn coefficients_scale_with_the_units() {
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(980 + seed as u64);
+        for _ in 0..STATE_COUNT {
             let parameters = states::random_parameters(&mut random, kind, dilatancy);
             let state = states::random_state(&mut random, kind, dilatancy);
-            let mut unit = || 2f64.powi(random.below(21) as i32 - 10);
+            let mut unit = || 2f64.powi(random.uniform_index(21) as i32 - 10);
             let (length, time, mass) = (unit(), unit(), unit());
             let stress = mass / length / time / time;
             let density = mass / length / length / length;
-            let by = |[x, y]: [f64; 2], unit: f64| [x * unit, y * unit];
-            let other = Parameters {
+            let scale = |[x, y]: [f64; 2], unit: f64| [x * unit, y * unit];
+            let other = FlowParameters {
                 cohesion: parameters.cohesion * stress,
                 moment_of_inertia: parameters.moment_of_inertia.map(|x| x * length * length),
                 rotational_strength: parameters.rotational_strength.map(|x| x * stress),
                 ..parameters
             };
-            let after = State {
+            let after = MaterialState {
                 density: state.density * density,
                 pressure: state.pressure * stress,
                 shear_rate: state.shear_rate / time,
                 half_vorticity: state.half_vorticity / time,
-                velocity: by(state.velocity, length / time),
-                pressure_gradient: by(state.pressure_gradient, stress / length),
-                stress_angle_gradient: by(state.stress_angle_gradient, 1.0 / length),
-                spin_gradient: by(state.spin_gradient, 1.0 / time / length),
-                density_gradient: by(state.density_gradient, density / length),
-                inertia_gradient: by(state.inertia_gradient, length),
+                velocity: scale(state.velocity, length / time),
+                pressure_gradient: scale(state.pressure_gradient, stress / length),
+                stress_angle_gradient: scale(state.stress_angle_gradient, 1.0 / length),
+                spin_gradient: scale(state.spin_gradient, 1.0 / time / length),
+                density_gradient: scale(state.density_gradient, density / length),
+                inertia_gradient: scale(state.inertia_gradient, length),
                 inertia_rate: state.inertia_rate * length * length / time,
                 spin_acceleration: state.spin_acceleration / time / time,
                 ..state
             };
-            let model = states::model(kind, &parameters);
-            let flow = states::flow(&model, &state);
-            let before = states::symbol(&model, &flow);
-            let model = states::model(kind, &other);
-            let scaled = states::flow(&model, &after);
-            let after = states::symbol(&model, &scaled);
-            assert_eq!(scaled.power, flow.power * stress / time);
+            let model = states::build_model(kind, &parameters);
+            let flow = states::complete_flow(&model, &state);
+            let before = states::assemble_symbol(&model, &flow);
+            let model = states::build_model(kind, &other);
+            let scaled = states::complete_flow(&model, &after);
+            let after = states::assemble_symbol(&model, &scaled);
+            assert_eq!(scaled.internal_power, flow.internal_power * stress / time);
             if let (Some(g), Some(scaled)) = (flow.body_moment, scaled.body_moment) {
                 assert_eq!(scaled, g * length * length / time / time);
             }
@@ -286,11 +282,11 @@ fn scaling_of_units() {
                 "density" => density,
                 _ => 1.0,
             };
-            let check = |own: Rounded, was: Rounded, factor: f64, what: &str| {
+            let check = |own: Rounded, was: Rounded, factor: f64, matrix: &str| {
                 assert_eq!(
                     (own.value, own.bound),
                     (was.value * factor, was.bound * factor),
-                    "{what}"
+                    "{matrix}"
                 );
             };
             let names = |s: &LinearisedSystem<2>, i: usize, j: usize| {
@@ -311,20 +307,18 @@ fn scaling_of_units() {
     }
 }
 
-/// Writing into a reused system gives the same result as writing into a new one, whatever model it held before.
+/// Writing into a reused system gives the same result as writing into a new one, for any previous model.
 #[test]
-fn reused_system_holds_nothing_of_the_last_model() {
-    let mut random = Random::new(990);
+fn reused_system_equals_a_new_system() {
+    let mut random = RandomNumbers::new(990);
     let mut reused = LinearisedSystem::default();
-    for _ in 0..STATES {
+    for _ in 0..STATE_COUNT {
         // Models in random order, including different models of the same size.
-        let (kind, dilatancy) = VARIANTS[random.below(VARIANTS.len())];
-        let parameters = states::random_parameters(&mut random, kind, dilatancy);
-        let model = states::model(kind, &parameters);
-        let state = states::random_state(&mut random, kind, dilatancy);
-        let flow = states::flow(&model, &state);
+        let (kind, dilatancy) = MODEL_CASES[random.uniform_index(MODEL_CASES.len())];
+        let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
+        let flow = states::complete_flow(&model, &state);
         model.symbol(&flow, &mut reused);
-        let fresh = states::symbol(&model, &flow);
+        let fresh = states::assemble_symbol(&model, &flow);
         assert_eq!((&fresh.a, &fresh.b, &fresh.c), (&reused.a, &reused.b, &reused.c));
         assert_eq!(fresh.velocity, reused.velocity);
         assert_eq!((fresh.unknowns, fresh.equations), (reused.unknowns, reused.equations));

@@ -7,12 +7,13 @@
 mod support;
 
 use std::collections::HashMap;
-use support::equations::{linearised, residuals};
-use support::states::{self, VARIANTS};
-use support::{Random, Wide, wide};
+use support::equations::{linearise, residuals};
+use support::states;
+use support::{DoubleDouble, RandomNumbers, dd};
+use testkit::flows::MODEL_CASES;
 use wellposed_models::Rounded;
 
-const STATES: usize = 300;
+const STATE_COUNT: usize = 300;
 
 /// Every entry of A, Bⁱ + Vᵢ A and C is the derivative of the nonlinear equation named by its row
 /// with respect to the unknown named by its column.
@@ -21,34 +22,33 @@ const STATES: usize = 300;
 /// plus the rounding error of 31 digits. The bound itself must be below 1e-12 of the largest value of the entry in the
 /// ensemble.
 #[test]
-fn symbol_is_the_derivative_of_the_nonlinear_equations() {
-    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        let mut random = Random::new(100 + seed as u64);
+fn symbol_equals_the_derivatives_of_the_nonlinear_equations() {
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(100 + seed as u64);
         // (matrix, row, column) → (largest value, largest deviation, largest bound)
         let mut sizes: HashMap<(usize, usize, usize), [f64; 3]> = HashMap::new();
-        for _ in 0..STATES {
-            let parameters = states::random_parameters(&mut random, kind, dilatancy);
-            let model = states::model(kind, &parameters);
-            let state = states::random_state(&mut random, kind, dilatancy);
-            let flow = states::flow(&model, &state);
-            let system = states::symbol(&model, &flow);
+        for _ in 0..STATE_COUNT {
+            let (parameters, model, state) = states::random_case(&mut random, kind, dilatancy);
+            let flow = states::complete_flow(&model, &state);
+            let system = states::assemble_symbol(&model, &flow);
             let (given, fields) =
-                states::exact_point(&mut random, &parameters, kind, &state, &flow);
-            let truth = linearised(&given, &fields);
+                states::solve_background_fields(&mut random, &parameters, kind, &state, &flow);
+            let truth = linearise(&given, &fields);
 
             assert_eq!(system.velocity, state.velocity);
-            let (rows, columns) = (states::rows(&system), states::columns(&system));
+            let (rows, columns) =
+                (states::equation_indices(&system), states::unknown_indices(&system));
             for matrix in [&system.a, &system.b[0], &system.b[1], &system.c] {
                 assert_eq!(matrix.shape(), (rows.len(), columns.len()));
             }
             for (i, &row) in rows.iter().enumerate() {
                 for (j, &column) in columns.iter().enumerate() {
-                    let exact = |x: Rounded| (wide(x.value), x.bound);
+                    let exact = |x: Rounded| (dd(x.value), x.bound);
                     let convected = |d: usize| {
                         let (a, a_bound) = exact(system.a[(i, j)]);
                         let (b, b_bound) = exact(system.b[d][(i, j)]);
                         let v = system.velocity[d];
-                        (b + wide(v) * a, b_bound + v.abs() * a_bound)
+                        (b + dd(v) * a, b_bound + v.abs() * a_bound)
                     };
                     let entries = [
                         (exact(system.a[(i, j)]), truth.a[row][column]),
@@ -57,7 +57,7 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
                         (exact(system.c[(i, j)]), truth.c[row][column]),
                     ];
                     for (number, ((value, bound), truth)) in entries.into_iter().enumerate() {
-                        let deviation = (value - truth).value().abs();
+                        let deviation = (value - truth).to_f64().abs();
                         let noise = 1e-25 * (1.0 + state.density * 1e3);
                         assert!(
                             deviation <= bound + noise,
@@ -65,11 +65,12 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
                              {} / {}: {} but the equations say {} (bound {bound:e})",
                             system.equations[i],
                             system.unknowns[j].name,
-                            value.value(),
-                            truth.value(),
+                            value.to_f64(),
+                            truth.to_f64(),
                         );
                         let size = sizes.entry((number, i, j)).or_default();
-                        for (s, x) in size.iter_mut().zip([truth.value().abs(), deviation, bound]) {
+                        for (s, x) in size.iter_mut().zip([truth.to_f64().abs(), deviation, bound])
+                        {
                             *s = s.max(x);
                         }
                     }
@@ -103,40 +104,39 @@ fn symbol_is_the_derivative_of_the_nonlinear_equations() {
 #[test]
 fn derived_background_satisfies_the_nonlinear_equations() {
     let mut worst = 0.0f64;
-    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        let mut random = Random::new(200 + seed as u64);
-        for number in 0..STATES {
-            let parameters = states::random_parameters(&mut random, kind, dilatancy);
-            let model = states::model(kind, &parameters);
-            let mut state = states::random_state(&mut random, kind, dilatancy);
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(200 + seed as u64);
+        for number in 0..STATE_COUNT {
+            let (parameters, model, mut state) = states::random_case(&mut random, kind, dilatancy);
             // The three admissible rotational stresses and the default.
             if let Some(m) = parameters.rotational_strength {
                 state.rotational_stress = [None, Some(m), Some(-m), Some(0.0)][number % 4];
             }
-            let flow = states::flow(&model, &state);
-            let system = states::symbol(&model, &flow);
-            let (given, fields) = states::point(&mut random, &parameters, kind, &state, &flow);
+            let flow = states::complete_flow(&model, &state);
+            let system = states::assemble_symbol(&model, &flow);
+            let (given, fields) =
+                states::assemble_background_fields(&mut random, &parameters, kind, &state, &flow);
             let residuals = residuals(&given, &fields);
-            let derivatives = linearised(&given, &fields);
-            for row in states::rows(&system) {
+            let derivatives = linearise(&given, &fields);
+            for row in states::equation_indices(&system) {
                 let mut size: f64 = (0..6)
                     .map(|u| {
-                        let term = |a: Wide, b: Wide| (a * b).value().abs();
-                        term(derivatives.a[row][u], fields.by_time[u])
-                            + term(derivatives.b[0][row][u], fields.by_space[0][u])
-                            + term(derivatives.b[1][row][u], fields.by_space[1][u])
+                        let term = |a: DoubleDouble, b: DoubleDouble| (a * b).to_f64().abs();
+                        term(derivatives.a[row][u], fields.time_derivatives[u])
+                            + term(derivatives.b[0][row][u], fields.space_derivatives[0][u])
+                            + term(derivatives.b[1][row][u], fields.space_derivatives[1][u])
                     })
                     .sum();
                 if row == 2 {
-                    size += 2.0 * flow.stress.rotational.abs();
+                    size += 2.0 * flow.stress.rotational_stress.abs();
                 }
-                let relative = residuals[row].value().abs() / size;
+                let relative = residuals[row].to_f64().abs() / size;
                 worst = worst.max(relative);
                 assert!(
                     relative < 1e-13,
                     "{kind:?} {dilatancy:?}: equation {} is left with {:e} of {size:e}",
                     support::equations::EQUATIONS[row],
-                    residuals[row].value(),
+                    residuals[row].to_f64(),
                 );
             }
         }
@@ -148,13 +148,11 @@ fn derived_background_satisfies_the_nonlinear_equations() {
 /// sign.
 #[test]
 fn velocity_gradient_has_the_given_rate_angle_and_vorticity() {
-    for (seed, (kind, dilatancy)) in VARIANTS.into_iter().enumerate() {
-        let mut random = Random::new(300 + seed as u64);
-        for _ in 0..STATES {
-            let parameters = states::random_parameters(&mut random, kind, dilatancy);
-            let model = states::model(kind, &parameters);
-            let state = states::random_state(&mut random, kind, dilatancy);
-            let flow = states::flow(&model, &state);
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(300 + seed as u64);
+        for _ in 0..STATE_COUNT {
+            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
+            let flow = states::complete_flow(&model, &state);
             let g = flow.velocity_gradient.map(|row| row.map(|x| x.value));
             let (normal, shear) = (g[0][0] - g[1][1], g[0][1] + g[1][0]);
             let rate = 0.5 * normal.hypot(shear);

@@ -8,7 +8,7 @@ use std::io::Write;
 ///
 /// # Errors
 /// Standard output cannot be written.
-pub fn run(stdout: &mut dyn Write) -> Result<(), Error> {
+pub fn list_cases(stdout: &mut dyn Write) -> Result<(), Error> {
     let width = CASES.iter().map(|(path, _)| path.len()).max().unwrap_or(0);
     for (path, text) in CASES {
         writeln!(stdout, "{path:width$}  {}", Case::parse(text, path, &[])?.title)?;

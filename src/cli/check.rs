@@ -1,16 +1,16 @@
 //! `wellposed check`: compares predicted with measured waves, for a case or for all cases in a folder.
 
-use super::progress::watched;
-use super::write::{would_write, write};
+use super::progress::run_with_progress;
+use super::write::{print_planned_files, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, OutputError, ResultFolder};
-use crate::cli::options::pool;
-use crate::cli::{Error, Format, Options};
-use crate::report::SCHEMA;
-use crate::report::check::{exponent, unmeasured_words};
+use crate::cli::options::create_thread_pool;
+use crate::cli::{Error, Options, OutputFormat};
+use crate::report::SCHEMA_VERSION;
+use crate::report::check::{format_scientific, format_unmeasured_count};
 use crate::setup::check::CheckPlan;
 use crate::study;
-use crate::study::check::{CheckResult, Extent, Outcome};
+use crate::study::check::{CheckExtent, CheckOutcome, CheckResult};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -20,37 +20,43 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// The case is invalid or has no solver, results cannot be written, or measurement and prediction disagree.
-pub fn check(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
-    let pool = pool(options.threads)?;
-    match options.case.is_dir() {
+pub fn run_check(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let pool = create_thread_pool(options.threads)?;
+    match options.case_path.is_dir() {
         true => check_folder(options, &pool, stdout),
         false => check_case(options, &pool, stdout),
     }
 }
 
 fn check_case(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case, &options.sets)?;
-    let plan = CheckPlan::new(&case, Extent::Full)?;
-    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    if options.dry_run {
-        writeln!(stdout, "would {}", plan_words(&plan))?;
-        // The two pictures of a refinement are the last entries of `CHECK`.
+    let case = Case::load(&options.case_path, &options.settings)?;
+    let plan = CheckPlan::new(&case, CheckExtent::Full)?;
+    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    if options.is_dry_run {
+        writeln!(stdout, "would {}", describe_plan(&plan))?;
+        // The two pictures of a refinement are the last entries of `CHECK_FILES`.
         let refines = matches!(&plan, CheckPlan::Flow(flow) if !flow.grids.is_empty());
-        let count = if refines { folder::CHECK.len() } else { folder::CHECK.len() - 2 };
-        return would_write(&folder, &folder::CHECK[..count], stdout);
+        let count = if refines { folder::CHECK_FILES.len() } else { folder::CHECK_FILES.len() - 2 };
+        return print_planned_files(&folder, &folder::CHECK_FILES[..count], stdout);
     }
-    let found = study(&case, Extent::Full, pool)?;
-    write(&found, &case, &folder, options.format, stdout)?;
-    let [all, failed] = found.counts();
+    let found = check_with_progress(&case, CheckExtent::Full, pool)?;
+    write_report(&found, &case, &folder, options.format, stdout)?;
+    let [all, failed] = found.row_counts();
     refuse_disagreement(failed, all, "rows")
 }
 
-fn study(case: &Case, extent: Extent, pool: &ThreadPool) -> Result<CheckResult, crate::Error> {
-    watched(pool, "check", |on_progress| study::check(case, extent, on_progress))
+fn check_with_progress(
+    case: &Case,
+    extent: CheckExtent,
+    pool: &ThreadPool,
+) -> Result<CheckResult, crate::Error> {
+    run_with_progress(pool, "check", |on_progress| {
+        study::check_agreement(case, extent, on_progress)
+    })
 }
 
 /// Describes the planned measurements for a dry run.
-fn plan_words(plan: &CheckPlan) -> String {
+fn describe_plan(plan: &CheckPlan) -> String {
     match plan {
         CheckPlan::Solid(media) => {
             let count: usize = media.iter().map(|own| own.waves.waves.len()).sum();
@@ -69,51 +75,51 @@ fn plan_words(plan: &CheckPlan) -> String {
     }
 }
 
-fn refuse_disagreement(failed: usize, all: usize, what: &'static str) -> Result<(), Error> {
+fn refuse_disagreement(failed: usize, total: usize, noun: &'static str) -> Result<(), Error> {
     match failed {
         0 => Ok(()),
-        _ => Err(Error::Disagrees { failed, all, what }),
+        _ => Err(Error::Disagreement { failed, total, noun }),
     }
 }
 
-/// Checks all cases in a folder with [`Extent::Short`]; writes no files.
+/// Checks all cases in a folder with [`CheckExtent::Short`]; writes no files.
 fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> Result<(), Error> {
     let mut files = Vec::new();
-    collect(&options.case, &mut files)?;
+    collect_case_files(&options.case_path, &mut files)?;
     files.sort();
     if files.is_empty() {
-        return Err(Error::NoCases { folder: options.case.display().to_string() });
+        return Err(Error::NoCases { folder: options.case_path.display().to_string() });
     }
-    if options.dry_run {
+    if options.is_dry_run {
         writeln!(stdout, "would check {} cases; would write nothing", files.len())?;
         return Ok(());
     }
     let (mut list, mut failed, mut all) = (Vec::new(), 0, 0);
     for path in files {
-        let case = Case::load(&path, &options.sets)?;
+        let case = Case::load(&path, &options.settings)?;
         let name = path.display().to_string();
-        let line = match study(&case, Extent::Short, pool) {
+        let line = match check_with_progress(&case, CheckExtent::Short, pool) {
             Ok(found) => CaseLine::from_result(&name, &found),
             Err(crate::Error::Case(error)) => CaseLine {
                 text: format!("FAILS: {error}"),
                 json: json!({ "case": name, "agrees": false, "failure": error.to_string() }),
-                is_well: Some(false),
+                agrees: Some(false),
             },
             Err(error) => return Err(error.into()),
         };
-        all += usize::from(line.is_well.is_some());
-        failed += usize::from(line.is_well == Some(false));
-        if options.format == Format::Text {
+        all += usize::from(line.agrees.is_some());
+        failed += usize::from(line.agrees == Some(false));
+        if options.format == OutputFormat::Text {
             writeln!(stdout, "{name:<56} {}", line.text)?;
             stdout.flush()?;
         }
         list.push(line.json);
     }
-    if options.format == Format::Json {
+    if options.format == OutputFormat::Json {
         writeln!(
             stdout,
             "{:#}",
-            json!({ "schema": SCHEMA, "agrees": failed == 0, "cases": list })
+            json!({ "schema": SCHEMA_VERSION, "agrees": failed == 0, "cases": list })
         )?;
     }
     refuse_disagreement(failed, all, "cases")
@@ -124,46 +130,46 @@ struct CaseLine {
     text: String,
     json: Value,
     /// Whether all rows agree; `None` if no solver applies to the case.
-    is_well: Option<bool>,
+    agrees: Option<bool>,
 }
 
 impl CaseLine {
     fn from_result(name: &str, found: &CheckResult) -> Self {
-        if let Outcome::NotMeasurable { not_measurable: reason } = &found.outcome {
+        if let CheckOutcome::NotMeasurable { reason } = &found.outcome {
             let text = format!("not measurable: {reason}");
             let json = json!({ "case": name, "not_measurable": reason });
-            return Self { text, json, is_well: None };
+            return Self { text, json, agrees: None };
         }
-        let ([rows, wrong], greatest) = (found.counts(), found.greatest_difference());
-        let is_well = wrong == 0;
-        let left = unmeasured_words(found.unmeasured());
-        let verdict = match (greatest, is_well) {
+        let ([rows, wrong], greatest) = (found.row_counts(), found.max_relative_difference());
+        let agrees = wrong == 0;
+        let left = format_unmeasured_count(found.unmeasured_count());
+        let verdict = match (greatest, agrees) {
             (None, _) => "nothing measured".to_owned(),
-            (Some(greatest), true) => format!("{} off: agrees", exponent(greatest)),
-            (Some(greatest), false) => format!("{} off: DISAGREES", exponent(greatest)),
+            (Some(greatest), true) => format!("{} off: agrees", format_scientific(greatest)),
+            (Some(greatest), false) => format!("{} off: DISAGREES", format_scientific(greatest)),
         };
         Self {
             text: format!("{rows:>3} waves, {verdict}{left}"),
             json: json!({
                 "case": name,
-                "agrees": greatest.map(|_| is_well),
+                "agrees": greatest.map(|_| agrees),
                 "waves": rows,
-                "waves_not_measurable": found.unmeasured(),
+                "waves_not_measurable": found.unmeasured_count(),
                 "greatest_difference": greatest,
             }),
-            is_well: Some(is_well),
+            agrees: Some(agrees),
         }
     }
 }
 
 /// Collects the case files (`*.toml`) of a folder and its subfolders.
-fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
+fn collect_case_files(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), OutputError> {
     let entries =
-        std::fs::read_dir(folder).map_err(|error| OutputError::unreadable(folder, &error))?;
+        std::fs::read_dir(folder).map_err(|error| OutputError::from_read_error(folder, &error))?;
     for entry in entries {
-        let path = entry.map_err(|error| OutputError::unreadable(folder, &error))?.path();
+        let path = entry.map_err(|error| OutputError::from_read_error(folder, &error))?.path();
         if path.is_dir() {
-            collect(&path, files)?;
+            collect_case_files(&path, files)?;
         } else if path.extension().is_some_and(|extension| extension == "toml")
             && path.file_name().is_none_or(|name| name != "Cargo.toml")
         {

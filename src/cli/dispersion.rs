@@ -1,12 +1,12 @@
 //! `wellposed dispersion`: computes the dispersion relation of a solid.
 
-use super::progress::watched;
-use super::write::{would_write, write};
+use super::progress::run_with_progress;
+use super::write::{print_planned_files, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
-use crate::cli::options::pool;
+use crate::cli::options::create_thread_pool;
 use crate::cli::{Error, Options};
-use crate::report::format::short;
+use crate::report::format::format_short;
 use crate::study;
 use std::io::Write;
 
@@ -14,15 +14,17 @@ use std::io::Write;
 ///
 /// # Errors
 /// The case is invalid, or results cannot be written.
-pub fn dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case, &options.sets)?;
-    let pool = pool(options.threads)?;
-    let found = watched(&pool, "dispersion", |on_progress| study::dispersion(&case, on_progress))?;
-    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    if options.dry_run {
-        let greatest = short(found.greatest_number);
+pub fn run_dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case_path, &options.settings)?;
+    let pool = create_thread_pool(options.threads)?;
+    let found = run_with_progress(&pool, "dispersion", |on_progress| {
+        study::compute_dispersion(&case, on_progress)
+    })?;
+    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    if options.is_dry_run {
+        let greatest = format_short(found.max_wave_number);
         writeln!(stdout, "would follow the waves up to k = {greatest} 1/m")?;
-        return would_write(&folder, &folder::DISPERSION, stdout);
+        return print_planned_files(&folder, &folder::DISPERSION_FILES, stdout);
     }
-    write(&found, &case, &folder, options.format, stdout)
+    write_report(&found, &case, &folder, options.format, stdout)
 }

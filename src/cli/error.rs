@@ -1,9 +1,9 @@
 //! Errors of the verbs, and the exit code and JSON object of each.
 
 use super::folder::OutputError;
-use crate::case::{CaseError, NoSuchMedium, Place};
-use crate::report::SCHEMA;
-use crate::study::simulate::{IllPosed, Stopped};
+use crate::case::{CaseError, SourcePosition, YieldSetError};
+use crate::report::SCHEMA_VERSION;
+use crate::study::simulate::{IllPosedness, StopReport};
 use serde_json::{Value, json};
 
 /// Exit code of an interrupted program.
@@ -17,25 +17,25 @@ pub enum Error {
     Study(crate::Error),
     /// The model cannot be combined with a yield set.
     #[error(transparent)]
-    Medium(#[from] NoSuchMedium),
+    Medium(#[from] YieldSetError),
     /// Results cannot be written or read.
     #[error(transparent)]
     Output(#[from] OutputError),
     /// A simulation was stopped by its own state, such as a non-finite field.
     #[error(transparent)]
-    Stopped(#[from] Stopped),
+    Stopped(#[from] StopReport),
     /// The equations of the flow are ill-posed, and a simulation was not explicitly accepted.
     #[error("{0}; --accept-ill-posed runs it all the same")]
-    IllPosed(IllPosed),
+    IllPosed(IllPosedness),
     /// Measurement and prediction disagree.
-    #[error("{failed} of {all} {what} disagree")]
-    Disagrees {
+    #[error("{failed} of {total} {noun} disagree")]
+    Disagreement {
         /// Number of rows or cases that disagree.
         failed: usize,
         /// Total number of rows or cases.
-        all: usize,
+        total: usize,
         /// Noun of the message: rows or cases.
-        what: &'static str,
+        noun: &'static str,
     },
     /// The folder to be checked contains no case.
     #[error(
@@ -84,7 +84,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
-            Self::Disagrees { .. } | Self::Damaged { .. } => 1,
+            Self::Disagreement { .. } | Self::Damaged { .. } => 1,
             Self::Stopped(_) => 3,
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } => INTERRUPTED_CODE,
             _ => 2,
@@ -96,9 +96,9 @@ impl Error {
     /// Converts the error to a JSON object: kind, printed message and exit code; for errors of cases and files also the
     /// place, the value found and the values allowed. A key that does not apply is `null`.
     pub fn to_json(&self) -> Value {
-        let mut all = error_object(self.kind(), &self.to_string(), self.exit_code().into());
+        let mut all = create_error_object(self.kind(), &self.to_string(), self.exit_code().into());
         match self {
-            Self::Study(crate::Error::Case(error)) => add_case(&mut all, error),
+            Self::Study(crate::Error::Case(error)) => add_case_place(&mut all, error),
             Self::Output(OutputError { path, cause, remedy }) => {
                 all["file"] = path.display().to_string().into();
                 all["found"] = cause.as_str().into();
@@ -118,7 +118,7 @@ impl Error {
             Self::Study(_) => "result",
             Self::Output(_) => "output",
             Self::Stopped(_) => "stopped",
-            Self::Disagrees { .. } => "disagreement",
+            Self::Disagreement { .. } => "disagreement",
             Self::Damaged { .. } => "damage",
             Self::NoCases { .. } => "usage",
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } => "interrupted",
@@ -129,14 +129,14 @@ impl Error {
 
     /// Converts a command-line error with this message to the JSON object of [`Self::to_json`].
     pub fn usage_to_json(message: &str) -> Value {
-        error_object("usage", message, 2)
+        create_error_object("usage", message, 2)
     }
 }
 
 /// Creates the JSON object of an error, with `null` for the place.
-fn error_object(kind: &str, message: &str, exit_code: i64) -> Value {
+fn create_error_object(kind: &str, message: &str, exit_code: i64) -> Value {
     json!({
-        "schema": SCHEMA,
+        "schema": SCHEMA_VERSION,
         "kind": kind,
         "message": message,
         "exit_code": exit_code,
@@ -150,7 +150,7 @@ fn error_object(kind: &str, message: &str, exit_code: i64) -> Value {
 }
 
 /// Adds the place, the value found and the values allowed of a case error.
-fn add_case(all: &mut Value, error: &CaseError) {
+fn add_case_place(all: &mut Value, error: &CaseError) {
     let place = match error {
         CaseError::Unreadable { path, cause } => {
             all["file"] = path.display().to_string().into();
@@ -170,12 +170,12 @@ fn add_case(all: &mut Value, error: &CaseError) {
         }
     };
     match place {
-        Place::Line { file, line } => {
+        SourcePosition::Line { file, line } => {
             all["file"] = file.as_str().into();
             all["line"] = (*line).into();
         }
-        Place::File(file) => all["file"] = file.as_str().into(),
-        Place::Option(text) => all["option"] = text.as_str().into(),
+        SourcePosition::File(file) => all["file"] = file.as_str().into(),
+        SourcePosition::Option(text) => all["option"] = text.as_str().into(),
     }
 }
 

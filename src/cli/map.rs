@@ -1,10 +1,10 @@
 //! `wellposed map`: computes the verdict over two parameters of a case.
 
-use super::progress::watched;
-use super::write::{would_write, write};
+use super::progress::run_with_progress;
+use super::write::{print_planned_files, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
-use crate::cli::options::pool;
+use crate::cli::options::create_thread_pool;
 use crate::cli::{Error, Options};
 use crate::study;
 use crate::study::MapOptions;
@@ -14,19 +14,26 @@ use std::io::Write;
 ///
 /// # Errors
 /// The case is invalid at all points of the map, or results cannot be written.
-pub fn map(options: &Options, asked: MapOptions, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case, &options.sets)?;
-    let map = *case.required_map()?;
-    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    let states = map.x.points * map.y.points;
-    if options.dry_run {
-        let pool = pool(options.threads)?;
-        watched(&pool, "checking states", |on_progress| study::check_map(&case, on_progress))?;
+pub fn run_map(
+    options: &Options,
+    map_options: MapOptions,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let case = Case::load(&options.case_path, &options.settings)?;
+    let map = *case.require_map()?;
+    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    let states = map.x.point_count * map.y.point_count;
+    if options.is_dry_run {
+        let pool = create_thread_pool(options.threads)?;
+        run_with_progress(&pool, "checking states", |on_progress| {
+            study::check_map(&case, on_progress)
+        })?;
         writeln!(stdout, "would judge {states} states: {} × {}", map.x, map.y)?;
-        return would_write(&folder, &folder::MAP, stdout);
+        return print_planned_files(&folder, &folder::MAP_FILES, stdout);
     }
-    let pool = pool(options.threads)?;
-    let found =
-        watched(&pool, "judging states", |on_progress| study::map(&case, asked, on_progress))?;
-    write(&found, &case, &folder, options.format, stdout)
+    let pool = create_thread_pool(options.threads)?;
+    let found = run_with_progress(&pool, "judging states", |on_progress| {
+        study::compute_map(&case, map_options, on_progress)
+    })?;
+    write_report(&found, &case, &folder, options.format, stdout)
 }

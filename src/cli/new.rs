@@ -1,19 +1,19 @@
 //! `wellposed new`: writes a commented case template.
 
-use crate::case::{Kind, Medium};
+use crate::case::{MediumKind, ModelKind};
 use crate::cli::folder::{OutputError, write_file};
 use std::path::{Path, PathBuf};
 
-pub use crate::case::template::{Purpose, text, text_for};
+pub use crate::case::template::{TemplateKind, generate_state_template, generate_template};
 
 /// Writes a case template for `medium` and `purpose` to `file`, by default `<kind>.toml`; returns the path.
 ///
 /// # Errors
 /// The file exists and `force` is not set, nothing determines the spin in a simulation of the model, or the file cannot
 /// be written.
-pub fn run(
-    medium: Medium,
-    purpose: Purpose,
+pub fn write_template(
+    medium: MediumKind,
+    purpose: TemplateKind,
     file: Option<&Path>,
     force: bool,
 ) -> Result<PathBuf, OutputError> {
@@ -32,14 +32,15 @@ pub fn run(
             remedy: "name another file: only files are overwritten",
         });
     }
-    let is_free = matches!(medium.kind, Kind::Flow(_)) && medium.kind.rotation_in_time().is_none();
-    if purpose == Purpose::Run && is_free {
+    let is_free =
+        matches!(medium.kind, ModelKind::Flow(_)) && medium.kind.simulation_rotation().is_none();
+    if purpose == TemplateKind::Simulation && is_free {
         return Err(OutputError {
             path,
             cause: format!("nothing determines the spin of {}", medium.kind.name()),
             remedy: "name another model: this one cannot be run in time",
         });
     }
-    write_file(&path, text_for(medium, purpose).as_bytes())?;
+    write_file(&path, generate_template(medium, purpose).as_bytes())?;
     Ok(path)
 }

@@ -7,17 +7,17 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Path of the case file.
-    pub case: PathBuf,
+    pub case_path: PathBuf,
     /// `key=value` settings that override the file; the last setting of a key takes precedence.
-    pub sets: Vec<String>,
+    pub settings: Vec<String>,
     /// Output format.
-    pub format: Format,
+    pub format: OutputFormat,
     /// Results folder; default `out/<case name>`.
-    pub out: Option<PathBuf>,
+    pub output_folder: Option<PathBuf>,
     /// Whether results of another case may be overwritten.
     pub force: bool,
     /// Whether to validate and describe the work only, writing nothing.
-    pub dry_run: bool,
+    pub is_dry_run: bool,
     /// Number of threads; default one per core. Results do not depend on it.
     pub threads: Option<usize>,
     /// Whether a flow is simulated although its equations are ill-posed.
@@ -26,7 +26,7 @@ pub struct Options {
 
 /// Output format of a verb.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Format {
+pub enum OutputFormat {
     /// Text report.
     #[default]
     Text,
@@ -35,7 +35,7 @@ pub enum Format {
 }
 
 /// Creates a pool of `threads` threads, by default one per core.
-pub(super) fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
+pub(super) fn create_thread_pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     builder.build().map_err(|error| Error::Threads(error.to_string()))
 }

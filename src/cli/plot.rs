@@ -1,44 +1,48 @@
 //! `wellposed plot`: redraws the pictures of a finished run from its result files.
 
-use super::run::{ANIMATION, Animation, animation, records};
-use crate::case::InTime;
+use super::run::{ANIMATION_FILE, AnimationOutput, draw_animation, read_records};
+use crate::case::TimeDomainRun;
 use crate::cli::Error;
-use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, SNAPSHOTS, is_snapshot};
+use crate::cli::folder::{
+    AppendedFile, OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot,
+};
 use crate::report;
 use std::io::Write;
 use std::path::Path;
 
 /// Archive of the final fields.
-const ARCHIVE: &str = "fields.npz";
+const FIELDS_ARCHIVE: &str = "fields.npz";
 
 /// Runs `plot`.
 ///
 /// # Errors
 /// The folder holds no finished run, or a result file cannot be read or written.
 pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
-    let (folder, case) = ResultFolder::finished(path)?;
+    let (folder, case) = ResultFolder::open_finished_run(path)?;
     folder.check_files(|name| {
         let is_table = [AppendedFile::Receivers, AppendedFile::Ledger, AppendedFile::Spectrum];
         is_snapshot(name)
-            || [ARCHIVE, SNAPSHOTS].contains(&name)
+            || [FIELDS_ARCHIVE, SNAPSHOT_LIST_FILE].contains(&name)
             || is_table.iter().any(|table| table.name() == name)
     })?;
-    let archive = folder.path().join(ARCHIVE);
-    let bytes =
-        files::read_regular(&archive).map_err(|error| OutputError::unreadable(&archive, &error))?;
-    let cells = match case.in_time()? {
-        InTime::Solid(own) => own.grid.count(),
-        InTime::Flow(own) => own.grid.count(),
+    let archive = folder.path().join(FIELDS_ARCHIVE);
+    let bytes = files::read_regular_file(&archive)
+        .map_err(|error| OutputError::from_read_error(&archive, &error))?;
+    let cells = match case.time_domain_run()? {
+        TimeDomainRun::Solid(own) => own.grid.cell_count(),
+        TimeDomainRun::Flow(own) => own.grid.point_count(),
     };
     let fields = report::run::read_fields(&bytes, cells)
-        .map_err(|error| OutputError::unusable(&archive, error))?;
-    let pictures = report::run::pictures(&case, &fields, &records(&case, &folder)?)?;
-    let mut publication = folder.redrawing();
-    report::draw(&pictures, |name, bytes| publication.put(name, bytes).map_err(Error::from))?;
-    match animation(&case, &folder)? {
-        Animation::None => {}
-        Animation::Empty => publication.remove(ANIMATION),
-        Animation::Drawn(bytes) => publication.put(ANIMATION, &bytes)?,
+        .map_err(|error| OutputError::from_invalid_content(&archive, error))?;
+    let pictures = report::run::create_pictures(&case, &fields, &read_records(&case, &folder)?)?;
+    let mut publication = folder.start_redrawing();
+    report::draw_pictures(&pictures, |name, bytes| {
+        publication.stage_file(name, bytes).map_err(Error::from)
+    })?;
+    match draw_animation(&case, &folder)? {
+        AnimationOutput::Absent => {}
+        AnimationOutput::AllZero => publication.schedule_removal(ANIMATION_FILE),
+        AnimationOutput::Gif(bytes) => publication.stage_file(ANIMATION_FILE, &bytes)?,
     }
     publication.publish()?;
     writeln!(stdout, "picture: {}", folder.path().join("run.png").display())?;

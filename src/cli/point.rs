@@ -1,10 +1,10 @@
 //! `wellposed point`: analyses one state.
 
-use super::progress::watched;
-use super::write::{would_write, write};
+use super::progress::run_with_progress;
+use super::write::{print_planned_files, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
-use crate::cli::options::pool;
+use crate::cli::options::create_thread_pool;
 use crate::cli::{Error, Options};
 use crate::report::format::case_title;
 use crate::{report, study};
@@ -14,17 +14,18 @@ use std::io::Write;
 ///
 /// # Errors
 /// The case is invalid, or results cannot be written.
-pub fn point(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case, &options.sets)?;
-    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    let pool = pool(options.threads)?;
-    let found = watched(&pool, "point", |on_progress| study::point(&case, on_progress))?;
-    if options.dry_run {
+pub fn run_point(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case_path, &options.settings)?;
+    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    let pool = create_thread_pool(options.threads)?;
+    let found =
+        run_with_progress(&pool, "point", |on_progress| study::analyse_point(&case, on_progress))?;
+    if options.is_dry_run {
         writeln!(stdout, "would analyse {}", case_title(&case))?;
         let written = report::file_names(&found, &case)?;
         let is_written = |name: &&str| written.iter().any(|own| own == name);
-        let names: Vec<&str> = folder::POINT.into_iter().filter(is_written).collect();
-        return would_write(&folder, &names, stdout);
+        let names: Vec<&str> = folder::POINT_FILES.into_iter().filter(is_written).collect();
+        return print_planned_files(&folder, &names, stdout);
     }
-    write(&found, &case, &folder, options.format, stdout)
+    write_report(&found, &case, &folder, options.format, stdout)
 }

@@ -1,6 +1,6 @@
 //! Progress bar with estimated remaining time, shown on terminals for work longer than one second.
 
-use crate::study::OnProgress;
+use crate::study::ProgressCallback;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::ThreadPool;
 use std::io::IsTerminal;
@@ -9,17 +9,17 @@ use std::sync::{Once, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Delay before the progress bar appears.
-const PATIENCE: Duration = Duration::from_secs(1);
+const PROGRESS_BAR_DELAY: Duration = Duration::from_secs(1);
 
 /// Runs a study on the threads of a pool with a progress bar labelled `name`.
-pub fn watched<T: Send>(
+pub fn run_with_progress<T: Send>(
     pool: &ThreadPool,
     name: &'static str,
-    study: impl FnOnce(OnProgress) -> T + Send,
+    study: impl FnOnce(ProgressCallback) -> T + Send,
 ) -> T {
     let progress = OnceLock::new();
     let on_progress = |done: usize, all: usize| {
-        let progress = progress.get_or_init(|| Progress::new(name, all as u64));
+        let progress = progress.get_or_init(|| DelayedProgressBar::new(name, all as u64));
         progress.advance_to(done as u64, all as u64);
         ControlFlow::Continue(())
     };
@@ -27,14 +27,14 @@ pub fn watched<T: Send>(
 }
 
 /// Thread-safe progress bar on standard error; cleared on drop.
-pub struct Progress {
+pub struct DelayedProgressBar {
     /// `None` if standard error is not a terminal.
     bar: Option<ProgressBar>,
-    start: Instant,
-    show: Once,
+    start_time: Instant,
+    show_once: Once,
 }
 
-impl Progress {
+impl DelayedProgressBar {
     /// Creates the bar for `total` steps, labelled `name`.
     pub fn new(name: &'static str, total: u64) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
@@ -43,20 +43,20 @@ impl Progress {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
             bar.with_style(style).with_message(name)
         });
-        Self { bar, start: Instant::now(), show: Once::new() }
+        Self { bar, start_time: Instant::now(), show_once: Once::new() }
     }
 
     /// Sets the message beside the bar.
-    pub fn note(&self, text: String) {
+    pub fn set_message(&self, text: String) {
         if let Some(bar) = &self.bar {
             bar.set_message(text);
         }
     }
 
     /// Advances the bar by `steps`.
-    pub fn tick(&self, steps: u64) {
+    pub fn advance_by(&self, steps: u64) {
         if let Some(bar) = &self.bar {
-            self.show_after_a_while(bar);
+            self.show_after_delay(bar);
             bar.inc(steps);
         }
     }
@@ -64,20 +64,20 @@ impl Progress {
     /// Sets the position to `done` of `all` steps. Threads may report in any order: the bar never goes back.
     fn advance_to(&self, done: u64, all: u64) {
         if let Some(bar) = &self.bar {
-            self.show_after_a_while(bar);
+            self.show_after_delay(bar);
             bar.set_length(all);
             bar.set_position(done.max(bar.position()));
         }
     }
 
-    fn show_after_a_while(&self, bar: &ProgressBar) {
-        if self.start.elapsed() > PATIENCE {
-            self.show.call_once(|| bar.set_draw_target(ProgressDrawTarget::stderr()));
+    fn show_after_delay(&self, bar: &ProgressBar) {
+        if self.start_time.elapsed() > PROGRESS_BAR_DELAY {
+            self.show_once.call_once(|| bar.set_draw_target(ProgressDrawTarget::stderr()));
         }
     }
 }
 
-impl Drop for Progress {
+impl Drop for DelayedProgressBar {
     fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

@@ -6,36 +6,36 @@
 //! end.
 
 mod animation;
-mod appended;
 mod checkpoint;
-mod control;
+mod checkpoint_timer;
 mod planned;
 mod recorder;
+mod run_files;
 
-pub(super) use animation::{ANIMATION, Animation, animation};
-pub(super) use appended::records;
+pub(super) use animation::{ANIMATION_FILE, AnimationOutput, draw_animation};
 pub(super) use checkpoint::Checkpoint;
+pub(super) use run_files::read_records;
 
-use super::signals::{self, Stage};
-use super::write::{print, would_write};
+use super::signals::{self, ProgramStage};
+use super::write::{print_planned_files, print_report};
 use crate::case::Case;
 use crate::cli::folder::ResultFolder;
-use crate::cli::options::{check_threads, pool};
-use crate::cli::{Error, Format, Options};
-use crate::report::Rendered;
-use crate::study::simulate::{Job, job};
+use crate::cli::options::{check_threads, create_thread_pool};
+use crate::cli::{Error, Options, OutputFormat};
+use crate::report::RenderedReport;
+use crate::study::simulate::{SimulationJob, create_job};
 use files::lock::Lock;
 use recorder::FileRecorder;
 use std::io::Write;
 
 /// Default wall time between two checkpoints, s.
-pub const CHECKPOINT_EVERY: f64 = 300.0;
+pub const DEFAULT_CHECKPOINT_INTERVAL: f64 = 300.0;
 
 /// Checkpoint settings of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Control {
+pub struct CheckpointSettings {
     /// Wall time between two checkpoints, s.
-    pub checkpoint_every: f64,
+    pub interval: f64,
 }
 
 /// Runs `run`.
@@ -43,75 +43,82 @@ pub struct Control {
 /// # Errors
 /// The case is invalid, memory is short, its cost exceeds the limits, the equations are ill-posed, results cannot be
 /// written, or the run was stopped by its own state.
-pub fn run(options: &Options, control: Control, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load_in_time(&options.case, &options.sets)?;
-    let job = job(&case)?;
+pub fn run_simulation(
+    options: &Options,
+    checkpoint_settings: CheckpointSettings,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let case = Case::load_simulation(&options.case_path, &options.settings)?;
+    let job = create_job(&case)?;
     let plan = job.plan(false)?;
     if !options.force {
         job.refuse_excess(&plan)?;
     }
-    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    folder.check_runs()?;
-    if options.dry_run {
-        job.check()?;
-        if let Some(found) = job.ill_posed()?.filter(|_| !options.accept_ill_posed) {
+    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    folder.check_startable()?;
+    if options.is_dry_run {
+        job.check_case()?;
+        if let Some(found) = job.find_ill_posedness()?.filter(|_| !options.accept_ill_posed) {
             return Err(Error::IllPosed(found));
         }
         writeln!(stdout, "would compute {plan}")?;
-        return would_write(&folder, &planned::planned(&case)?, stdout);
+        return print_planned_files(&folder, &planned::planned_file_names(&case)?, stdout);
     }
     // A closed standard error is ignored.
     let _ = writeln!(std::io::stderr(), "{plan}");
     for warning in job.warnings()? {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
-    match job.ill_posed()? {
+    match job.find_ill_posedness()? {
         Some(found) if !options.accept_ill_posed => return Err(Error::IllPosed(found)),
         Some(found) => drop(writeln!(std::io::stderr(), "warning: {found}")),
         None => {}
     }
-    let run = Run { case: &case, folder: &folder, control, threads: options.threads };
-    carry_out(&run, &*job, None, None, options.format, stdout)
+    let run =
+        RunContext { case: &case, folder: &folder, checkpoint_settings, threads: options.threads };
+    execute_run(&run, &*job, None, None, options.format, stdout)
 }
 
 /// Case, results folder and settings of a run.
-pub(super) struct Run<'a> {
+pub(super) struct RunContext<'a> {
     pub(super) case: &'a Case,
     pub(super) folder: &'a ResultFolder,
-    pub(super) control: Control,
+    pub(super) checkpoint_settings: CheckpointSettings,
     pub(super) threads: Option<usize>,
 }
 
 /// Computes a run from its beginning or from a checkpoint and writes all results. `lock` is the folder lock of a
 /// resumed run.
-pub(super) fn carry_out(
-    run: &Run,
-    job: &dyn Job,
-    from: Option<Checkpoint>,
+pub(super) fn execute_run(
+    run: &RunContext,
+    job: &dyn SimulationJob,
+    checkpoint: Option<Checkpoint>,
     lock: Option<Lock>,
-    format: Format,
+    format: OutputFormat,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    signals::install();
-    let _stage = signals::enter_until_dropped(Stage::Steps);
-    let mut recorder = FileRecorder::new(run, from, lock);
-    let pool = pool(run.threads)?;
+    signals::install_signal_handlers();
+    let _stage = signals::set_stage_until_drop(ProgramStage::TimeStepping);
+    let mut recorder = FileRecorder::new(run, checkpoint, lock);
+    let pool = create_thread_pool(run.threads)?;
     check_threads(pool.current_num_threads())?;
-    let result = pool.install(|| job.carry_out(&mut recorder))?;
-    if let Some(warning) = result.warning() {
+    let result = pool.install(|| job.execute(&mut recorder))?;
+    if let Some(warning) = result.residual_warning() {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }
-    let Run { case, folder, .. } = run;
-    let rendered = Rendered::new(&result, case)?;
+    let RunContext { case, folder, .. } = run;
+    let rendered = RenderedReport::new(&result, case)?;
     if let Some(mut files) = recorder.into_folder()? {
-        match animation(case, folder)? {
-            Animation::None => {}
-            Animation::Empty => files.remove(ANIMATION)?,
-            Animation::Drawn(bytes) => drop(files.write(ANIMATION, &bytes)?),
+        match draw_animation(case, folder)? {
+            AnimationOutput::Absent => {}
+            AnimationOutput::AllZero => files.remove_result(ANIMATION_FILE)?,
+            AnimationOutput::Gif(bytes) => drop(files.write_result(ANIMATION_FILE, &bytes)?),
         }
-        rendered.write(|name, bytes| files.write(name, bytes).map(drop).map_err(Error::from))?;
+        rendered.write_files(|name, bytes| {
+            files.write_result(name, bytes).map(drop).map_err(Error::from)
+        })?;
         files.finish()?;
     }
-    print(&rendered, folder, format, stdout)?;
-    result.stopped.map_or(Ok(()), |stopped| Err(stopped.into()))
+    print_report(&rendered, folder, format, stdout)?;
+    result.stop_report.map_or(Ok(()), |stopped| Err(stopped.into()))
 }

@@ -9,87 +9,89 @@ use std::time::Duration;
 /// Stage of the program, which determines the effect of an interrupt.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub(super) enum Stage {
+pub(super) enum ProgramStage {
     /// Outside of a run: an interrupt ends the program at once.
-    Anything,
+    OutsideRun,
     /// Time stepping: an interrupt ends the run after a checkpoint.
-    Steps,
+    TimeStepping,
     /// An interrupted run writes its checkpoint.
-    Checkpoint,
+    WritingCheckpoint,
     /// Replay of steps up to a fault: an interrupt ends it without a checkpoint.
     Replay,
     /// All steps are done; results are being written.
-    Results,
+    WritingResults,
 }
 
 /// Longest wait for the current step of an interrupted run.
-const PATIENCE: Duration = Duration::from_secs(8);
+const MAX_STEP_WAIT: Duration = Duration::from_secs(8);
 
-static STAGE: AtomicU8 = AtomicU8::new(Stage::Anything as u8);
+static PROGRAM_STAGE: AtomicU8 = AtomicU8::new(ProgramStage::OutsideRun as u8);
 /// Whether a run has been interrupted.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Sets the stage of the program.
-pub(super) fn enter(stage: Stage) {
-    STAGE.store(stage as u8, Ordering::Relaxed);
+pub(super) fn set_stage(stage: ProgramStage) {
+    PROGRAM_STAGE.store(stage as u8, Ordering::Relaxed);
 }
 
 /// Sets the stage until the returned guard is dropped.
-pub(super) fn enter_until_dropped(stage: Stage) -> impl Drop {
-    struct Guard;
-    impl Drop for Guard {
+pub(super) fn set_stage_until_drop(stage: ProgramStage) -> impl Drop {
+    struct StageGuard;
+    impl Drop for StageGuard {
         fn drop(&mut self) {
-            enter(Stage::Anything);
+            set_stage(ProgramStage::OutsideRun);
         }
     }
-    enter(stage);
-    Guard
+    set_stage(stage);
+    StageGuard
 }
 
 /// Whether a run has been interrupted.
 pub(super) fn is_interrupted() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
+    IS_INTERRUPTED.load(Ordering::Relaxed)
 }
 
 /// Installs the handlers. SIGINT, SIGTERM and SIGHUP end a run after a checkpoint, and everything else at once, without
 /// partial files; a second signal ends a run at once. A file beyond the size limit gives a write error and does not end
 /// the program.
-pub fn install() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
+pub fn install_signal_handlers() {
+    static INSTALL_ONCE: Once = Once::new();
+    INSTALL_ONCE.call_once(|| {
         // An ignored SIGHUP, as set by nohup, stays ignored.
         let outlives_terminal = is_hangup_ignored();
         // A handler installed earlier is kept.
-        let _ = ctrlc::set_handler(end);
-        ignore_some(outlives_terminal);
+        let _ = ctrlc::set_handler(handle_interrupt);
+        ignore_signals(outlives_terminal);
     });
 }
 
-fn end() {
-    let stage = STAGE.load(Ordering::Relaxed);
+fn handle_interrupt() {
+    let stage = PROGRAM_STAGE.load(Ordering::Relaxed);
     let said = match stage {
-        _ if stage == Stage::Steps as u8 => "finishing the step and writing a checkpoint",
-        _ if stage == Stage::Checkpoint as u8 => "writing the checkpoint",
-        _ if stage == Stage::Replay as u8 => {
+        _ if stage == ProgramStage::TimeStepping as u8 => {
+            "finishing the step and writing a checkpoint"
+        }
+        _ if stage == ProgramStage::WritingCheckpoint as u8 => "writing the checkpoint",
+        _ if stage == ProgramStage::Replay as u8 => {
             "a fault was found, steps are made again up to it: ending, the last checkpoint stays"
         }
-        _ if stage == Stage::Results as u8 => "all steps are done, writing results",
-        _ => end_at_once(),
+        _ if stage == ProgramStage::WritingResults as u8 => "all steps are done, writing results",
+        _ => exit_at_once(),
     };
-    if INTERRUPTED.swap(true, Ordering::Relaxed) {
-        end_at_once();
+    if IS_INTERRUPTED.swap(true, Ordering::Relaxed) {
+        exit_at_once();
     }
-    say(&format!("{said}; press again to stop at once"));
+    print_message(&format!("{said}; press again to stop at once"));
     // If no thread can be started, the run waits for its step without a time limit.
     let _ = std::thread::Builder::new().spawn(|| {
-        std::thread::sleep(PATIENCE);
-        let stage = STAGE.load(Ordering::Relaxed);
-        if stage == Stage::Steps as u8 || stage == Stage::Replay as u8 {
-            say("the step takes too long: ended without it; the last checkpoint stays, if there is one");
-            end_at_once();
+        std::thread::sleep(MAX_STEP_WAIT);
+        let stage = PROGRAM_STAGE.load(Ordering::Relaxed);
+        if stage == ProgramStage::TimeStepping as u8 || stage == ProgramStage::Replay as u8 {
+            print_message("the step takes too long: ended without it; the last checkpoint stays, if there is one");
+            exit_at_once();
         }
-        say(match stage {
-            _ if stage == Stage::Checkpoint as u8 => "still writing the checkpoint",
+        print_message(match stage {
+            _ if stage == ProgramStage::WritingCheckpoint as u8 => "still writing the checkpoint",
             _ => "still writing results",
         });
     });
@@ -97,14 +99,14 @@ fn end() {
 
 /// Prints a message on a new line, since on a terminal the progress bar occupies the current one. A closed standard
 /// error is ignored.
-fn say(text: &str) {
+fn print_message(text: &str) {
     let mut stderr = std::io::stderr();
     let start = if stderr.is_terminal() { "\n" } else { "" };
     let _ = writeln!(stderr, "{start}{text}");
 }
 
-fn end_at_once() -> ! {
-    files::remove_own_temporaries();
+fn exit_at_once() -> ! {
+    files::remove_temporary_files();
     std::process::exit(INTERRUPTED_CODE.into());
 }
 
@@ -119,13 +121,13 @@ fn is_hangup_ignored() -> bool {
     }
 }
 
-/// Ignores SIGXFSZ, so that writing beyond the file size limit returns an error; ignores SIGHUP if `hangup` is set.
+/// Ignores SIGXFSZ, so that writing beyond the file size limit returns an error; ignores SIGHUP if `ignores_hangup` is set.
 #[cfg(unix)]
-fn ignore_some(hangup: bool) {
+fn ignore_signals(ignores_hangup: bool) {
     // SAFETY: no code of this program handles these signals otherwise.
     unsafe {
         libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
-        if hangup {
+        if ignores_hangup {
             libc::signal(libc::SIGHUP, libc::SIG_IGN);
         }
     }
@@ -137,4 +139,4 @@ fn is_hangup_ignored() -> bool {
 }
 
 #[cfg(not(unix))]
-fn ignore_some(_hangup: bool) {}
+fn ignore_signals(_hangup: bool) {}

@@ -1,10 +1,10 @@
 //! `wellposed speeds`: computes the characteristic speeds of a solid by direction.
 
-use super::progress::watched;
-use super::write::{would_write, write};
+use super::progress::run_with_progress;
+use super::write::{print_planned_files, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
-use crate::cli::options::pool;
+use crate::cli::options::create_thread_pool;
 use crate::cli::{Error, Options};
 use crate::{setup, study};
 use analysis::solids::DirectionalSpeeds;
@@ -14,20 +14,23 @@ use std::io::Write;
 ///
 /// # Errors
 /// The case is invalid, or results cannot be written.
-pub fn speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case, &options.sets)?;
-    let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
-    let folder = ResultFolder::check(&case, options.out.as_deref(), options.force)?;
-    if options.dry_run {
+pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
+    let case = Case::load(&options.case_path, &options.settings)?;
+    let solid =
+        setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
+    let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
+    if options.is_dry_run {
         writeln!(stdout, "would find speeds in {} directions", DirectionalSpeeds::DIRECTIONS)?;
-        let in_plane = folder::SPEEDS.iter().filter(|name| !name.starts_with("sphere"));
+        let in_plane = folder::SPEEDS_FILES.iter().filter(|name| !name.starts_with("sphere"));
         let names: Vec<&str> = match solid.dimensions {
-            3 => folder::SPEEDS.to_vec(),
+            3 => folder::SPEEDS_FILES.to_vec(),
             _ => in_plane.copied().collect(),
         };
-        return would_write(&folder, &names, stdout);
+        return print_planned_files(&folder, &names, stdout);
     }
-    let pool = pool(options.threads)?;
-    let found = watched(&pool, "speeds", |on_progress| study::speeds(&case, on_progress))?;
-    write(&found, &case, &folder, options.format, stdout)
+    let pool = create_thread_pool(options.threads)?;
+    let found = run_with_progress(&pool, "speeds", |on_progress| {
+        study::compute_speeds(&case, on_progress)
+    })?;
+    write_report(&found, &case, &folder, options.format, stdout)
 }

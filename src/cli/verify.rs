@@ -1,8 +1,8 @@
 //! `wellposed verify`: compares result files with their checksums.
 
-use super::folder::{Verification, verify as look};
-use super::{Error, Format};
-use crate::report::SCHEMA;
+use super::folder::{Verification, verify_folder};
+use super::{Error, OutputFormat};
+use crate::report::SCHEMA_VERSION;
 use serde_json::json;
 use std::io::Write;
 use std::path::Path;
@@ -11,31 +11,33 @@ use std::path::Path;
 ///
 /// # Errors
 /// Files are damaged, or the folder holds no results.
-pub fn verify(path: &Path, format: Format, stdout: &mut dyn Write) -> Result<(), Error> {
-    let Verification { files, is_unfinished, damaged } = look(path)?;
+pub fn verify(path: &Path, format: OutputFormat, stdout: &mut dyn Write) -> Result<(), Error> {
+    let Verification { file_count, is_unfinished, damaged_files: damaged } = verify_folder(path)?;
     match format {
-        Format::Json => {
-            let all: Vec<_> =
-                damaged.iter().map(|own| json!({ "file": own.file, "found": own.found })).collect();
+        OutputFormat::Json => {
+            let all: Vec<_> = damaged
+                .iter()
+                .map(|own| json!({ "file": own.file, "found": own.description }))
+                .collect();
             let report = json!({
-                "schema": SCHEMA,
+                "schema": SCHEMA_VERSION,
                 "sound": damaged.is_empty(),
                 "unfinished": is_unfinished,
-                "files": files,
+                "files": file_count,
                 "damaged": all,
             });
             writeln!(stdout, "{report:#}")?;
         }
-        Format::Text => {
+        OutputFormat::Text => {
             for own in &damaged {
-                writeln!(stdout, "{}: {}", own.file, own.found)?;
+                writeln!(stdout, "{}: {}", own.file, own.description)?;
             }
             if damaged.is_empty() {
                 let run = match is_unfinished {
                     true => "; the run is not finished: sound up to its last checkpoint",
                     false => "",
                 };
-                writeln!(stdout, "{files} files are as they were written{run}")?;
+                writeln!(stdout, "{file_count} files are as they were written{run}")?;
             }
         }
     }

@@ -1,44 +1,44 @@
 //! Output of reports to results folders and standard output.
 
 use super::folder::ResultFolder;
-use super::{Error, Format};
+use super::{Error, OutputFormat};
 use crate::case::Case;
-use crate::report::{Rendered, Report};
+use crate::report::{RenderedReport, Report};
 use std::io::Write;
 
 /// Writes all files of a report to the results folder, and its text or JSON to standard output.
 ///
 /// # Errors
 /// A file cannot be rendered or written.
-pub(super) fn write<R: Report>(
+pub(super) fn write_report<R: Report>(
     report: &R,
     case: &Case,
     folder: &ResultFolder,
-    format: Format,
+    format: OutputFormat,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    let rendered = Rendered::new(report, case)?;
-    let mut publication = folder.publication();
-    rendered.write(|name, bytes| publication.put(name, bytes).map_err(Error::from))?;
+    let rendered = RenderedReport::new(report, case)?;
+    let mut publication = folder.start_publication();
+    rendered.write_files(|name, bytes| publication.stage_file(name, bytes).map_err(Error::from))?;
     publication.publish()?;
-    print(&rendered, folder, format, stdout)
+    print_report(&rendered, folder, format, stdout)
 }
 
 /// Prints the text or JSON report; the text ends with the path of the first picture or of the folder.
 ///
 /// # Errors
 /// Standard output cannot be written.
-pub(super) fn print(
-    rendered: &Rendered,
+pub(super) fn print_report(
+    rendered: &RenderedReport,
     folder: &ResultFolder,
-    format: Format,
+    format: OutputFormat,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
     match format {
-        Format::Json => stdout.write_all(rendered.json().as_bytes())?,
-        Format::Text => {
+        OutputFormat::Json => stdout.write_all(rendered.json().as_bytes())?,
+        OutputFormat::Text => {
             stdout.write_all(rendered.text().as_bytes())?;
-            match rendered.shown_picture() {
+            match rendered.first_picture_name() {
                 Some(name) => {
                     writeln!(stdout, "picture: {}", folder.path().join(name).display())?;
                 }
@@ -50,12 +50,12 @@ pub(super) fn print(
 }
 
 /// Prints the names of the files that would be written: the common files and `names`.
-pub(super) fn would_write(
+pub(super) fn print_planned_files(
     folder: &ResultFolder,
     names: &[impl AsRef<str>],
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    for name in ResultFolder::ALWAYS.into_iter().chain(names.iter().map(AsRef::as_ref)) {
+    for name in ResultFolder::COMMON_FILES.into_iter().chain(names.iter().map(AsRef::as_ref)) {
         writeln!(stdout, "would write {}", folder.path().join(name).display())?;
     }
     Ok(())

@@ -1,15 +1,15 @@
 //! Formatting of numbers, units and orders of growth as text.
 
-pub use crate::study::words::{order_words, short, superscript};
+pub use crate::study::format::{format_order, format_short, format_superscript};
 
 use crate::case::Case;
 use analysis::solids::angles_deg;
 
 /// Route of verdicts by a closed form of the model.
-pub const CLOSED_FORM: &str = "closed form of the model's growth rate, where its sign and ten digits of it stand out of rounding";
+pub const CLOSED_FORM_ROUTE: &str = "closed form of the model's growth rate, where its sign and ten digits of it stand out of rounding";
 
 /// Range of validity of a verdict with frozen coefficients.
-pub const VALIDITY: &str = "Validity: coefficients are frozen, which says little of waves that are not much shorter than \
+pub const VALIDITY_NOTE: &str = "Validity: coefficients are frozen, which says little of waves that are not much shorter than \
      the length on which the background varies.";
 
 /// Returns the title of a case, or its name if it has none.
@@ -18,7 +18,7 @@ pub fn case_title(case: &Case) -> String {
 }
 
 /// Formats a unit as a suffix.
-pub fn unit(unit: &str) -> String {
+pub fn format_unit_suffix(unit: &str) -> String {
     match unit {
         "" => String::new(),
         "deg" => "°".into(),
@@ -27,21 +27,21 @@ pub fn unit(unit: &str) -> String {
 }
 
 /// Formats the note that a model is coaxial although the case gives Δ, degrees.
-pub fn coaxial_words(noncoaxiality_deg: f64) -> String {
-    format!("(coaxial: Δ = 0 in place of {}°)", short(noncoaxiality_deg))
+pub fn format_coaxial_note(noncoaxiality_deg: f64) -> String {
+    format!("(coaxial: Δ = 0 in place of {}°)", format_short(noncoaxiality_deg))
 }
 
 /// Returns the unit of lim Re ς / k^order.
 pub fn coefficient_unit(order: f64) -> String {
-    format!("m{}/s", superscript(order))
+    format!("m{}/s", format_superscript(order))
 }
 
 /// Formats a unit normal as angles: `at 30°, 12° above the plane`.
-pub fn normal_words(normal: [f64; 3]) -> String {
+pub fn format_normal(normal: [f64; 3]) -> String {
     let [direction, elevation] = angles_deg(normal);
     match elevation {
-        0.0 => format!("at {}°", short(direction)),
-        up => format!("at {}°, {}° above the plane", short(direction), short(up)),
+        0.0 => format!("at {}°", format_short(direction)),
+        up => format!("at {}°, {}° above the plane", format_short(direction), format_short(up)),
     }
 }
 
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_have_the_order() {
+    fn coefficient_unit_contains_the_order() {
         assert_eq!(coefficient_unit(2.0), "m²/s");
     }
 }

@@ -15,7 +15,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// Version of the JSON reports; raised when a key changes its name or meaning.
-pub const SCHEMA: u64 = 1;
+pub const SCHEMA_VERSION: u64 = 1;
 
 /// Study result that can be reported; its serialisation is the JSON report.
 pub trait Report: Serialize {
@@ -34,38 +34,38 @@ pub trait Report: Serialize {
     }
 
     /// Renders the text report.
-    fn text(&self, case: &Case) -> String;
+    fn to_text(&self, case: &Case) -> String;
 
     /// Creates the pictures; the path of the first is printed.
     ///
     /// # Errors
     /// A picture or table cannot be created.
-    fn pictures(&self, case: &Case) -> Result<Vec<Picture>, Error>;
+    fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error>;
 
     /// Renders tables and archives, by file name.
     ///
     /// # Errors
     /// A picture or table cannot be created.
-    fn tables(&self, case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error>;
+    fn create_tables(&self, case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error>;
 }
 
 /// Function that draws a picture in a file format.
-type Draw = Box<dyn Fn(figures::Format) -> Result<Vec<u8>, FigureError>>;
+type DrawFunction = Box<dyn Fn(figures::FigureFormat) -> Result<Vec<u8>, FigureError>>;
 
 /// Picture, drawn as PNG and SVG.
-pub struct Picture {
+pub struct ReportPicture {
     /// File name without extension.
-    stem: &'static str,
-    draw: Draw,
+    file_stem: &'static str,
+    draw: DrawFunction,
 }
 
-impl Picture {
+impl ReportPicture {
     /// Creates a picture from the drawing method of a figure.
     pub fn new(
         stem: &'static str,
-        draw: impl Fn(figures::Format) -> Result<Vec<u8>, FigureError> + 'static,
+        draw: impl Fn(figures::FigureFormat) -> Result<Vec<u8>, FigureError> + 'static,
     ) -> Self {
-        Self { stem, draw: Box::new(draw) }
+        Self { file_stem: stem, draw: Box::new(draw) }
     }
 }
 
@@ -73,8 +73,8 @@ impl Picture {
 ///
 /// # Errors
 /// The value cannot be serialised.
-pub fn json<R: Report>(report: &R) -> Result<Value, Error> {
-    let mut all = Map::from_iter([("schema".to_owned(), SCHEMA.into())]);
+pub fn to_json<R: Report>(report: &R) -> Result<Value, Error> {
+    let mut all = Map::from_iter([("schema".to_owned(), SCHEMA_VERSION.into())]);
     match serde_json::to_value(report)? {
         Value::Object(own) => all.extend(own),
         own => _ = all.insert(R::NAME.to_owned(), own),
@@ -87,30 +87,30 @@ pub fn json<R: Report>(report: &R) -> Result<Value, Error> {
     Ok(all.into())
 }
 
-/// Returns the names of the files that [`Rendered::write`] writes, unordered.
+/// Returns the names of the files that [`RenderedReport::write_files`] writes, unordered.
 ///
 /// # Errors
 /// A picture or table cannot be created.
 pub fn file_names<R: Report>(report: &R, case: &Case) -> Result<Vec<String>, Error> {
     let mut names = vec![format!("{}.json", R::NAME), format!("{}.txt", R::NAME)];
-    for Picture { stem, .. } in report.pictures(case)? {
+    for ReportPicture { file_stem: stem, .. } in report.create_pictures(case)? {
         names.extend([format!("{stem}.png"), format!("{stem}.svg")]);
     }
-    names.extend(report.tables(case)?.into_iter().map(|(name, _)| name.to_owned()));
+    names.extend(report.create_tables(case)?.into_iter().map(|(name, _)| name.to_owned()));
     Ok(names)
 }
 
 /// Rendered report, ready to be written; its pictures are drawn when written.
-pub struct Rendered {
+pub struct RenderedReport {
     name: &'static str,
     json: String,
     text: String,
-    pictures: Vec<Picture>,
+    pictures: Vec<ReportPicture>,
     tables: Vec<(&'static str, Vec<u8>)>,
     ends_with_picture: bool,
 }
 
-impl Rendered {
+impl RenderedReport {
     /// Renders text, JSON and tables of a report and prepares its pictures.
     ///
     /// # Errors
@@ -118,10 +118,10 @@ impl Rendered {
     pub fn new<R: Report>(report: &R, case: &Case) -> Result<Self, Error> {
         Ok(Self {
             name: R::NAME,
-            json: format!("{:#}\n", json(report)?),
-            text: report.text(case),
-            pictures: report.pictures(case)?,
-            tables: report.tables(case)?,
+            json: format!("{:#}\n", to_json(report)?),
+            text: report.to_text(case),
+            pictures: report.create_pictures(case)?,
+            tables: report.create_tables(case)?,
             ends_with_picture: R::ENDS_WITH_PICTURE,
         })
     }
@@ -130,11 +130,11 @@ impl Rendered {
     ///
     /// # Errors
     /// A picture cannot be drawn, or `put` fails.
-    pub fn write<E: From<Error>>(
+    pub fn write_files<E: From<Error>>(
         &self,
         mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
-        draw(&self.pictures, &mut put)?;
+        draw_pictures(&self.pictures, &mut put)?;
         for (name, table) in &self.tables {
             put(name, table)?;
         }
@@ -153,9 +153,9 @@ impl Rendered {
     }
 
     /// Returns the file name of the first picture; `None` if the text does not end with its path.
-    pub fn shown_picture(&self) -> Option<String> {
+    pub fn first_picture_name(&self) -> Option<String> {
         let first = self.pictures.first().filter(|_| self.ends_with_picture);
-        first.map(|Picture { stem, .. }| format!("{stem}.png"))
+        first.map(|ReportPicture { file_stem: stem, .. }| format!("{stem}.png"))
     }
 }
 
@@ -163,12 +163,12 @@ impl Rendered {
 ///
 /// # Errors
 /// A picture cannot be drawn, or `put` fails.
-pub fn draw<E: From<Error>>(
-    pictures: &[Picture],
+pub fn draw_pictures<E: From<Error>>(
+    pictures: &[ReportPicture],
     mut put: impl FnMut(&str, &[u8]) -> Result<(), E>,
 ) -> Result<(), E> {
-    use figures::Format::{Png, Svg};
-    for Picture { stem, draw } in pictures {
+    use figures::FigureFormat::{Png, Svg};
+    for ReportPicture { file_stem: stem, draw } in pictures {
         for (format, ending) in [(Png, "png"), (Svg, "svg")] {
             put(&format!("{stem}.{ending}"), &draw(format).map_err(Error::from)?)?;
         }

@@ -2,70 +2,72 @@
 
 mod animation;
 mod archive;
+mod display;
 mod flow;
 mod records;
 mod snapshot;
 mod solid;
-mod words;
 
-pub use animation::{Frame, Frames};
+pub use animation::{AnimationFrame, FrameConverter};
 pub use archive::read_fields;
-pub use snapshot::image;
-pub use words::Time;
+pub use display::DisplayTime;
+pub use snapshot::create_image;
 
-use super::format::{case_title, short};
-use super::{Picture, Report};
+use super::format::{case_title, format_short};
+use super::{Report, ReportPicture};
 use crate::Error;
-use crate::case::flow::Quantity;
-use crate::case::{Case, InTime};
-use crate::study::simulate::{Fields, Records, RunResult, unit_of};
+use crate::case::flow::FlowQuantity;
+use crate::case::{Case, TimeDomainRun};
+use crate::study::simulate::{OutputFields, RunRecords, RunResult, quantity_unit};
 use std::fmt::Write as _;
 
 impl Report for RunResult {
     const NAME: &'static str = "run";
 
-    fn text(&self, case: &Case) -> String {
+    fn to_text(&self, case: &Case) -> String {
         let mut text = format!("{}\n", case_title(case));
-        let time = short(self.time);
-        let _ = match self.step {
-            Some(step) => writeln!(text, "{} steps of {} s: t = {time} s", self.steps, short(step)),
+        let time = format_short(self.time);
+        let _ = match self.time_step {
+            Some(step) => {
+                writeln!(text, "{} steps of {} s: t = {time} s", self.steps, format_short(step))
+            }
             None => writeln!(text, "{} steps: t = {time} s", self.steps),
         };
-        if let Some(stopped) = &self.stopped {
+        if let Some(stopped) = &self.stop_report {
             let _ = writeln!(text, "stopped: {stopped}");
         }
-        let terms = if self.step.is_some() { SOLID_TERMS } else { FLOW_TERMS };
+        let terms = if self.time_step.is_some() { SOLID_LEDGER_TERMS } else { FLOW_LEDGER_TERMS };
         let unit = self.ledger.unit.replace("m3", "m³");
-        for (name, words) in terms {
-            let Some(value) = self.ledger.get(name) else { continue };
+        for (name, description) in terms {
+            let Some(value) = self.ledger.term(name) else { continue };
             if *name == "initial_stress" && value == 0.0 {
                 continue;
             }
             let unit: &str = if *name == "power" { "W/m³" } else { &unit };
-            write_line(&mut text, words, value, unit);
+            write_value_line(&mut text, description, value, unit);
         }
-        if let Some(flow) = &case.flow {
-            self.write_ranges(&Quantity::all(flow.rotation), &mut text);
+        if let Some(flow) = &case.flow_run {
+            self.write_value_ranges(&FlowQuantity::all_fields(flow.rotation), &mut text);
         }
         text
     }
 
-    fn pictures(&self, case: &Case) -> Result<Vec<Picture>, Error> {
-        pictures(case, &self.fields, &self.records)
+    fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error> {
+        create_pictures(case, &self.fields, &self.records)
     }
 
     /// Renders the archives; the CSV tables are written row by row during the run.
-    fn tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        let mut all = vec![("fields.npz", archive::fields(&self.fields)?)];
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+        let mut all = vec![("fields.npz", archive::encode_fields(&self.fields)?)];
         if let Some(receivers) = &self.records.receivers {
-            all.push(("receivers.npz", archive::table(receivers)?));
+            all.push(("receivers.npz", archive::encode_table(receivers)?));
         }
         Ok(all)
     }
 }
 
 /// Terms of the energy ledger of a solid with their descriptions, in the order of the report.
-const SOLID_TERMS: &[(&str, &str)] = &[
+const SOLID_LEDGER_TERMS: &[(&str, &str)] = &[
     ("at_start", "energy at the start"),
     ("kinetic", "kinetic energy"),
     ("stored", "stored energy"),
@@ -79,7 +81,7 @@ const SOLID_TERMS: &[(&str, &str)] = &[
 ];
 
 /// Terms of the energy ledger of a flow with their descriptions, in the order of the report.
-const FLOW_TERMS: &[(&str, &str)] = &[
+const FLOW_LEDGER_TERMS: &[(&str, &str)] = &[
     ("at_start", "kinetic energy at the start"),
     ("kinetic", "kinetic energy"),
     ("background", "given by the mean flow"),
@@ -88,23 +90,23 @@ const FLOW_TERMS: &[(&str, &str)] = &[
     ("power", "internal power"),
 ];
 
-fn write_line(text: &mut String, name: &str, value: f64, unit: &str) {
-    let _ = writeln!(text, "  {name:<34} {:>11} {unit}", short(value));
+fn write_value_line(text: &mut String, name: &str, value: f64, unit: &str) {
+    let _ = writeln!(text, "  {name:<34} {:>11} {unit}", format_short(value));
 }
 
 impl RunResult {
-    fn write_ranges(&self, shown: &[Quantity], text: &mut String) {
+    fn write_value_ranges(&self, shown: &[FlowQuantity], text: &mut String) {
         for (own, quantity) in shown.iter().zip(&self.fields.quantities) {
-            let [least, greatest] = range(&quantity.values);
-            let unit = unit_of(own.name());
-            write_line(text, &format!("least {own}"), own.to_display_unit(least), unit);
-            write_line(text, &format!("greatest {own}"), own.to_display_unit(greatest), unit);
+            let [least, greatest] = value_range(&quantity.values);
+            let unit = quantity_unit(own.name());
+            write_value_line(text, &format!("least {own}"), own.to_display_unit(least), unit);
+            write_value_line(text, &format!("greatest {own}"), own.to_display_unit(greatest), unit);
         }
     }
 }
 
 /// Returns the minimum and maximum of values.
-fn range(values: &[f64]) -> [f64; 2] {
+fn value_range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(*value), high.max(*value)]
     })
@@ -114,9 +116,13 @@ fn range(values: &[f64]) -> [f64; 2] {
 ///
 /// # Errors
 /// The case has no simulation.
-pub fn pictures(case: &Case, fields: &Fields, records: &Records) -> Result<Vec<Picture>, Error> {
-    Ok(match case.in_time()? {
-        InTime::Solid(dynamics) => solid::pictures(case, dynamics, fields, records),
-        InTime::Flow(run) => flow::pictures(case, run, fields, records),
+pub fn create_pictures(
+    case: &Case,
+    fields: &OutputFields,
+    records: &RunRecords,
+) -> Result<Vec<ReportPicture>, Error> {
+    Ok(match case.time_domain_run()? {
+        TimeDomainRun::Solid(dynamics) => solid::create_pictures(case, dynamics, fields, records),
+        TimeDomainRun::Flow(run) => flow::create_pictures(case, run, fields, records),
     })
 }

@@ -2,15 +2,18 @@
 
 use crate::case::Case;
 use analysis::StateError;
-use analysis::flows::{FrozenState, Workspace};
+use analysis::flows::{FlowWorkspace, FrozenState};
 use models::flow::Model;
 
 /// Returns the model of a case and the assessment of its state by the linearised equations.
 ///
 /// # Errors
 /// See [`StateError`].
-pub fn assess(case: &Case, workspace: &mut Workspace) -> Result<(Model, FrozenState), StateError> {
-    let model = case.flow_model()?;
-    let frozen = workspace.assess_state(&model, &case.state())?;
+pub fn assess(
+    case: &Case,
+    workspace: &mut FlowWorkspace,
+) -> Result<(Model, FrozenState), StateError> {
+    let model = case.build_model()?;
+    let frozen = workspace.assess_state(&model, &case.to_flow_state())?;
     Ok((model, frozen))
 }

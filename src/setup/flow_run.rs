@@ -4,18 +4,18 @@ mod initial;
 
 use crate::Error;
 use crate::case::Case;
-use crate::case::flow::{FlowRun, Grid};
-use dynamics::flow::{Closure, Problem};
-pub(crate) use initial::fields;
+use crate::case::flow::{FlowGrid, FlowRun};
+use dynamics::flow::{Closure, FlowProblem};
+pub(crate) use initial::assemble_perturbation;
 
-/// Least tolerance, about 450 ε of double precision.
+/// Smallest tolerance, about 450 ε of double precision.
 const MIN_TOLERANCE: f64 = 1e-13;
 
 /// Creates the solver problem of a flow simulation.
 ///
 /// # Errors
-/// A tolerance is below [`MIN_TOLERANCE`]; see [`flow_problem`].
-pub(crate) fn problem(case: &Case, run: &FlowRun) -> Result<Problem, Error> {
+/// A tolerance is below [`MIN_TOLERANCE`]; see [`create_flow_problem`].
+pub(crate) fn create_problem(case: &Case, run: &FlowRun) -> Result<FlowProblem, Error> {
     let time = &run.time;
     for (key, own) in
         [("tolerance", time.tolerance), ("pressure_tolerance", time.pressure_tolerance)]
@@ -23,15 +23,15 @@ pub(crate) fn problem(case: &Case, run: &FlowRun) -> Result<Problem, Error> {
         if own < MIN_TOLERANCE {
             let allowed = format!("at least {MIN_TOLERANCE:e}: less is lost in rounding");
             return Err(run
-                .locate(&format!("time.{key}"), format!("found {own:?}"), allowed)
+                .error_at(&format!("time.{key}"), format!("found {own:?}"), allowed)
                 .into());
         }
     }
-    Ok(Problem {
+    Ok(FlowProblem {
         tolerance: run.time.tolerance,
         pressure_tolerance: run.time.pressure_tolerance,
-        least_shear_rate: run.least_shear_rate,
-        ..flow_problem(case, run.grid.cells, run.grid.lengths)?
+        min_shear_rate: run.min_shear_rate,
+        ..create_flow_problem(case, run.grid.points, run.grid.lengths)?
     })
 }
 
@@ -39,16 +39,17 @@ pub(crate) fn problem(case: &Case, run: &FlowRun) -> Result<Problem, Error> {
 ///
 /// # Errors
 /// The case is not a uniform flow that the solver supports.
-pub(crate) fn flow_problem(
+pub(crate) fn create_flow_problem(
     case: &Case,
     points: [usize; 2],
     lengths: [f64; 2],
-) -> Result<Problem, Error> {
-    let mean = case.mean_flow()?;
-    let model = case.model()?;
+) -> Result<FlowProblem, Error> {
+    let mean = case.solve_mean_flow()?;
+    let model = case.build_located_model()?;
     let coulomb = *model.coulomb();
-    let closure = Closure::from_rotation(case.rotation_in_time()?).expect("a determined rotation");
-    Ok(Problem {
+    let closure =
+        Closure::from_rotation(case.simulation_rotation()?).expect("a determined rotation");
+    Ok(FlowProblem {
         closure,
         density: mean.density,
         friction_angle: coulomb.friction_angle,
@@ -63,7 +64,7 @@ pub(crate) fn flow_problem(
         lengths,
         tolerance: 1e-5,
         pressure_tolerance: 1e-9,
-        least_shear_rate: 1e-3,
+        min_shear_rate: 1e-3,
     })
 }
 
@@ -72,11 +73,11 @@ pub(crate) fn flow_problem(
 ///
 /// # Errors
 /// The archive named by a part of the perturbation is unusable.
-pub(crate) fn perturbation(
+pub(crate) fn create_perturbation(
     run: &FlowRun,
-    problem: &Problem,
+    problem: &FlowProblem,
 ) -> Result<([Vec<f64>; 2], Vec<f64>), Error> {
-    let grid = Grid { cells: problem.points, lengths: problem.lengths };
-    let fields = initial::fields(&run.on(grid), problem)?;
-    Ok((fields.velocity, fields.inner))
+    let grid = FlowGrid { points: problem.points, lengths: problem.lengths };
+    let fields = initial::assemble_perturbation(&run.with_grid(grid), problem)?;
+    Ok((fields.velocity, fields.internal_variable))
 }

@@ -7,28 +7,32 @@ pub mod solid;
 pub(crate) mod solid_run;
 
 use crate::Error;
-use crate::case::{Case, Kind, Material};
+use crate::case::{Case, Material, ModelKind};
 use analysis::StateError;
 use models::InputError;
 
 /// Converts the error of a state to an error located in the case file.
-pub fn locate(material: &Material, error: StateError) -> Error {
-    material.locate(into_input(material, error)).into()
+pub fn locate_state_error(material: &Material, error: StateError) -> Error {
+    material.locate_error(into_input_error(material, error)).into()
 }
 
 /// Converts an error in the state at a map point to an error located in the case file; errors in swept parameters are
 /// located in the section \[map\].
 pub fn locate_in_map(case: &Case, error: StateError) -> Error {
-    case.locate_in_map(into_input(&case.material, error)).into()
+    case.locate_error_in_map(into_input_error(&case.material, error)).into()
 }
 
-fn into_input(material: &Material, error: StateError) -> InputError {
-    let state = if let Kind::Solid(_) = material.kind { "model" } else { "background" };
+fn into_input_error(material: &Material, error: StateError) -> InputError {
+    let state = if let ModelKind::Solid(_) = material.kind { "model" } else { "background" };
     let (key, allowed) = match error {
         StateError::Input(error) => return error,
         StateError::Analysis(error) => (state, error.to_string()),
         StateError::NoResponse(error) => ("yield", error.to_string()),
-        StateError::Sphere(error) => ("model", error.to_string()),
+        StateError::NormalSearch(error) => ("model", error.to_string()),
     };
-    InputError { input: key, found: "a state that cannot be analysed".into(), allowed }
+    InputError {
+        input: key,
+        rejected_value: "a state that cannot be analysed".into(),
+        allowed_values: allowed,
+    }
 }

@@ -9,7 +9,7 @@ mod source;
 mod weight;
 
 use crate::Error;
-use crate::case::dynamics::{self as case, Component, Dynamics, Side, Time};
+use crate::case::dynamics::{self as case, BoundaryFace, SolidRun, SolidTime, StateComponent};
 use crate::case::{Case, CaseError, Material};
 use crate::setup::solid;
 use dynamics::boundary::Boundary;
@@ -17,22 +17,23 @@ use dynamics::line::Slopes;
 use dynamics::medium::Medium;
 use dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
 use dynamics::simulation::TimeSteps;
-pub(crate) use geometry::{cell_at, centre, probe};
-use models::solid::waves::Field;
+pub(crate) use geometry::{cell_centre, containing_cell, create_probe};
+use models::solid::waves::SolidField;
 
 /// Solver problem of a case with its initial state.
-pub(crate) struct Setup<const D: usize> {
+pub(crate) struct SolidSetup<const D: usize> {
     pub(crate) problem: Problem<D>,
-    pub(crate) steps: TimeSteps,
+    pub(crate) time_steps: TimeSteps,
     /// Nonzero initial fields and their values by cell.
-    pub(crate) initial: Vec<(Field, Vec<f64>)>,
+    pub(crate) initial_fields: Vec<(SolidField, Vec<f64>)>,
 }
 
 /// Returns the solver media of a case in the order of its regions.
-pub(crate) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Error> {
+pub(crate) fn create_media(case: &Case, dynamics: &SolidRun) -> Result<Vec<Medium>, Error> {
     let dimensions = dynamics.grid.dimensions();
-    let medium =
-        |own: &Material| solid::medium(own, dimensions).map_err(|error| own.locate(error).into());
+    let medium = |own: &Material| {
+        solid::create_medium(own, dimensions).map_err(|error| own.locate_error(error).into())
+    };
     if dynamics.regions.is_empty() {
         return medium(&case.material).map(|medium| vec![medium]);
     }
@@ -45,125 +46,136 @@ pub(crate) fn media(case: &Case, dynamics: &Dynamics) -> Result<Vec<Medium>, Err
         let kinds = [odd, 0].map(|index| dynamics.regions[index].material.kind.name());
         let found = format!("found {}, beside {} in region[0]", kinds[0], kinds[1]);
         let allowed = "all regions of a run need the same fields: solids of one theory";
-        return Err(dynamics.locate(&format!("region[{odd}].model.kind"), found, allowed).into());
+        return Err(dynamics.error_at(&format!("region[{odd}].model.kind"), found, allowed).into());
     }
     Ok(all)
 }
 
 /// Returns the name of a field among the unknowns of the analysis.
-pub(crate) fn unknown_name(field: Field) -> String {
-    Component(field).to_string().replace("sigma", "σ").replace('w', "ω")
+pub(crate) fn unknown_name(field: SolidField) -> String {
+    StateComponent(field).to_string().replace("sigma", "σ").replace('w', "ω")
 }
 
 /// Computes the time steps: the longest allowed by Courant number and rotation per step, shortened to divide the
 /// duration.
-pub(crate) fn time_steps(dynamics: &Dynamics, media: &[Medium]) -> Result<TimeSteps, CaseError> {
-    let Time { duration, courant, rotation_deg } = dynamics.time;
+pub(crate) fn compute_time_steps(
+    dynamics: &SolidRun,
+    media: &[Medium],
+) -> Result<TimeSteps, CaseError> {
+    let SolidTime { duration, courant_number: courant, max_rotation_deg: rotation_deg } =
+        dynamics.time;
     let rotation = rotation_deg.to_radians();
     let steps = TimeSteps::new(media, &dynamics.grid.spacing, courant, rotation, duration);
     steps.map_err(|error| {
         let allowed = "at most 10¹² steps: give a shorter duration, or larger cells";
-        dynamics.locate("time.duration", error.to_string(), allowed)
+        dynamics.error_at("time.duration", error.to_string(), allowed)
     })
 }
 
 /// Converts the scheme of a case to that of the solver.
-pub(crate) fn scheme(chosen: case::Scheme) -> Scheme {
+pub(crate) fn convert_scheme(chosen: case::SchemeOptions) -> Scheme {
     Scheme {
-        slopes: match chosen.order {
-            case::Order::FourthOrder => Slopes::FourthOrder,
-            case::Order::Eno2 => Slopes::Limited,
-            case::Order::Godunov => Slopes::Godunov,
+        slopes: match chosen.reconstruction {
+            case::ReconstructionScheme::FourthOrder => Slopes::FourthOrder,
+            case::ReconstructionScheme::Eno2 => Slopes::Limited,
+            case::ReconstructionScheme::Godunov => Slopes::Godunov,
         },
-        plastic_step: match chosen.correction {
-            case::Correction::SecondOrder => PlasticStep::MidpointReflection,
-            case::Correction::FirstOrder => PlasticStep::ReturnMapping,
+        plastic_step: match chosen.return_mapping_order {
+            case::ReturnMappingOrder::SecondOrder => PlasticStep::MidpointReflection,
+            case::ReturnMappingOrder::FirstOrder => PlasticStep::ReturnMapping,
         },
         splitting: match chosen.splitting {
-            case::Splitting::Alternating => Splitting::Alternating,
-            case::Splitting::TwoCyclic => Splitting::TwoCyclic,
+            case::DimensionalSplitting::Alternating => Splitting::Alternating,
+            case::DimensionalSplitting::TwoCyclic => Splitting::TwoCyclic,
         },
     }
 }
 
-impl<const D: usize> Setup<D> {
-    pub(crate) fn new(case: &Case, dynamics: &Dynamics, media: Vec<Medium>) -> Result<Self, Error> {
+impl<const D: usize> SolidSetup<D> {
+    pub(crate) fn new(case: &Case, dynamics: &SolidRun, media: Vec<Medium>) -> Result<Self, Error> {
         ranges::check_constants(case, dynamics)?;
-        ranges::check_drives(dynamics, &media)?;
+        ranges::check_amplitudes(dynamics, &media)?;
         let cells = std::array::from_fn(|axis| dynamics.grid.cells[axis]);
         let spacing = std::array::from_fn(|axis| dynamics.grid.spacing[axis]);
-        let steps = time_steps(dynamics, &media)?;
-        let of_cell = dynamics.media_of_cells()?;
-        let scheme = scheme(dynamics.scheme);
-        let place = Place { dynamics, medium: media[0].clone() };
+        let steps = compute_time_steps(dynamics, &media)?;
+        let of_cell = dynamics.compute_cell_media()?;
+        let scheme = convert_scheme(dynamics.scheme);
+        let converter = GridConverter { dynamics, medium: media[0].clone() };
         let boundaries: [[Boundary; 2]; D] = {
             let mut all = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
-            for (axis, sides) in all.iter_mut().enumerate() {
-                for (end, side) in sides.iter_mut().enumerate() {
-                    *side = place.boundary(Side { axis, is_upper: end == 1 })?;
+            for (axis, axis_boundaries) in all.iter_mut().enumerate() {
+                for (end, boundary) in axis_boundaries.iter_mut().enumerate() {
+                    *boundary =
+                        converter.create_boundary(BoundaryFace { axis, is_upper: end == 1 })?;
                 }
             }
             all
         };
         let mut loads = Vec::new();
         for (index, load) in dynamics.loads.iter().enumerate() {
-            loads.push(place.load(index, load)?);
+            loads.push(converter.create_load(index, load)?);
         }
         let mut sources = Vec::new();
         for (index, source) in dynamics.sources.iter().enumerate() {
-            sources.extend(place.source(index, source)?);
+            sources.extend(converter.create_sources(index, source)?);
         }
-        let (acceleration, initial_stress) = place.weight::<D>(&media, &of_cell)?;
-        let initial = place.initial::<D>(case, media.len())?;
+        let (acceleration, initial_stress) =
+            converter.gravity_and_initial_stress::<D>(&media, &of_cell)?;
+        let initial_fields = converter.create_initial_fields::<D>(case, media.len())?;
         let problem = Problem {
             loads,
             sources,
             acceleration,
             initial_stress,
-            integrals: dynamics.output.integrals.iter().map(|component| component.0).collect(),
+            integrated_fields: dynamics
+                .output
+                .integrated_components
+                .iter()
+                .map(|component| component.0)
+                .collect(),
             ..Problem::new(Grid { cells, spacing }, media, of_cell, boundaries, steps.step, scheme)
         };
-        problem.check().map_err(|error| refused(dynamics, &error))?;
+        problem.validate().map_err(|error| locate_domain_error(dynamics, &error))?;
         check_initial_stress(dynamics, &problem)?;
-        Ok(Self { problem, steps, initial })
+        Ok(Self { problem, time_steps: steps, initial_fields })
     }
 }
 
 /// Converts a solver error to an error of the case; reading the case should have found it.
-fn refused(dynamics: &Dynamics, error: &DomainError) -> CaseError {
+fn locate_domain_error(dynamics: &SolidRun, error: &DomainError) -> CaseError {
     let key = match error {
         DomainError::Courant { .. } => "time.courant",
-        DomainError::Conditions { .. } | DomainError::Periodic(_) => "side",
+        DomainError::ConditionCount { .. } | DomainError::Periodic(_) => "side",
         DomainError::Load(_) => "load",
         DomainError::Source(_) => "source",
         DomainError::InitialStress => "initial_stress",
         _ => "grid",
     };
-    dynamics.locate(key, error.to_string(), "docs/case-file.md describes solids in time")
+    dynamics.error_at(key, error.to_string(), "docs/case-file.md describes solids in time")
 }
 
 /// Checks that the initial stress is in the yield sets, since otherwise the first step would apply the return mapping
 /// to it.
 fn check_initial_stress<const D: usize>(
-    dynamics: &Dynamics,
+    dynamics: &SolidRun,
     problem: &Problem<D>,
 ) -> Result<(), CaseError> {
     let Some((axis, layers)) = &problem.initial_stress else { return Ok(()) };
     let stride: usize = problem.grid.cells[..*axis].iter().product();
-    for (cell, &medium) in problem.of_cell.iter().enumerate() {
+    for (cell, &medium) in problem.cell_media.iter().enumerate() {
         let stress = layers[cell / stride % problem.grid.cells[*axis]];
         if problem.media[usize::from(medium)].project(&stress).stress != stress {
             let key = if dynamics.gravity.is_some() { "gravity" } else { "initial_stress" };
-            let found = format!("beyond yield in the cell at {:?}", centre(dynamics, cell));
+            let found = format!("beyond yield in the cell at {:?}", cell_centre(dynamics, cell));
             let allowed = "an initial stress within the yield set";
-            return Err(dynamics.locate(key, found, allowed));
+            return Err(dynamics.error_at(key, found, allowed));
         }
     }
     Ok(())
 }
 
 /// Conversion of positions and conditions of a case to those of its grid.
-struct Place<'a> {
-    dynamics: &'a Dynamics,
+struct GridConverter<'a> {
+    dynamics: &'a SolidRun,
     medium: Medium,
 }

@@ -1,22 +1,23 @@
 //! Dispersion relation of a solid: frequencies and speeds of its waves against the wave number.
 
-use super::{OnProgress, report_progress};
-use crate::case::{Case, Wave};
+use super::{ProgressCallback, report_progress};
+use crate::case::{Case, WaveNumbers};
 use crate::{Error, setup};
-use analysis::solids::{BranchGroup, BranchPoint, branches};
+use analysis::solids::{BranchGroup, BranchPoint, group_branches};
 use models::InputError;
 use models::elastoplastic::Solid;
 use serde::Serialize;
 
 /// Dispersion relation of a solid in one direction.
 #[derive(Clone, Debug, Serialize)]
-pub struct Dispersion {
+pub struct DispersionResult {
     /// Kind of the solid.
     pub model: &'static str,
     /// Wave vector at which branches are listed.
     pub wave: WaveVector,
-    /// Greatest wave number of the curves, 1/m.
-    pub greatest_number: f64,
+    /// Largest wave number of the curves, 1/m.
+    #[serde(rename = "greatest_number")]
+    pub max_wave_number: f64,
     /// Branch families, those of equal dispersion merged.
     pub families: Vec<BranchFamily>,
     /// Solid with its yield state.
@@ -28,17 +29,18 @@ pub struct Dispersion {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WaveVector {
     /// Wave number k, 1/m.
-    pub number: f64,
+    #[serde(rename = "number")]
+    pub wave_number: f64,
     /// Direction in the plane of x₁ and x₂ from x₁, degrees.
     pub direction_deg: f64,
     /// Elevation above that plane, degrees.
     pub elevation_deg: f64,
 }
 
-impl From<Wave> for WaveVector {
-    fn from(wave: Wave) -> Self {
-        let Wave { number, direction_deg, elevation_deg, .. } = wave;
-        Self { number, direction_deg, elevation_deg }
+impl From<WaveNumbers> for WaveVector {
+    fn from(wave: WaveNumbers) -> Self {
+        let WaveNumbers { wave_number, direction_deg, elevation_deg, .. } = wave;
+        Self { wave_number, direction_deg, elevation_deg }
     }
 }
 
@@ -48,11 +50,13 @@ pub struct BranchFamily {
     /// Polarisation of the waves.
     pub polarisation: &'static str,
     /// Number of merged families.
-    pub count: usize,
+    #[serde(rename = "count")]
+    pub family_count: usize,
     /// Characteristic speeds, m/s.
     pub characteristic_speeds: Vec<f64>,
     /// Imaginary parts of complex characteristic speeds, m/s.
-    pub characteristic_growth: Vec<f64>,
+    #[serde(rename = "characteristic_growth")]
+    pub imaginary_characteristic_speeds: Vec<f64>,
     /// Nonzero frequencies at k = 0, rad/s.
     pub cut_off_frequencies: Vec<f64>,
     /// Frequencies as k → ∞ of branches with zero characteristic speed, rad/s.
@@ -61,18 +65,19 @@ pub struct BranchFamily {
     /// if no wave propagates above (null in JSON).
     pub forbidden_bands: Vec<[f64; 2]>,
     /// Branches at the wave of the case.
-    pub at_wave: Vec<Branch>,
+    #[serde(rename = "at_wave")]
+    pub branches: Vec<BranchAtWave>,
     /// Names of the branches.
     #[serde(skip)]
     pub labels: Vec<String>,
-    /// Curves of the branches up to the greatest wave number.
+    /// Curves of the branches up to the largest wave number.
     #[serde(skip)]
     pub curves: Vec<Vec<BranchPoint>>,
 }
 
 /// Branch at the wave of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Branch {
+pub struct BranchAtWave {
     /// Frequency Re ω, rad/s.
     pub frequency: f64,
     /// Growth rate |Im ω|, 1/s.
@@ -91,54 +96,61 @@ pub struct Branch {
 ///
 /// # Examples
 /// ```
-/// use wellposed::study::unwatched;
+/// use wellposed::study::ignore_progress;
 ///
 /// let case = wellposed::load("cases/cosserat/forbidden-band.toml", wellposed::NO_SETTINGS)?;
-/// let found = wellposed::dispersion(&case, &unwatched)?;
+/// let found = wellposed::compute_dispersion(&case, &ignore_progress)?;
 /// assert!(found.families.iter().any(|family| !family.forbidden_bands.is_empty()));
 /// # Ok::<(), wellposed::Error>(())
 /// ```
-pub fn dispersion(case: &Case, on_progress: OnProgress) -> Result<Dispersion, Error> {
-    let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
-    if solid.plastic.as_ref().is_some_and(|plastic| plastic.rate > 0.0) {
+pub fn compute_dispersion(
+    case: &Case,
+    on_progress: ProgressCallback,
+) -> Result<DispersionResult, Error> {
+    let solid =
+        setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
+    if solid.plastic_state.as_ref().is_some_and(|plastic| plastic.multiplier_rate > 0.0) {
         let error = InputError {
             input: "plastic_rate",
-            found: format!("{:?}", case.material.numbers.plastic_rate),
-            allowed: "0: branches are followed of waves that nothing damps; wellposed point has \
+            rejected_value: format!("{:?}", case.material.numbers.plastic_rate),
+            allowed_values:
+                "0: branches are followed of waves that nothing damps; wellposed point has \
                       the roots of damped ones"
-                .into(),
+                    .into(),
         };
-        return Err(case.locate(error).into());
+        return Err(case.locate_error(error).into());
     }
     let wave = case.material.numbers.wave;
-    let greatest_number = match wave.greatest_number {
-        0.0 => solid.elastic.characteristic_wave_number().map_or(wave.number, |own| 4.0 * own),
+    let max_wave_number = match wave.max_wave_number {
+        0.0 => {
+            solid.elastic_law.characteristic_wave_number().map_or(wave.wave_number, |own| 4.0 * own)
+        }
         given => given,
     };
-    let groups = branches(&solid, setup::solid::normal(&wave), greatest_number, false)
-        .map_err(|error| setup::locate(&case.material, error.into()))?;
+    let groups = group_branches(&solid, setup::solid::wave_normal(&wave), max_wave_number, false)
+        .map_err(|error| setup::locate_state_error(&case.material, error.into()))?;
     let is_finite = |p: &BranchPoint| p.frequency.is_finite() && p.growth_rate.is_finite();
-    let ends = [wave.number, greatest_number];
-    if !ends.iter().all(|&k| groups.iter().all(|group| group.at(k).iter().all(is_finite))) {
+    let ends = [wave.wave_number, max_wave_number];
+    if !ends.iter().all(|&k| groups.iter().all(|group| group.points_at(k).iter().all(is_finite))) {
         let error = InputError {
             input: "model",
-            found: "numbers whose waves cannot be followed".into(),
-            allowed: "moduli, inertias and wave numbers whose frequencies are finite".into(),
+            rejected_value: "numbers whose waves cannot be followed".into(),
+            allowed_values: "moduli, inertias and wave numbers whose frequencies are finite".into(),
         };
-        return Err(case.locate(error).into());
+        return Err(case.locate_error(error).into());
     }
     let all = groups.len();
     report_progress(on_progress, 0, all)?;
     let family = |(index, group): (usize, &BranchGroup)| {
-        let family = BranchFamily::new(group, wave.number, greatest_number);
+        let family = BranchFamily::new(group, wave.wave_number, max_wave_number);
         report_progress(on_progress, index + 1, all)?;
         Ok(family)
     };
-    Ok(Dispersion {
+    Ok(DispersionResult {
         families: groups.iter().enumerate().map(family).collect::<Result<_, Error>>()?,
         model: case.material.kind.name(),
         wave: wave.into(),
-        greatest_number,
+        max_wave_number,
         solid,
     })
 }
@@ -147,23 +159,27 @@ impl BranchFamily {
     fn new(group: &BranchGroup, number: f64, greatest: f64) -> Self {
         let curves = group.curves(greatest);
         let speeds = group.speeds();
-        let at_wave = group.at(number);
+        let at_wave = group.points_at(number);
         Self {
             polarisation: group.family.polarisation.name(),
-            count: group.count,
+            family_count: group.family_count,
             characteristic_speeds: speeds.iter().map(|speed| speed[0]).collect(),
-            characteristic_growth: speeds.iter().map(|speed| speed[1]).collect(),
+            imaginary_characteristic_speeds: speeds.iter().map(|speed| speed[1]).collect(),
             cut_off_frequencies: group.cut_offs(),
             short_wave_limits: group.short_wave_limits(),
-            forbidden_bands: group.bands.iter().map(|band| [band.from, band.to]).collect(),
-            at_wave: at_wave.iter().map(Branch::from).collect(),
+            forbidden_bands: group
+                .forbidden_bands
+                .iter()
+                .map(|band| [band.lower, band.upper])
+                .collect(),
+            branches: at_wave.iter().map(BranchAtWave::from).collect(),
             labels: (0..curves.len()).map(|branch| group.label(branch)).collect(),
             curves,
         }
     }
 }
 
-impl From<&BranchPoint> for Branch {
+impl From<&BranchPoint> for BranchAtWave {
     fn from(point: &BranchPoint) -> Self {
         let BranchPoint { frequency, growth_rate, phase_speed, group_speed, .. } = *point;
         Self { frequency, growth_rate, phase_speed, group_speed }

@@ -1,7 +1,7 @@
 //! Strongest flutter and slowest wave of a solid over all directions.
 
+use analysis::acoustic_tensor3::{Flutter, SlowestSpeed};
 use analysis::solids::angles_deg;
-use analysis::sphere::{Flutter, Slowest};
 use serde::Serialize;
 
 /// Wave normal.
@@ -26,7 +26,8 @@ impl From<[f64; 3]> for WaveNormal {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlutterWave {
     /// Supremum of |Im c| over the directions with complex c², m/s; the growth rate of short waves is this times k.
-    pub growth: f64,
+    #[serde(rename = "growth")]
+    pub max_imaginary_speed: f64,
     /// Real and imaginary part of c² at the supremum, m²/s²; the conjugate is also an eigenvalue.
     pub squared_speed: [f64; 2],
     /// Normal of the wave.
@@ -36,14 +37,14 @@ pub struct FlutterWave {
 impl From<Flutter> for FlutterWave {
     fn from(Flutter { growth, speed_squared, normal }: Flutter) -> Self {
         let squared_speed = [speed_squared.re, speed_squared.im];
-        Self { growth, squared_speed, normal: normal.into() }
+        Self { max_imaginary_speed: growth, squared_speed, normal: normal.into() }
     }
 }
 
 /// Slowest wave among those with real c².
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SlowestWave {
-    /// Least real c², m²/s²; infinite if no direction has real c² (null in JSON).
+    /// Smallest real c², m²/s²; infinite if no direction has real c² (null in JSON).
     pub squared_speed: f64,
     /// Rounding bound of the squared speed, m²/s².
     pub rounding: f64,
@@ -51,8 +52,8 @@ pub struct SlowestWave {
     pub normal: WaveNormal,
 }
 
-impl From<Slowest> for SlowestWave {
-    fn from(Slowest { speed_squared, normal, rounding }: Slowest) -> Self {
+impl From<SlowestSpeed> for SlowestWave {
+    fn from(SlowestSpeed { speed_squared, normal, rounding }: SlowestSpeed) -> Self {
         Self { squared_speed: speed_squared, rounding, normal: normal.into() }
     }
 }

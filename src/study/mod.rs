@@ -3,32 +3,32 @@
 //! One module per study. Results implement `serde::Serialize`, as in the JSON reports; data that reports omit, such as
 //! long curves, are fields marked `#[serde(skip)]`.
 
-mod available;
+mod available_memory;
 pub mod check;
 pub mod dispersion;
 pub mod extremes;
+pub mod format;
 pub mod map;
 pub mod point;
 pub mod simulate;
 pub mod speeds;
-pub mod words;
 
-pub use check::{CheckResult, check};
-pub use dispersion::{Dispersion, dispersion};
-pub use map::{MapOptions, MapResult, check_map, map};
-pub use point::{FlowPoint, PointResult, SolidPoint, point};
+pub use check::{CheckResult, check_agreement};
+pub use dispersion::{DispersionResult, compute_dispersion};
+pub use map::{MapOptions, MapResult, check_map, compute_map};
+pub use point::{FlowPoint, PointResult, SolidPoint, analyse_point};
 pub use simulate::{RunResult, simulate};
-pub use speeds::{Speeds, speeds};
+pub use speeds::{SpeedsResult, compute_speeds};
 
 use crate::Error;
 use std::ops::ControlFlow;
 
-/// Callback with the number of steps done and the total, called from any thread; on `Break` the study ends with
-/// [`Error::Cancelled`].
-pub type OnProgress<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
+/// In a study, `Break` results in [`Error::Cancelled`].
+#[doc(inline)]
+pub use agreement::ProgressCallback;
 
 /// Progress callback that does nothing.
-pub fn unwatched(_done: usize, _all: usize) -> ControlFlow<()> {
+pub fn ignore_progress(_done: usize, _all: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
@@ -36,7 +36,7 @@ pub fn unwatched(_done: usize, _all: usize) -> ControlFlow<()> {
 ///
 /// # Errors
 /// The callback returned `Break`: [`Error::Cancelled`].
-fn report_progress(on_progress: OnProgress, done: usize, all: usize) -> Result<(), Error> {
+fn report_progress(on_progress: ProgressCallback, done: usize, all: usize) -> Result<(), Error> {
     match on_progress(done, all) {
         ControlFlow::Continue(()) => Ok(()),
         ControlFlow::Break(()) => Err(Error::Cancelled),

@@ -1,8 +1,8 @@
 //! Characteristic speeds of a solid by direction, elastic and yielding.
 
 use super::extremes::{FlutterWave, SlowestWave};
-use super::{OnProgress, report_progress};
-use crate::case::{Case, radians};
+use super::{ProgressCallback, report_progress};
+use crate::case::{Case, degrees_to_radians};
 use crate::{Error, setup};
 use analysis::solids::{
     AcousticTensorCache, DirectionalSpeeds, SolidAssessment, SolidAssessor, slowest_speed,
@@ -14,15 +14,15 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Relative tolerance, in units of the greatest elastic speed, within which speeds are equal.
-pub const EQUAL: f64 = 1e-6;
+/// Relative tolerance, in units of the largest elastic speed, within which speeds are equal.
+pub const EQUAL_SPEED_TOLERANCE: f64 = 1e-6;
 
 /// Angular spacing of the directions on the hemisphere, degrees.
-const STEP_DEG: usize = 1;
+const ANGULAR_STEP_DEG: usize = 1;
 
 /// Characteristic speeds of a solid.
 #[derive(Clone, Debug, Serialize)]
-pub struct Speeds {
+pub struct SpeedsResult {
     /// Kind of the solid.
     pub model: &'static str,
     /// Name of the yield set.
@@ -43,9 +43,11 @@ pub struct Speeds {
     /// Sectors of normals with imaginary speeds, degrees.
     pub imaginary_sectors_deg: Vec<[f64; 2]>,
     /// Whether a speed vanishes in all directions.
-    pub always_still: bool,
+    #[serde(rename = "always_still")]
+    pub is_always_stationary: bool,
     /// Isolated directions in which a speed vanishes.
-    pub vanishing: Vec<VanishingSpeed>,
+    #[serde(rename = "vanishing")]
+    pub vanishing_speeds: Vec<VanishingSpeed>,
     /// Elevation of the directions above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
     /// Method of the verdict.
@@ -58,7 +60,7 @@ pub struct Speeds {
     pub assessment: SolidAssessment,
     /// Squared speeds by direction.
     #[serde(skip)]
-    pub by_direction: DirectionalSpeeds,
+    pub directional_speeds: DirectionalSpeeds,
     /// Slowest speeds over all directions; three dimensions only.
     #[serde(skip)]
     pub hemisphere: Option<Hemisphere>,
@@ -70,7 +72,8 @@ pub struct VanishingSpeed {
     /// Direction of the normal, degrees.
     pub direction_deg: f64,
     /// Cause.
-    pub what: &'static str,
+    #[serde(rename = "what")]
+    pub cause: &'static str,
 }
 
 /// Speeds on a grid of directions on the upper half of the sphere.
@@ -81,14 +84,15 @@ pub struct Hemisphere {
     /// Azimuths about x₃ from x₁, degrees.
     pub azimuth_deg: Vec<f64>,
     /// Slowest real speed, m/s, azimuth fastest; NaN if a speed is complex or imaginary.
-    pub slowest: Vec<f64>,
+    #[serde(rename = "slowest")]
+    pub slowest_speeds: Vec<f64>,
 }
 
 /// Computes the characteristic speeds of a solid on the threads of the surrounding rayon pool.
 ///
 /// ```
 /// use wellposed::case::Case;
-/// use wellposed::study::unwatched;
+/// use wellposed::study::ignore_progress;
 ///
 /// let text = "
 /// [model]
@@ -99,7 +103,7 @@ pub struct Hemisphere {
 /// density = 2
 /// ";
 /// let case = Case::parse(text, "elastic.toml", &[])?;
-/// let found = wellposed::speeds(&case, &unwatched)?;
+/// let found = wellposed::compute_speeds(&case, &ignore_progress)?;
 /// assert_eq!((found.verdict, found.hyperbolicity), ("well-posed", "hyperbolic"));
 /// // Shear waves: c² = μ/ρ.
 /// assert!((found.slowest.squared_speed - 0.5).abs() < 1e-12);
@@ -108,15 +112,16 @@ pub struct Hemisphere {
 ///
 /// # Errors
 /// The case is not a solid, its constants are out of range, it cannot be analysed, or the study was cancelled.
-pub fn speeds(case: &Case, on_progress: OnProgress) -> Result<Speeds, Error> {
-    let located = |error| setup::locate(&case.material, error);
-    let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
+pub fn compute_speeds(case: &Case, on_progress: ProgressCallback) -> Result<SpeedsResult, Error> {
+    let located = |error| setup::locate_state_error(&case.material, error);
+    let solid =
+        setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     let hemisphere = Hemisphere::new();
     let all = 1 + if solid.dimensions == 2 { 0 } else { hemisphere.polar_deg.len() };
     report_progress(on_progress, 0, all)?;
     let cache = AcousticTensorCache::default();
     let (assessment, _) = SolidAssessor::new(&cache).assess(&solid).map_err(located)?;
-    let elevation = radians(case.material.numbers.wave.elevation_deg);
+    let elevation = degrees_to_radians(case.material.numbers.wave.elevation_deg);
     let by_direction =
         DirectionalSpeeds::new(&solid, elevation).map_err(|error| located(error.into()))?;
     report_progress(on_progress, 1, all)?;
@@ -125,45 +130,48 @@ pub fn speeds(case: &Case, on_progress: OnProgress) -> Result<Speeds, Error> {
         _ => {
             let rates = solid.rates().map_err(|error| located(error.into()))?;
             let done = AtomicUsize::new(1);
-            Some(hemisphere.fill(&rates, &|| {
+            Some(hemisphere.compute_slowest_speeds(&rates, &|| {
                 report_progress(on_progress, done.fetch_add(1, Ordering::Relaxed) + 1, all)
             })?)
         }
     };
     let extremes = &assessment.extremes;
-    Ok(Speeds {
+    Ok(SpeedsResult {
         model: case.material.kind.name(),
-        yield_set: case.material.yields.map(|set| set.name),
+        yield_set: case.material.yield_set.map(|set| set.name),
         dimensions: solid.dimensions,
         verdict: assessment.verdict.name(),
         hyperbolicity: assessment.hyperbolicity.name(),
         flutter: extremes.flutter.map(FlutterWave::from),
         slowest: extremes.slowest.into(),
-        flutter_sectors_deg: by_direction.flutter.clone(),
-        imaginary_sectors_deg: by_direction.imaginary.clone(),
-        always_still: by_direction.is_always_stationary,
-        vanishing: by_direction
-            .vanishing
+        flutter_sectors_deg: by_direction.flutter_sectors.clone(),
+        imaginary_sectors_deg: by_direction.imaginary_sectors.clone(),
+        is_always_stationary: by_direction.is_always_stationary,
+        vanishing_speeds: by_direction
+            .zero_speeds
             .iter()
-            .map(|&(direction_deg, cause)| VanishingSpeed { direction_deg, what: cause.name() })
+            .map(|&(direction_deg, cause)| VanishingSpeed { direction_deg, cause: cause.name() })
             .collect(),
         elevation_deg: case.material.numbers.wave.elevation_deg,
         route: assessment.route,
         solid,
         assessment,
-        by_direction,
+        directional_speeds: by_direction,
         hemisphere,
     })
 }
 
-impl Speeds {
-    /// Returns whether the slowest speed is equal in all directions, within [`EQUAL`].
-    pub fn slowest_is_everywhere(&self) -> bool {
+impl SpeedsResult {
+    /// Returns whether the slowest speed is equal in all directions, within [`EQUAL_SPEED_TOLERANCE`].
+    pub fn has_uniform_slowest_speed(&self) -> bool {
         let slowest = self.assessment.extremes.slowest.speed_squared.max(0.0).sqrt();
-        let is_same = |c: f64| (c - slowest).abs() <= EQUAL * self.by_direction.largest.sqrt();
+        let is_same = |c: f64| {
+            (c - slowest).abs()
+                <= EQUAL_SPEED_TOLERANCE * self.directional_speeds.max_squared_speed.sqrt()
+        };
         match &self.hemisphere {
-            Some(hemisphere) => hemisphere.slowest.iter().all(|&c| is_same(c)),
-            None => self.by_direction.curves.iter().all(|(_, _, yielding)| {
+            Some(hemisphere) => hemisphere.slowest_speeds.iter().all(|&c| is_same(c)),
+            None => self.directional_speeds.curves.iter().all(|(_, _, yielding)| {
                 let least = yielding.iter().map(|c| c.re).fold(f64::INFINITY, f64::min);
                 is_same(least.max(0.0).sqrt())
             }),
@@ -174,13 +182,14 @@ impl Speeds {
 impl Hemisphere {
     /// Creates the grid of directions without speeds.
     fn new() -> Self {
-        let list =
-            |to: usize| (0..to).step_by(STEP_DEG).map(|degrees| degrees as f64).collect::<Vec<_>>();
-        Self { polar_deg: list(91), azimuth_deg: list(360), slowest: Vec::new() }
+        let list = |to: usize| {
+            (0..to).step_by(ANGULAR_STEP_DEG).map(|degrees| degrees as f64).collect::<Vec<_>>()
+        };
+        Self { polar_deg: list(91), azimuth_deg: list(360), slowest_speeds: Vec::new() }
     }
 
     /// Computes the slowest speeds; `row_is_done` is called after each polar angle.
-    fn fill(
+    fn compute_slowest_speeds(
         self,
         rates: &RateEquations<3>,
         row_is_done: &(dyn Fn() -> Result<(), Error> + Sync),
@@ -196,6 +205,6 @@ impl Hemisphere {
             Ok(row)
         };
         let rows = self.polar_deg.par_iter().map(row).collect::<Result<Vec<_>, Error>>()?;
-        Ok(Self { slowest: rows.concat(), ..self })
+        Ok(Self { slowest_speeds: rows.concat(), ..self })
     }
 }

@@ -2,10 +2,39 @@
 
 use models::InputError;
 use models::flow::{FlowKind, Model};
+use models::registry;
+
+/// Dilatancy angle ν of a test case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DilatancyKind {
+    /// ν = 0.
+    Zero,
+    /// ν > 0.
+    Positive,
+    /// ν = φ, for the plastic potential.
+    Associated,
+}
+
+/// Every flow model with every kind of dilatancy that it admits.
+pub const MODEL_CASES: [(FlowKind, DilatancyKind); 9] = [
+    (registry::HARRIS_GREKOVA, DilatancyKind::Zero),
+    (registry::HARRIS_GREKOVA, DilatancyKind::Positive),
+    (registry::DOUBLE_SHEARING, DilatancyKind::Zero),
+    (registry::DOUBLE_SHEARING, DilatancyKind::Positive),
+    (registry::PLASTIC_POTENTIAL, DilatancyKind::Zero),
+    (registry::PLASTIC_POTENTIAL, DilatancyKind::Positive),
+    (registry::PLASTIC_POTENTIAL, DilatancyKind::Associated),
+    (registry::FREE_ROTATING, DilatancyKind::Zero),
+    (registry::FREE_ROTATING, DilatancyKind::Positive),
+];
+
+/// The [`MODEL_CASES`] with as many equations as unknowns.
+pub const SQUARE_MODEL_CASES: [(FlowKind, DilatancyKind); 7] =
+    *MODEL_CASES.first_chunk().expect("seven of nine");
 
 /// Constants of all flow models; each model uses its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
+pub struct FlowParameters {
     /// Angle of internal friction φ, rad.
     pub friction_angle: f64,
     /// Angle of dilatancy ν, rad.
@@ -18,7 +47,7 @@ pub struct Parameters {
     pub rotational_strength: Option<f64>,
 }
 
-impl Parameters {
+impl FlowParameters {
     /// Builds the model of `kind`; constants that are `None` here are NaN.
     ///
     /// # Errors
@@ -26,15 +55,15 @@ impl Parameters {
     ///
     /// # Panics
     /// The model has a constant that is not listed here.
-    pub fn model(&self, kind: FlowKind) -> Result<Model, InputError> {
-        Model::new(kind, &self.constants(kind))
+    pub fn build_model(&self, kind: FlowKind) -> Result<Model, InputError> {
+        Model::new(kind, &self.to_constants(kind))
     }
 
     /// Returns the constants of a model in the order of its registry entry; constants that are `None` here are NaN.
     ///
     /// # Panics
     /// The model has a constant that is not listed here.
-    pub fn constants(&self, kind: FlowKind) -> Vec<f64> {
+    pub fn to_constants(&self, kind: FlowKind) -> Vec<f64> {
         let value = |name| match name {
             "friction_angle" => self.friction_angle,
             "dilatancy_angle" => self.dilatancy_angle,

@@ -1,9 +1,9 @@
 //! Reproducible random numbers.
 
 /// SplitMix64 random number generator with a fixed seed (Steele, Lea & Flood 2014).
-pub struct Random(u64);
+pub struct RandomNumbers(u64);
 
-impl Random {
+impl RandomNumbers {
     /// Creates a generator from a seed.
     pub fn new(seed: u64) -> Self {
         Self::with_salt(seed, 0)
@@ -15,7 +15,7 @@ impl Random {
     }
 
     /// Returns 64 random bits.
-    pub fn bits(&mut self) -> u64 {
+    pub fn next_bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -24,40 +24,40 @@ impl Random {
     }
 
     /// Returns a uniform random number in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    pub fn unit_interval(&mut self) -> f64 {
+        (self.next_bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Returns a uniform random number in [least, most).
-    pub fn within(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.unit()
+    /// Returns a uniform random number in [min, max).
+    pub fn uniform(&mut self, min: f64, max: f64) -> f64 {
+        min + (max - min) * self.unit_interval()
     }
 
-    /// Returns a log-uniform random number in [least, most).
-    pub fn decades(&mut self, least: f64, most: f64) -> f64 {
-        self.within(least.ln(), most.ln()).exp()
+    /// Returns a log-uniform random number in [min, max).
+    pub fn log_uniform(&mut self, min: f64, max: f64) -> f64 {
+        self.uniform(min.ln(), max.ln()).exp()
     }
 
     /// Returns true with the given probability.
-    pub fn chance(&mut self, probability: f64) -> bool {
-        self.unit() < probability
+    pub fn bernoulli(&mut self, probability: f64) -> bool {
+        self.unit_interval() < probability
     }
 
-    /// Returns a number of random sign whose magnitude is log-uniform in [least, most).
-    pub fn signed(&mut self, least: f64, most: f64) -> f64 {
-        let size = self.decades(least, most);
-        if self.chance(0.5) { -size } else { size }
+    /// Returns a number of random sign whose magnitude is log-uniform in [min, max).
+    pub fn signed_log_uniform(&mut self, min: f64, max: f64) -> f64 {
+        let size = self.log_uniform(min, max);
+        if self.bernoulli(0.5) { -size } else { size }
     }
 
-    /// Returns a number of random sign whose magnitude is uniform in [least, most): non-zero, so that every term
+    /// Returns a number of random sign whose magnitude is uniform in [min, max): non-zero, so that every term
     /// counts.
-    pub fn generic(&mut self, least: f64, most: f64) -> f64 {
-        let magnitude = self.within(least, most);
-        if self.bits() & (1 << 40) == 0 { magnitude } else { -magnitude }
+    pub fn signed_uniform(&mut self, min: f64, max: f64) -> f64 {
+        let magnitude = self.uniform(min, max);
+        if self.next_bits() & (1 << 40) == 0 { magnitude } else { -magnitude }
     }
 
     /// Returns a uniform random integer in [0, count).
-    pub fn below(&mut self, count: usize) -> usize {
-        (self.bits() >> 20) as usize % count
+    pub fn uniform_index(&mut self, count: usize) -> usize {
+        (self.next_bits() >> 20) as usize % count
     }
 }

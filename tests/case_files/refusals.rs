@@ -1,12 +1,13 @@
 //! Tests of error messages: location, key and remedy of all refused input.
 
-use crate::support::{CASE, check, parse, parse_with};
+use crate::full_case::{FULL_CASE, derive_background, parse_full_case_with};
+use crate::support::parse_case;
 use models::registry;
-use wellposed::case::{Case, Kind, Parameter};
+use wellposed::case::{Case, ModelKind, SweepParameter};
 
-/// Part of [`CASE`], its replacement, location and key of the error, and words of its message.
+/// Part of [`FULL_CASE`], its replacement, location and key of the error, and words of its message.
 #[rustfmt::skip]
-const BAD_INPUT: &[(&str, &str, &str, &str)] = &[
+const INVALID_INPUTS: &[(&str, &str, &str, &str)] = &[
     // unknown and misspelt keys
     ("pressure = 1000.25", "presure = 1", "11: background.presure: ", "did you mean 'pressure'? allowed here: density, "),
     ("shear_rate = 2", "shear_rat = 2", "13: background.shear_rat: ", "'shear_rate'"),
@@ -91,23 +92,23 @@ const BAD_INPUT: &[(&str, &str, &str, &str)] = &[
     ("'background.velocity[1]'", "'wave.number'", "24: map.y.from: ", "positive"),
 ];
 
-/// Verifies that replacing a part of [`CASE`] gives one line that begins with location and key.
+/// Verifies that replacing a part of [`FULL_CASE`] gives one line that begins with location and key.
 #[test]
-fn bad_input_is_answered_with_line_key_and_remedy() {
-    for (old, new, place, words) in BAD_INPUT {
-        assert!(CASE.contains(old), "{old}");
-        let error = parse(&CASE.replacen(old, new, 1)).expect_err(new);
+fn invalid_input_is_refused_with_line_key_and_remedy() {
+    for (old, new, place, expected) in INVALID_INPUTS {
+        assert!(FULL_CASE.contains(old), "{old}");
+        let error = parse_case(&FULL_CASE.replacen(old, new, 1)).expect_err(new);
         let start = format!("folder/x.toml:{place}");
         assert!(error.starts_with(&start), "{new}: expected '{start}…', got '{error}'");
-        assert!(error.contains(words), "{new}: '{words}' is not in '{error}'");
+        assert!(error.contains(expected), "{new}: '{expected}' is not in '{error}'");
         assert!(!error.contains('\n') && error.contains("; "), "{error}");
     }
 }
 
 #[test]
-fn keys_that_no_kind_uses_are_refused() {
-    let alone = CASE.split("[compare]").next().unwrap();
-    for (kind, place, words) in [
+fn keys_unused_by_the_kind_are_refused() {
+    let alone = FULL_CASE.split("[compare]").next().unwrap();
+    for (kind, place, expected) in [
         ("double-shearing", "6: model.moment_of_inertia: ", "it belongs to harris-grekova)"),
         ("free-rotating", "6: model.moment_of_inertia: ", "not used by the model free-rotating"),
         ("harris-grekova", "14: background.stress_angle_rate_deg: ", "to double-shearing)"),
@@ -116,43 +117,43 @@ fn keys_that_no_kind_uses_are_refused() {
         let text = alone
             .replace("velocity = [0.5, 0.25]", rate)
             .replace("'harris-grekova'", &format!("'{kind}'"));
-        let error = parse(&text).unwrap_err();
+        let error = parse_case(&text).unwrap_err();
         assert!(error.starts_with(&format!("folder/x.toml:{place}")), "{error}");
-        assert!(error.contains(words), "{error}");
+        assert!(error.contains(expected), "{error}");
     }
     let free = alone.replace("'harris-grekova'", "'free-rotating'");
     let free = free.replace("moment_of_inertia = 1.25e-7\nrotational_strength = 5\n", "");
-    assert_eq!(parse(&free).unwrap().get("background.spin"), Some(-0.125));
+    assert_eq!(parse_case(&free).unwrap().number("background.spin"), Some(-0.125));
     // Keys not used by the kind are not suggested.
-    let error = parse(&free.replace("spin =", "spin_gradien =")).unwrap_err();
+    let error = parse_case(&free.replace("spin =", "spin_gradien =")).unwrap_err();
     assert!(error.contains("unknown key") && !error.contains("spin_gradient"), "{error}");
 }
 
 #[test]
-fn an_error_of_a_swept_number_points_at_the_sweep() {
+fn error_of_swept_parameter_names_the_sweep() {
     let located = |sets: &[&str]| {
-        let case = parse_with(sets).unwrap();
+        let case = parse_full_case_with(sets).unwrap();
         let mut corner = case.clone();
-        corner.set(Parameter::find("background.pressure").unwrap(), -3.0);
+        corner.set_number(SweepParameter::find_by_name("background.pressure").unwrap(), -3.0);
         corner.material.numbers.background.spin = None;
-        let background = corner.model().unwrap().background(&corner.state());
-        case.locate_in_map(background.unwrap_err()).to_string()
+        let background = corner.build_located_model().unwrap().background(&corner.to_flow_state());
+        case.locate_error_in_map(background.unwrap_err()).to_string()
     };
-    let words = "background.pressure: found -3, a value of the sweep map.x; the pressure must";
+    let expected = "background.pressure: found -3, a value of the sweep map.x; the pressure must";
     let error = located(&["map.x.points=5"]);
-    assert!(error.starts_with(&format!("--set map.x.points=5: {words}")), "{error}");
+    assert!(error.starts_with(&format!("--set map.x.points=5: {expected}")), "{error}");
     let error = located(&["map.x.points=5", "map.x.from=-3"]);
-    assert!(error.starts_with(&format!("--set map.x.from=-3: {words}")), "{error}");
+    assert!(error.starts_with(&format!("--set map.x.from=-3: {expected}")), "{error}");
     let error = located(&["background.pressure=5"]);
-    assert!(error.starts_with(&format!("folder/x.toml:23: {words}")), "{error}");
+    assert!(error.starts_with(&format!("folder/x.toml:23: {expected}")), "{error}");
     // An error of a key that is not swept names its own line.
     let error = located(&["map.x.parameter=wave.number"]);
     assert!(error.starts_with("folder/x.toml:11: background.pressure: found -3; "), "{error}");
 }
 
 #[test]
-fn errors_in_set_name_the_option() {
-    for (set, words) in [
+fn errors_in_settings_name_the_option() {
+    for (set, expected) in [
         ("background.presure=1", "background.presure: unknown key; did you mean 'pressure'? "),
         ("background.pressure=abc", "background.pressure: found the text 'abc'; expected a finite"),
         ("background.pressure=nan", "background.pressure: found nan, which is not finite"),
@@ -168,12 +169,12 @@ fn errors_in_set_name_the_option() {
         ("background.density=0x", "background.density: found '0x', which is not a number"),
         ("name=.", "name: found '.'"),
     ] {
-        let error = parse_with(&[set]).expect_err(set);
+        let error = parse_full_case_with(&[set]).expect_err(set);
         let start = format!("--set {}: ", set.replace('\n', "\\n"));
         assert!(error.starts_with(&start), "{error}");
-        assert!(error.contains(words), "{words}: {error}");
+        assert!(error.contains(expected), "{expected}: {error}");
     }
-    let case = parse_with(&[
+    let case = parse_full_case_with(&[
         "background.pressure=7",
         " background.pressure = 2e3",
         "title=no quotes",
@@ -182,15 +183,15 @@ fn errors_in_set_name_the_option() {
         "compare.kinds=['free-rotating']",
     ])
     .unwrap();
-    assert_eq!((case.get("background.pressure"), case.title.as_str()), (Some(2e3), "no quotes"));
-    assert_eq!(case.get("background.velocity[1]"), Some(4.0));
-    assert_eq!(case.map.unwrap().y.points, 2);
-    assert_eq!(case.compare, Some(vec![Kind::Flow(registry::FREE_ROTATING)]));
+    assert_eq!((case.number("background.pressure"), case.title.as_str()), (Some(2e3), "no quotes"));
+    assert_eq!(case.number("background.velocity[1]"), Some(4.0));
+    assert_eq!(case.map.unwrap().y.point_count, 2);
+    assert_eq!(case.compared_kinds, Some(vec![ModelKind::Flow(registry::FREE_ROTATING)]));
 }
 
 #[test]
-fn inputs_out_of_range_are_located() {
-    let base = CASE
+fn inputs_out_of_range_are_refused_with_location() {
+    let base = FULL_CASE
         .replace("spin = -0.125", "noncoaxiality_deg = 0")
         .replace("kinds = ['harris-grekova', 'double-shearing']", "kinds = ['plastic-potential']");
     #[rustfmt::skip]
@@ -211,10 +212,10 @@ fn inputs_out_of_range_are_located() {
         ("velocity = [0.5, 0.25]", "acceleration = [1, 1]", "14: background.acceleration: "),
         ("velocity = [0.5, 0.25]", "spin = 100", "14: background.spin: "),
     ];
-    check(&parse(&base).unwrap()).unwrap();
+    derive_background(&parse_case(&base).unwrap()).unwrap();
     for (old, new, place) in table {
-        let case = parse(&base.replacen(old, new, 1)).unwrap();
-        let error = check(&case).expect_err(new);
+        let case = parse_case(&base.replacen(old, new, 1)).unwrap();
+        let error = derive_background(&case).expect_err(new);
         let start = format!("folder/x.toml:{place}found ");
         assert!(error.starts_with(&start), "{new}: expected '{start}…', got '{error}'");
     }
@@ -222,16 +223,17 @@ fn inputs_out_of_range_are_located() {
     let not_dilatant = base
         .replace("dilatancy_angle_deg = 10.5\n", "")
         .replace("velocity = [0.5, 0.25]", "density_gradient = [1, 0]");
-    let error = check(&parse(&not_dilatant).unwrap()).unwrap_err();
+    let error = derive_background(&parse_case(&not_dilatant).unwrap()).unwrap_err();
     assert!(error.starts_with("folder/x.toml:13: background.density_gradient: "), "{error}");
 
     let oblique = base.replace("noncoaxiality_deg = 0", "noncoaxiality_deg = 5");
-    let coaxial = parse(&oblique).unwrap().for_kind(Kind::Flow(registry::PLASTIC_POTENTIAL));
-    let error = check(&coaxial).unwrap_err();
+    let coaxial =
+        parse_case(&oblique).unwrap().convert_to_kind(ModelKind::Flow(registry::PLASTIC_POTENTIAL));
+    let error = derive_background(&coaxial).unwrap_err();
     assert!(error.starts_with("folder/x.toml:15: background.noncoaxiality_deg: "), "{error}");
 
     let sets = ["model.friction_angle_deg=95".to_owned()];
-    let error = check(&Case::parse(&base, "x.toml", &sets).unwrap()).unwrap_err();
+    let error = derive_background(&Case::parse(&base, "x.toml", &sets).unwrap()).unwrap_err();
     assert!(
         error.starts_with("--set model.friction_angle_deg=95: model.friction_angle"),
         "{error}"
@@ -239,7 +241,7 @@ fn inputs_out_of_range_are_located() {
 }
 
 #[test]
-fn files_that_cannot_be_read_say_why() {
+fn unreadable_files_are_refused_with_reason() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("unreadable");
     std::fs::create_dir_all(&folder).unwrap();
     let write = |name: &str, bytes: &[u8]| {
@@ -247,7 +249,7 @@ fn files_that_cannot_be_read_say_why() {
         std::fs::write(&path, bytes).unwrap();
         path
     };
-    for (path, words) in [
+    for (path, expected) in [
         (folder.join("absent.toml"), "No such file"),
         (folder.clone(), "directory"),
         (
@@ -261,11 +263,14 @@ fn files_that_cannot_be_read_say_why() {
         (write("deep.toml", format!("a = {}", "[".repeat(100_000)).as_bytes()), "deep.toml:1: "),
     ] {
         let error = Case::load(&path, &[]).unwrap_err().to_string();
-        assert!(error.starts_with(folder.to_str().unwrap()) && error.contains(words), "{error}");
+        assert!(error.starts_with(folder.to_str().unwrap()) && error.contains(expected), "{error}");
     }
-    let error = parse(&CASE[..CASE.find("[map]").unwrap()]).unwrap().required_map().unwrap_err();
+    let error = parse_case(&FULL_CASE[..FULL_CASE.find("[map]").unwrap()])
+        .unwrap()
+        .require_map()
+        .unwrap_err();
     assert!(error.to_string().starts_with("folder/x.toml: map: missing; add a section [map]"));
-    let error = parse(&CASE[..CASE.find("[background]").unwrap()]).unwrap_err();
+    let error = parse_case(&FULL_CASE[..FULL_CASE.find("[background]").unwrap()]).unwrap_err();
     let start =
         "folder/x.toml: background.density: missing; add a section [background] with density";
     assert!(error.starts_with(start), "{error}");

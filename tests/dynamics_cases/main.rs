@@ -1,14 +1,16 @@
 //! Tests of time-domain sections of case files: parsing, refusals and messages.
 
-mod meaning;
-mod reading;
+mod interpretation;
+mod parsing;
 mod refusals;
+#[path = "../support/mod.rs"]
+mod support;
 
-use wellposed::case::Case;
-use wellposed::case::dynamics::Dynamics;
+use support::parse_case;
+use wellposed::case::dynamics::SolidRun;
 
 /// Plane-strain case with every section; tests refer to its line numbers.
-const PLANE: &str = "\
+const PLANE_CASE: &str = "\
 title = 'Plane'
 [model]
 kind = 'cosserat'
@@ -155,7 +157,7 @@ contours = [-1, 0.5]
 ";
 
 /// Three-dimensional case.
-const SPACE: &str = "\
+const SPATIAL_CASE: &str = "\
 [model]
 kind = 'classical'
 dimensions = 3
@@ -221,21 +223,6 @@ balanced = false
 at = [1, 1, 4]
 ";
 
-fn parse(text: &str) -> Result<Case, String> {
-    Case::parse(text, "folder/x.toml", &[]).map_err(|error| error.to_string())
-}
-
-fn parse_with(text: &str, sets: &[&str]) -> Result<Case, String> {
-    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-    Case::parse(text, "folder/x.toml", &sets).map_err(|error| error.to_string())
-}
-
-fn dynamics(text: &str) -> Dynamics {
-    parse(text).unwrap().dynamics.unwrap()
-}
-
-/// Text with its part `old`, which must occur, replaced by `new`.
-fn with(text: &str, old: &str, new: &str) -> String {
-    assert!(text.contains(old), "{old}");
-    text.replacen(old, new, 1)
+fn parse_dynamics(text: &str) -> SolidRun {
+    parse_case(text).unwrap().solid_run.unwrap()
 }

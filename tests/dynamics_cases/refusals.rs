@@ -1,37 +1,38 @@
 //! Tests of refused time-domain sections and their messages.
 
-use super::{PLANE, SPACE, parse, parse_with, with};
+use super::support::{parse_case, parse_case_with, replace_first};
+use super::{PLANE_CASE, SPATIAL_CASE};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use wellposed::case::Kind;
+use wellposed::case::ModelKind;
 use wellposed::setup;
 
 #[test]
-fn an_error_of_a_model_names_the_line_of_the_region() {
+fn model_errors_name_the_line_of_the_region() {
     let located = |text: &str, sets: &[&str]| {
-        let case = parse_with(text, sets).unwrap();
-        let region = &case.dynamics.as_ref().unwrap().regions[0].material;
-        region.locate(setup::solid::solid(region).unwrap_err()).to_string()
+        let case = parse_case_with(text, sets).unwrap();
+        let region = &case.solid_run.as_ref().unwrap().regions[0].material;
+        region.locate_error(setup::solid::create_solid(region).unwrap_err()).to_string()
     };
-    let text = with(PLANE, "mu = 3e9", "mu = -3e9");
+    let text = replace_first(PLANE_CASE, "mu = 3e9", "mu = -3e9");
     let start = "folder/x.toml:34: region[0].model.mu: found -3000000000";
     let error = located(&text, &[]);
     assert!(error.starts_with(start), "{error}");
     // An error of an inherited key names its own line.
-    let error = located(&with(PLANE, "alpha = 5e8", "alpha = -5"), &[]);
+    let error = located(&replace_first(PLANE_CASE, "alpha = 5e8", "alpha = -5"), &[]);
     assert!(error.starts_with("folder/x.toml:6: model.alpha: found -5"), "{error}");
-    let error = located(PLANE, &["region[0].model.mu=-1"]);
+    let error = located(PLANE_CASE, &["region[0].model.mu=-1"]);
     let start = "--set region[0].model.mu=-1: region[0].model.mu: found -1";
     assert!(error.starts_with(start), "{error}");
-    let case = parse(PLANE).unwrap();
-    let error = case.dynamics.unwrap().locate("load[1].at", "too near", "move it").to_string();
+    let case = parse_case(PLANE_CASE).unwrap();
+    let error = case.solid_run.unwrap().error_at("load[1].at", "too near", "move it").to_string();
     assert_eq!(error, "folder/x.toml:62: load[1].at: too near; move it");
 }
 
-/// Replaces a part of [`PLANE`] and checks the complete message.
+/// Replaces a part of [`PLANE_CASE`] and checks the complete message.
 // Long because of the table, with one line for each invalid input.
 #[test]
-fn bad_input_is_answered_with_line_key_and_remedy() {
-    const FIELDS: &str =
+fn invalid_input_is_refused_with_line_key_and_remedy() {
+    const FIELD_NAMES: &str =
         "v1, v2, w3, sigma11, sigma12, sigma21, sigma22, sigma33, m31, m32, m13, m23";
     #[rustfmt::skip]
     let table: &[(&str, &str, &str)] = &[
@@ -90,7 +91,7 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("at = [0, 5]\nradius = 1", "at = [0, 50]\nradius = 1", "76: source[0].at: found [0.0, 50.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
         ("amplitude = [1, 2]", "amplitude = 1", "75: source[0].amplitude: found the integer 1; expected a list of 2 finite numbers in N/m (force by components)"),
         ("branch = 2", "branch = 4", "110: initial[2].branch: found the integer 4; expected a whole number from 1 to 3 (1 is the greatest frequency)"),
-        ("field = 'sigma33'", "field = 'sigma34'", &format!("123: initial[4].field: found 'sigma34'; did you mean 'sigma33'? allowed: {FIELDS}")),
+        ("field = 'sigma33'", "field = 'sigma34'", &format!("123: initial[4].field: found 'sigma34'; did you mean 'sigma33'? allowed: {FIELD_NAMES}")),
         ("normal = [0, 1]", "normal = [0, 0]", "118: initial[3].normal: found [0, 0]; expected a list of 2 numbers, not all 0 (points into the shape)"),
         ("m31 = 4", "m33 = 4", "129: initial_stress.m33: unknown key; did you mean 'm31'? allowed here: sigma11, sigma12, sigma21, sigma22, sigma33, m31, m32, m13, m23"),
         ("acceleration = [0, -9.81]", "acceleration = [1, -9.81]", "130: gravity.balanced: found true, the default, with the acceleration [1.0, -9.81]; give an acceleration along one axis, or set balanced = false"),
@@ -99,11 +100,11 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
         ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver its own name"),
         ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes, at most 255 characters (letters, digits, '-', '_' and '.')"),
         ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each once"),
-        ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELDS}, dissipation")),
+        ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELD_NAMES}, dissipation")),
         ("contours = [-1, 0.5]", "contours = [1, 'a']", "143: output.contours: found a list that holds the text 'a'; expected a list of finite numbers in the unit of the picture (lines of equal value)"),
     ];
     for (old, new, message) in table {
-        let error = parse(&with(PLANE, old, new)).expect_err(new);
+        let error = parse_case(&replace_first(PLANE_CASE, old, new)).expect_err(new);
         let file = if message.starts_with(':') { "folder/x.toml" } else { "folder/x.toml:" };
         let message = format!("{file}{message}");
         match message.ends_with(": ") {
@@ -114,22 +115,22 @@ fn bad_input_is_answered_with_line_key_and_remedy() {
 }
 
 #[test]
-fn a_run_in_time_needs_a_solid_and_a_grid() {
-    let (model, rest) = PLANE.split_once("[grid]\n").unwrap();
+fn time_domain_runs_need_a_solid_and_a_grid() {
+    let (model, rest) = PLANE_CASE.split_once("[grid]\n").unwrap();
     let (_, rest) = rest.split_once("[time]").unwrap();
-    let error = parse(&format!("{model}[time]{rest}")).unwrap_err();
+    let error = parse_case(&format!("{model}[time]{rest}")).unwrap_err();
     let end = "time: found without a grid; add a section [grid] with cells and spacing, or leave \
                this one out";
     assert_eq!(error, format!("folder/x.toml:19: {end}"));
 
-    let plane =
-        wellposed::cli::new::text(Kind::solids()[3]) + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n";
-    let error = parse(&plane).unwrap_err();
+    let plane = wellposed::cli::new::generate_state_template(ModelKind::solid_kinds()[3])
+        + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n";
+    let error = parse_case(&plane).unwrap_err();
     let end = "model.kind: found cosserat-compliances in a grid of 3 dimensions; it is a solid in \
                plane strain: grid.cells must have 2 entries";
     assert!(error.ends_with(end), "{error}");
 
-    let classical = wellposed::cli::new::text(Kind::solids()[0])
+    let classical = wellposed::cli::new::generate_state_template(ModelKind::solid_kinds()[0])
         + "[grid]\ncells = [2, 2, 2]\nspacing = 1\n[time]\nduration = 1\n";
     for (entry, end) in [
         (
@@ -161,7 +162,7 @@ fn a_run_in_time_needs_a_solid_and_a_grid() {
         ),
         ("side = 3\n", "time.side: unknown key; allowed here: duration, courant, rotation_deg"),
     ] {
-        let error = parse(&format!("{classical}{entry}")).unwrap_err();
+        let error = parse_case(&format!("{classical}{entry}")).unwrap_err();
         assert!(error.ends_with(end), "{error}");
     }
 }
@@ -169,8 +170,8 @@ fn a_run_in_time_needs_a_solid_and_a_grid() {
 /// Verifies that cases with deleted, repeated, swapped or changed lines cause no panic, and that accepted ones are
 /// unchanged by writing and reading.
 #[test]
-fn spoiled_cases_are_taken_or_refused() {
-    const VALUES: [&str; 14] = [
+fn mutated_cases_are_accepted_or_refused() {
+    const REPLACEMENT_VALUES: [&str; 14] = [
         "0",
         "-1",
         "1e308",
@@ -186,8 +187,8 @@ fn spoiled_cases_are_taken_or_refused() {
         "[{}]",
         "{ kind = 'step', start = 1e308 }",
     ];
-    let (mut taken, mut count) = (0, 0);
-    for original in [PLANE, SPACE] {
+    let (mut accepted, mut count) = (0, 0);
+    for original in [PLANE_CASE, SPATIAL_CASE] {
         let lines: Vec<&str> = original.lines().collect();
         let mut mutants = Vec::new();
         for at in 0..lines.len() {
@@ -200,25 +201,26 @@ fn spoiled_cases_are_taken_or_refused() {
             mutants.push(replaced(&[lines[(at * 7 + 3) % lines.len()]]));
             if let Some((key, _)) = lines[at].split_once(" = ") {
                 let value = |value: &&str| replaced(&[&format!("{key} = {value}")]);
-                mutants.extend(VALUES.iter().map(value));
+                mutants.extend(REPLACEMENT_VALUES.iter().map(value));
             }
         }
         for text in mutants {
             count += 1;
             let run = || {
-                let case = parse(&text).ok()?;
+                let case = parse_case(&text).ok()?;
                 let resolved = case.to_toml();
-                assert!(parse(&resolved) == Ok(case.clone()), "{resolved}");
-                if let Some(dynamics) = case.dynamics.filter(|own| own.grid.count() < 10_000) {
-                    let _ = dynamics.media_of_cells();
+                assert!(parse_case(&resolved) == Ok(case.clone()), "{resolved}");
+                if let Some(dynamics) = case.solid_run.filter(|run| run.grid.cell_count() < 10_000)
+                {
+                    let _ = dynamics.compute_cell_media();
                 }
                 Some(())
             };
             match catch_unwind(AssertUnwindSafe(run)) {
-                Ok(case) => taken += usize::from(case.is_some()),
+                Ok(case) => accepted += usize::from(case.is_some()),
                 Err(_) => panic!("{text}"),
             }
         }
     }
-    assert!(taken > count / 20 && taken < count * 3 / 4, "{taken} of {count} were taken");
+    assert!(accepted > count / 20 && accepted < count * 3 / 4, "{accepted} of {count} were taken");
 }

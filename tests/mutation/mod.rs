@@ -1,10 +1,11 @@
 //! Reproducible random mutations of case files.
 
+use testkit::random::RandomNumbers;
 use wellposed::CASES;
 use wellposed::case::Case;
 
 /// Replacement values of a number: limits, extremes, other types.
-const VALUES: &[&str] = &[
+const REPLACEMENT_VALUES: &[&str] = &[
     "0",
     "-0.0",
     "1",
@@ -40,7 +41,7 @@ const VALUES: &[&str] = &[
 ];
 
 /// Strings inserted at random positions.
-const PIECES: &[&str] = &[
+const INSERTED_STRINGS: &[&str] = &[
     "\"",
     "'",
     "'''",
@@ -70,39 +71,28 @@ const PIECES: &[&str] = &[
     "a.b.c = 1\n",
 ];
 
-/// Pseudo-random generator SplitMix64, so that all runs use the same mutants.
-pub struct Random(u64);
+/// Uniform index below `count`; 0 for `count` = 0.
+fn choose_index(random: &mut RandomNumbers, count: usize) -> usize {
+    (random.next_bits() % count.max(1) as u64) as usize
+}
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform number below `end`; 0 for `end` = 0.
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-
-    fn choose<'a, T: ?Sized>(&mut self, from: &[&'a T]) -> Option<&'a T> {
-        from.get(self.below(from.len())).copied()
-    }
+/// Random item of a list; an empty string for an empty list.
+fn choose_string(random: &mut RandomNumbers, items: &[&'static str]) -> &'static str {
+    items.get(choose_index(random, items.len())).copied().unwrap_or_default()
 }
 
 /// Endless sequence of mutants of the bundled cases and of the templates of `wellposed new`, with grids reduced to a
 /// few points.
-pub fn mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
-    let originals = originals();
-    let mut random = Random(seed);
+pub fn generate_mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
+    let originals = create_original_cases();
+    let mut random = RandomNumbers::with_salt(0, seed);
     std::iter::from_fn(move || {
+        let random = &mut random;
         loop {
-            let original = &originals[random.below(originals.len())];
+            let original = &originals[choose_index(random, originals.len())];
             let mut bytes = original.clone().into_bytes();
-            for _ in 0..1 + random.below(2) * random.below(3) {
-                bytes = mutate(bytes, &mut random);
+            for _ in 0..1 + choose_index(random, 2) * choose_index(random, 3) {
+                bytes = mutate(bytes, random);
             }
             if has_small_grid(&bytes) {
                 return Some(bytes);
@@ -112,17 +102,20 @@ pub fn mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
 }
 
 /// Cases to be mutated: each key on its own line, two to four points along each axis.
-fn originals() -> Vec<String> {
-    let new: Vec<String> = wellposed::case::Medium::all().map(wellposed::cli::new::text).collect();
+fn create_original_cases() -> Vec<String> {
+    let templates: Vec<String> = wellposed::case::MediumKind::all_media()
+        .map(wellposed::cli::new::generate_state_template)
+        .collect();
     let bundled = CASES.iter().map(|(_, text)| (*text).to_owned());
-    let everything = bundled.chain(new.clone()).map(|text| shrunk(&text)).collect::<Vec<_>>();
+    let originals = bundled.chain(templates.clone()).map(|text| shrink_map_grid(&text));
+    let originals = originals.collect::<Vec<_>>();
     // With the optional keys uncommented, so that they are mutated as well.
-    let full = new.iter().map(|text| shrunk(&without_marks(text)));
-    everything.into_iter().chain(full).collect()
+    let uncommented = templates.iter().map(|text| shrink_map_grid(&uncomment_optional_keys(text)));
+    originals.into_iter().chain(uncommented).collect()
 }
 
 /// Uncomments every optional key.
-pub fn without_marks(text: &str) -> String {
+pub fn uncomment_optional_keys(text: &str) -> String {
     let line = |line: &str| match line.strip_prefix("# ") {
         Some(rest) if rest.split_once(" = ").is_some_and(|(key, _)| !key.contains(' ')) => {
             rest.to_owned()
@@ -133,7 +126,7 @@ pub fn without_marks(text: &str) -> String {
 }
 
 /// Case with a small grid, its axes written as sections with one key per line.
-pub fn shrunk(text: &str) -> String {
+pub fn shrink_map_grid(text: &str) -> String {
     let mut lines = Vec::new();
     for line in text.lines() {
         match line.split_once(" = { ") {
@@ -155,54 +148,56 @@ pub fn shrunk(text: &str) -> String {
 fn has_small_grid(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     match Case::parse(&text, "mutant.toml", &[]).map(|case| case.map) {
-        Ok(Some(map)) => map.x.points * map.y.points <= 100,
+        Ok(Some(map)) => map.x.point_count * map.y.point_count <= 100,
         _ => true,
     }
 }
 
-fn mutate(bytes: Vec<u8>, random: &mut Random) -> Vec<u8> {
-    match random.below(10) {
+fn mutate(bytes: Vec<u8>, random: &mut RandomNumbers) -> Vec<u8> {
+    match choose_index(random, 10) {
         0..=2 => mutate_bytes(bytes, random),
         _ => mutate_text(&String::from_utf8_lossy(&bytes), random).into_bytes(),
     }
 }
 
-fn mutate_bytes(mut bytes: Vec<u8>, random: &mut Random) -> Vec<u8> {
-    let at = random.below(bytes.len());
-    match random.below(4) {
-        0 if !bytes.is_empty() => bytes[at] = random.next() as u8,
+fn mutate_bytes(mut bytes: Vec<u8>, random: &mut RandomNumbers) -> Vec<u8> {
+    let at = choose_index(random, bytes.len());
+    match choose_index(random, 4) {
+        0 if !bytes.is_empty() => bytes[at] = random.next_bits() as u8,
         1 => {
-            let end = (at + 1 + random.below(12)).min(bytes.len());
+            let end = (at + 1 + choose_index(random, 12)).min(bytes.len());
             bytes.drain(at..end);
         }
         2 => bytes.truncate(at),
         _ => {
-            let piece = random.choose(PIECES).unwrap_or_default();
+            let piece = choose_string(random, INSERTED_STRINGS);
             bytes.splice(at..at, piece.bytes());
         }
     }
     bytes
 }
 
-fn mutate_text(text: &str, random: &mut Random) -> String {
+fn mutate_text(text: &str, random: &mut RandomNumbers) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     // Mutate lines other than comments, which have no effect.
-    let aims: Vec<usize> = (0..lines.len())
+    let candidates: Vec<usize> = (0..lines.len())
         .filter(|&i| !lines[i].trim_start().starts_with('#') && !lines[i].trim().is_empty())
         .collect();
-    let Some(&at) = aims.get(random.below(aims.len())) else { return text.to_owned() };
-    let other = aims[random.below(aims.len())];
+    let Some(&at) = candidates.get(choose_index(random, candidates.len())) else {
+        return text.to_owned();
+    };
+    let other = candidates[choose_index(random, candidates.len())];
     let replaced;
-    match random.below(8) {
+    match choose_index(random, 8) {
         0 => {
             lines.remove(at);
         }
         1 => lines.insert(other, lines[at]),
         2 => lines.swap(at, other),
-        3 => return move_section(text, random),
+        3 => return mutate_sections(text, random),
         4 | 5 => {
             let Some((key, _)) = lines[at].split_once(" = ") else { return text.to_owned() };
-            replaced = format!("{key} = {}", random.choose(VALUES).unwrap_or_default());
+            replaced = format!("{key} = {}", choose_string(random, REPLACEMENT_VALUES));
             lines[at] = &replaced;
         }
         6 => {
@@ -218,11 +213,11 @@ fn mutate_text(text: &str, random: &mut Random) -> String {
         _ => {
             // Typing error: a repeated or a missing letter.
             let line = lines[at];
-            let slips: Vec<usize> = line.char_indices().map(|(i, _)| i).collect();
-            let start = slips[random.below(slips.len())];
+            let starts: Vec<usize> = line.char_indices().map(|(i, _)| i).collect();
+            let start = starts[choose_index(random, starts.len())];
             let end = start + line[start..].chars().next().map_or(0, char::len_utf8);
             let (head, letter, tail) = (&line[..start], &line[start..end], &line[end..]);
-            replaced = match random.below(2) {
+            replaced = match choose_index(random, 2) {
                 0 => format!("{head}{letter}{letter}{tail}"),
                 _ => format!("{head}{tail}"),
             };
@@ -233,12 +228,12 @@ fn mutate_text(text: &str, random: &mut Random) -> String {
 }
 
 /// Deletes, repeats or moves a random section.
-fn move_section(text: &str, random: &mut Random) -> String {
+fn mutate_sections(text: &str, random: &mut RandomNumbers) -> String {
     let mut sections: Vec<String> =
         text.split("\n[").map(|section| format!("{section}\n[")).collect();
-    let (at, to) = (random.below(sections.len()), random.below(sections.len()));
+    let (at, to) = (choose_index(random, sections.len()), choose_index(random, sections.len()));
     let section = sections[at].clone();
-    match random.below(3) {
+    match choose_index(random, 3) {
         0 => {
             sections.remove(at);
         }

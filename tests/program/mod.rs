@@ -1,16 +1,18 @@
 //! Helpers that run the program: folders, arguments, exit codes.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test uses a part")]
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
+use testkit::random::RandomNumbers;
 
-pub const PROGRAM: &str = env!("CARGO_BIN_EXE_wellposed");
+/// Path of the program.
+pub const PROGRAM_PATH: &str = env!("CARGO_BIN_EXE_wellposed");
 
 /// Time-domain case of a yielding solid with receivers and snapshots; it runs for about a second.
-pub const SOLID: &str = "
+pub const SOLID_CASE: &str = "
 [model]
 kind = 'reduced-cosserat'
 lambda = 1.2e8
@@ -48,45 +50,57 @@ number = 1
 ";
 
 /// Arguments that run the case in `case.toml` with a checkpoint after every batch of steps.
-pub const RUN: &str = "run case.toml --out out --checkpoint-every 0 --threads 1";
+pub const RUN_ARGUMENTS: &str = "run case.toml --out out --checkpoint-every 0 --threads 1";
 
-/// Creates an empty folder for one test, with a case file.
-pub fn folder(test: &str, name: &str, case: &str) -> PathBuf {
+/// Creates an empty folder for one test.
+pub fn create_folder(test: &str, name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test).join(name);
     let _ = fs::remove_dir_all(&path);
     fs::create_dir_all(&path).unwrap();
+    path
+}
+
+/// Creates a folder for one test that contains the file `case.toml` alone.
+pub fn create_case_folder(test: &str, name: &str, case: &str) -> PathBuf {
+    let path = create_folder(test, name);
     fs::write(path.join("case.toml"), case).unwrap();
     path
 }
 
-pub fn command(folder: &Path, arguments: &str) -> Command {
-    let mut command = Command::new(PROGRAM);
+/// Creates a command that executes the program in a folder, with the arguments of one line, without input and output.
+pub fn create_command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(PROGRAM_PATH);
     command.current_dir(folder).args(arguments.split_whitespace());
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command
 }
 
 /// Starts the program with the arguments of one line.
-pub fn starts(folder: &Path, arguments: &str) -> Child {
-    command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+pub fn start_program(folder: &Path, arguments: &str) -> Child {
+    create_command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Runs the program and returns its output.
-pub fn ends(folder: &Path, arguments: &str) -> Output {
-    starts(folder, arguments).wait_with_output().unwrap()
+/// Runs the program with a list of arguments, which may contain spaces, and returns its output.
+pub fn run_with_arguments(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(PROGRAM_PATH).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// Runs the program with the arguments of one line and returns its output.
+pub fn run_program(folder: &Path, arguments: &str) -> Output {
+    start_program(folder, arguments).wait_with_output().unwrap()
 }
 
 /// Runs the program, which must end with `code`; returns standard output and standard error.
-pub fn ends_with(code: i32, folder: &Path, arguments: &str) -> (String, String) {
-    let output = ends(folder, arguments);
+pub fn run_with_exit_code(code: i32, folder: &Path, arguments: &str) -> (String, String) {
+    let output = run_program(folder, arguments);
     let [stdout, stderr] =
-        [output.stdout, output.stderr].map(|own| String::from_utf8_lossy(&own).into_owned());
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
     assert_eq!(output.status.code(), Some(code), "{arguments}\n{stdout}\n{stderr}");
     (stdout, stderr)
 }
 
-/// Names of the entries of a folder, sorted.
-pub fn names(folder: &Path) -> Vec<String> {
+/// Names of the entries of a folder, sorted; empty if there is no folder.
+pub fn list_entries(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
     let mut names: Vec<String> =
         entries.map(|entry| entry.file_name().into_string().unwrap()).collect();
@@ -94,8 +108,8 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Contents of all files of a folder, by name.
-pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+/// Reads all files of a folder; contents by name.
+pub fn read_files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
     let file = |entry: fs::DirEntry| {
         let bytes = fs::read(entry.path()).ok()?;
@@ -104,15 +118,15 @@ pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     entries.filter_map(file).collect()
 }
 
-/// Contents of all result files, i.e. of all files except the log and the lock.
-pub fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut all = contents(folder);
-    all.retain(|name, _| name != "log.txt" && name != "lock");
-    all
+/// Reads all result files of a folder, i.e. all files except the log and the lock; contents by name.
+pub fn read_result_files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = read_files(folder);
+    files.retain(|name, _| name != "log.txt" && name != "lock");
+    files
 }
 
 /// Waits until a run in progress has written a file.
-pub fn wait_for(path: &Path) {
+pub fn wait_for_file(path: &Path) {
     let start = Instant::now();
     while !path.exists() {
         assert!(start.elapsed() < Duration::from_secs(120), "{} does not come", path.display());
@@ -120,79 +134,56 @@ pub fn wait_for(path: &Path) {
     }
 }
 
-/// Sends a signal, given by name, to a process.
-pub fn signal(child: &Child, name: &str) {
+/// Sends a signal, given by its name, to a process.
+pub fn send_signal(child: &Child, name: &str) {
     let id = child.id().to_string();
     // The process may have ended already.
     let _ = Command::new("kill").args([&format!("-{name}"), &id]).stderr(Stdio::null()).status();
 }
 
-/// Folder of a run that was interrupted after its second snapshot.
-pub fn interrupted(test: &str, name: &str) -> PathBuf {
-    let here = folder(test, name, SOLID);
-    let mut child = command(&here, RUN).spawn().unwrap();
-    wait_for(&here.join("out/snapshot-00000001.vti"));
-    signal(&child, "INT");
+/// Starts a run in a folder and interrupts it as by Ctrl-C as soon as its result file `name` exists.
+pub fn interrupt_run(folder: &Path, arguments: &str, name: &str) {
+    let mut child = create_command(folder, arguments).spawn().unwrap();
+    wait_for_file(&folder.join("out").join(name));
+    send_signal(&child, "INT");
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(here.join("out/checkpoint").exists());
-    here
+    assert!(folder.join("out/checkpoint").exists());
 }
 
-/// Reproducible pseudo-random numbers.
-pub struct Chance(u64);
-
-impl Chance {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// SplitMix64 (Steele, Lea and Flood 2014).
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform integer below `end`.
-    pub fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-
-    /// Uniform number from 0 to 1.
-    pub fn part(&mut self) -> f64 {
-        self.next() as f64 / u64::MAX as f64
-    }
+/// Starts a run and interrupts it after its second snapshot; returns its folder.
+pub fn create_interrupted_run(test: &str, name: &str) -> PathBuf {
+    let folder = create_case_folder(test, name, SOLID_CASE);
+    interrupt_run(&folder, RUN_ARGUMENTS, "snapshot-00000001.vti");
+    folder
 }
 
-/// Damages a file in one of several random ways; returns a description.
-pub fn damage(path: &Path, chance: &mut Chance) -> String {
+/// Damages a non-empty file in one of six random ways; returns a description.
+pub fn damage_file(path: &Path, random: &mut RandomNumbers) -> String {
     let bytes = fs::read(path).unwrap();
     loop {
-        let mut other = bytes.clone();
-        let at = chance.below(bytes.len());
-        let how = match chance.below(6) {
-            0 if !bytes.is_empty() => {
-                let bit = chance.below(8);
-                other[at] ^= 1 << bit;
+        let mut damaged = bytes.clone();
+        let at = random.uniform_index(bytes.len());
+        let description = match random.uniform_index(6) {
+            0 => {
+                let bit = random.uniform_index(8);
+                damaged[at] ^= 1 << bit;
                 format!("bit {bit} of byte {at} turned")
             }
             1 => {
-                other.truncate(at);
+                damaged.truncate(at);
                 format!("cut to {at} bytes")
             }
             2 => {
-                other.extend(&bytes[at..]);
+                damaged.extend(&bytes[at..]);
                 format!("its end from byte {at} on once more")
             }
-            3 if !bytes.is_empty() => {
-                let end = (at + 1 + chance.below(5000)).min(bytes.len());
-                other[at..end].fill(0);
+            3 => {
+                let end = (at + 1 + random.uniform_index(5000)).min(bytes.len());
+                damaged[at..end].fill(0);
                 format!("zeros from byte {at} to {end}")
             }
             4 => {
-                other.swap(at.min(bytes.len() - 1), bytes.len() / 2);
+                damaged.swap(at, bytes.len() / 2);
                 format!("byte {at} swapped with the middle one")
             }
             _ => {
@@ -200,9 +191,9 @@ pub fn damage(path: &Path, chance: &mut Chance) -> String {
                 return "removed".to_owned();
             }
         };
-        if other != bytes {
-            fs::write(path, other).unwrap();
-            return how;
+        if damaged != bytes {
+            fs::write(path, damaged).unwrap();
+            return description;
         }
     }
 }

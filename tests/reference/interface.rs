@@ -1,18 +1,18 @@
 //! Plane wave on the plane interface x₂ = 0 of two solids: amplitudes of the reflected and transmitted waves from the
 //! Knott–Zoeppritz equations.
 
-use super::Solid;
+use super::IsotropicSolid;
 
 /// Kind of a plane wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Wave {
+pub enum BodyWave {
     P,
     S,
 }
 
 /// Plane wave v = amplitude · a g(t − n·x/c).
 #[derive(Clone, Copy, Debug)]
-pub struct Plane {
+pub struct PlaneWave {
     /// Unit propagation direction n.
     pub direction: [f64; 2],
     /// Polarisation a: n for P; n rotated by 90° anticlockwise for S.
@@ -21,23 +21,23 @@ pub struct Plane {
     pub speed: f64,
     /// Amplitude relative to that of the incident wave.
     pub amplitude: f64,
-    solid: Solid,
+    solid: IsotropicSolid,
 }
 
-impl Plane {
+impl PlaneWave {
     /// Wave of amplitude 1 with slowness p (s/m) along x₁, propagating upwards or downwards; `None` beyond the
     /// critical angle.
-    fn new(wave: Wave, solid: &Solid, p: f64, is_upward: bool) -> Option<Self> {
+    fn new(wave: BodyWave, solid: &IsotropicSolid, p: f64, is_upward: bool) -> Option<Self> {
         let speed = match wave {
-            Wave::P => solid.pressure_speed(),
-            Wave::S => solid.shear_speed(),
+            BodyWave::P => solid.pressure_speed(),
+            BodyWave::S => solid.shear_speed(),
         };
         let sin = p * speed;
         let cos = (1.0 - sin * sin).sqrt();
         let direction = [sin, if is_upward { cos } else { -cos }];
         let polarisation = match wave {
-            Wave::P => direction,
-            Wave::S => [-direction[1], direction[0]],
+            BodyWave::P => direction,
+            BodyWave::S => [-direction[1], direction[0]],
         };
         (sin.abs() < 1.0).then_some(Self {
             direction,
@@ -50,7 +50,7 @@ impl Plane {
 
     /// Continuous quantities at the interface, per unit of g: v₁, v₂ and the tractions σ₁₂, σ₂₂, from
     /// σ = −(λ(a·n) + μ(a nᵀ + n aᵀ)) amplitude g/c.
-    pub fn at_interface(&self) -> [f64; 4] {
+    pub fn continuous_quantities(&self) -> [f64; 4] {
         let ([a1, a2], [n1, n2]) = (self.polarisation, self.direction);
         let (lambda, mu) = (self.solid.lambda, self.solid.mu);
         let shear = -mu * (a1 * n2 + a2 * n1) / self.speed;
@@ -59,49 +59,54 @@ impl Plane {
     }
 
     /// Energy flux through the interface along x₂, per unit of g².
-    pub fn flux(&self) -> f64 {
+    pub fn energy_flux(&self) -> f64 {
         self.solid.density * self.speed * self.direction[1] * self.amplitude.powi(2)
     }
 
     /// Arrival time at a point, s, if the incident wave passes x = 0 at time 0.
-    pub fn arrival(&self, x: [f64; 2]) -> f64 {
+    pub fn arrival_time(&self, x: [f64; 2]) -> f64 {
         (self.direction[0] * x[0] + self.direction[1] * x[1]) / self.speed
     }
 
     /// Velocity (relative to the incident wave) at a point and a time (s), for a time function g and an incident wave
     /// that passes x = 0 at time 0.
     pub fn velocity(&self, x: [f64; 2], t: f64, g: impl Fn(f64) -> f64) -> [f64; 2] {
-        let value = self.amplitude * g(t - self.arrival(x));
+        let value = self.amplitude * g(t - self.arrival_time(x));
         self.polarisation.map(|a| a * value)
     }
 }
 
 /// Plane waves above the interface (incident, reflected P, reflected S) and below it (transmitted P, transmitted S).
 #[derive(Clone, Copy, Debug)]
-pub struct Waves {
-    pub above: [Plane; 3],
-    pub below: [Plane; 2],
+pub struct InterfaceWaves {
+    pub above: [PlaneWave; 3],
+    pub below: [PlaneWave; 2],
 }
 
 /// Solves for the reflected and transmitted waves of a wave incident from above, at an angle (rad) between its
 /// direction and the normal; `None` beyond a critical angle.
-pub fn waves(above: &Solid, below: &Solid, incident: Wave, angle: f64) -> Option<Waves> {
+pub fn solve_interface_waves(
+    above: &IsotropicSolid,
+    below: &IsotropicSolid,
+    incident: BodyWave,
+    angle: f64,
+) -> Option<InterfaceWaves> {
     let speed = match incident {
-        Wave::P => above.pressure_speed(),
-        Wave::S => above.shear_speed(),
+        BodyWave::P => above.pressure_speed(),
+        BodyWave::S => above.shear_speed(),
     };
     let p = angle.sin() / speed;
-    let incident = Plane::new(incident, above, p, false)?;
+    let incident = PlaneWave::new(incident, above, p, false)?;
     let mut others = [
-        Plane::new(Wave::P, above, p, true)?,
-        Plane::new(Wave::S, above, p, true)?,
-        Plane::new(Wave::P, below, p, false)?,
-        Plane::new(Wave::S, below, p, false)?,
+        PlaneWave::new(BodyWave::P, above, p, true)?,
+        PlaneWave::new(BodyWave::S, above, p, true)?,
+        PlaneWave::new(BodyWave::P, below, p, false)?,
+        PlaneWave::new(BodyWave::S, below, p, false)?,
     ];
     // Reflected − transmitted = −incident; tractions are divided by an impedance.
     let units = [1.0, 1.0, above.density * speed, above.density * speed];
-    let columns = others.map(|wave| wave.at_interface());
-    let right = incident.at_interface();
+    let columns = others.map(|wave| wave.continuous_quantities());
+    let right = incident.continuous_quantities();
     let mut rows: [[f64; 5]; 4] = std::array::from_fn(|i| {
         let sign = |j: usize| if j < 2 { 1.0 } else { -1.0 };
         std::array::from_fn(|j| match j {
@@ -109,25 +114,25 @@ pub fn waves(above: &Solid, below: &Solid, incident: Wave, angle: f64) -> Option
             _ => sign(j) * columns[j][i] / units[i],
         })
     });
-    let amplitudes = solve(&mut rows);
+    let amplitudes = solve_linear_system(&mut rows);
     for (wave, amplitude) in others.iter_mut().zip(amplitudes) {
         wave.amplitude = amplitude;
     }
-    Some(Waves { above: [incident, others[0], others[1]], below: [others[2], others[3]] })
+    Some(InterfaceWaves { above: [incident, others[0], others[1]], below: [others[2], others[3]] })
 }
 
 /// Solves four linear equations by Gauss–Jordan elimination with partial pivoting.
-fn solve(rows: &mut [[f64; 5]; 4]) -> [f64; 4] {
+fn solve_linear_system(rows: &mut [[f64; 5]; 4]) -> [f64; 4] {
     for column in 0..4 {
         let pivot =
             (column..4).max_by(|a, b| rows[*a][column].abs().total_cmp(&rows[*b][column].abs()));
         rows.swap(column, pivot.expect("rows"));
-        let own = rows[column].map(|value| value / rows[column][column]);
-        rows[column] = own;
+        let pivot_row = rows[column].map(|value| value / rows[column][column]);
+        rows[column] = pivot_row;
         for (index, row) in rows.iter_mut().enumerate() {
             if index != column {
                 let factor = row[column];
-                row.iter_mut().zip(own).for_each(|(value, own)| *value -= factor * own);
+                row.iter_mut().zip(pivot_row).for_each(|(value, pivot)| *value -= factor * pivot);
             }
         }
     }

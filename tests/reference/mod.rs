@@ -2,16 +2,16 @@
 
 #![allow(dead_code, reason = "each test and benchmark uses a part")]
 
+pub mod comparison;
 pub mod full_plane;
 pub mod garvin;
 pub mod half_plane;
 pub mod half_space;
-pub mod inside;
 pub mod interface;
 pub mod lamb;
+pub mod line_source;
 pub mod oblique;
 pub mod pekeris;
-pub mod run;
 
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -25,15 +25,15 @@ pub struct Ricker {
 }
 
 impl Ricker {
-    /// Derivative of order `derivative` (0 to 3), 1/s^derivative, at a complex time (s); the function is entire.
-    pub fn value(&self, t: Complex64, derivative: usize) -> Complex64 {
+    /// Derivative of order `derivative_order` (0 to 3), 1/s^derivative, at a complex time (s); the function is entire.
+    pub fn derivative_at_complex_time(&self, t: Complex64, derivative_order: usize) -> Complex64 {
         let rate = PI * self.frequency;
         let x = (t - 1.5 / self.frequency) * rate;
         let a = x * x;
         if a.re > 700.0 {
             return Complex64::ZERO;
         }
-        let polynomial = match derivative {
+        let polynomial = match derivative_order {
             0 => 1.0 - 2.0 * a,
             1 => rate * x * (4.0 * a - 6.0),
             2 => rate * rate * (24.0 * a - 6.0 - 8.0 * a * a),
@@ -43,20 +43,15 @@ impl Ricker {
         polynomial * (-a).exp()
     }
 
-    /// Derivative of order `derivative` at a real time (s).
-    pub fn real(&self, t: f64, derivative: usize) -> f64 {
-        self.value(t.into(), derivative).re
-    }
-
-    /// Time, s, after which the value is below 10⁻⁶ of the peak.
-    pub fn end(&self) -> f64 {
-        1.5 / self.frequency + 1.35 / self.frequency
+    /// Derivative of order `derivative_order` at a real time (s).
+    pub fn derivative_at(&self, t: f64, derivative_order: usize) -> f64 {
+        self.derivative_at_complex_time(t.into(), derivative_order).re
     }
 }
 
 /// Isotropic elastic solid.
 #[derive(Clone, Copy, Debug)]
-pub struct Solid {
+pub struct IsotropicSolid {
     /// First Lamé modulus, Pa.
     pub lambda: f64,
     /// Shear modulus, Pa.
@@ -66,12 +61,13 @@ pub struct Solid {
 }
 
 /// Solid of all problems: Poisson's ratio ¼.
-pub const SOLID: Solid = Solid { lambda: 8e7, mu: 8e7, density: 2000.0 };
+pub const REFERENCE_SOLID: IsotropicSolid =
+    IsotropicSolid { lambda: 8e7, mu: 8e7, density: 2000.0 };
 
 /// Time function of all sources.
 pub const RICKER: Ricker = Ricker { frequency: 20.0 };
 
-impl Solid {
+impl IsotropicSolid {
     /// Speed of pressure waves, m/s.
     pub fn pressure_speed(&self) -> f64 {
         ((self.lambda + 2.0 * self.mu) / self.density).sqrt()
@@ -100,47 +96,71 @@ impl Solid {
 
 /// Error of a record relative to the exact record, in the L2 norm and in the maximum norm.
 #[derive(Clone, Copy, Debug)]
-pub struct Error {
+pub struct RelativeError {
     pub l2: f64,
     pub max: f64,
 }
 
 /// Relative error of a record against the exact record.
-pub fn error(record: &[f64], exact: &[f64]) -> Error {
+pub fn compute_relative_error(record: &[f64], exact: &[f64]) -> RelativeError {
     assert_eq!(record.len(), exact.len());
     let difference: Vec<f64> = record.iter().zip(exact).map(|(a, b)| a - b).collect();
     let l2 = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>().sqrt();
     let max = |values: &[f64]| values.iter().fold(0f64, |max, v| max.max(v.abs()));
-    Error { l2: l2(&difference) / l2(exact), max: max(&difference) / max(exact) }
+    RelativeError { l2: l2(&difference) / l2(exact), max: max(&difference) / max(exact) }
 }
 
 /// Error of one velocity component at a receiver.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct ComponentError {
     /// Name of receiver and component, e.g. `surface.v2`.
     pub name: String,
     /// Distance from the source, in wavelengths.
     pub distance: f64,
-    pub error: Error,
+    pub error: RelativeError,
 }
 
 /// Problem with an exact solution.
 #[derive(Clone, Copy, Debug)]
-pub struct Problem {
+pub struct ReferenceProblem {
     pub name: &'static str,
     pub dimensions: usize,
     /// Runs the problem and returns the errors of all components.
-    pub rows: fn(&run::Settings) -> Vec<Row>,
+    pub compute_errors: fn(&comparison::ReferenceSettings) -> Vec<ComponentError>,
 }
 
 /// All problems.
-pub const PROBLEMS: [Problem; 8] = [
-    Problem { name: "lamb-vertical", dimensions: 2, rows: |s| lamb::rows(s, true) },
-    Problem { name: "lamb-horizontal", dimensions: 2, rows: |s| lamb::rows(s, false) },
-    Problem { name: "garvin", dimensions: 2, rows: garvin::rows },
-    Problem { name: "inside-force", dimensions: 2, rows: |s| inside::rows(s, false) },
-    Problem { name: "inside-explosion", dimensions: 2, rows: |s| inside::rows(s, true) },
-    Problem { name: "oblique-p", dimensions: 2, rows: |s| oblique::rows(s, interface::Wave::P) },
-    Problem { name: "oblique-s", dimensions: 2, rows: |s| oblique::rows(s, interface::Wave::S) },
-    Problem { name: "pekeris", dimensions: 3, rows: pekeris::rows },
+pub const REFERENCE_PROBLEMS: [ReferenceProblem; 8] = [
+    ReferenceProblem {
+        name: "lamb-vertical",
+        dimensions: 2,
+        compute_errors: |s| lamb::compute_errors(s, true),
+    },
+    ReferenceProblem {
+        name: "lamb-horizontal",
+        dimensions: 2,
+        compute_errors: |s| lamb::compute_errors(s, false),
+    },
+    ReferenceProblem { name: "garvin", dimensions: 2, compute_errors: garvin::compute_errors },
+    ReferenceProblem {
+        name: "inside-force",
+        dimensions: 2,
+        compute_errors: |s| line_source::compute_errors(s, false),
+    },
+    ReferenceProblem {
+        name: "inside-explosion",
+        dimensions: 2,
+        compute_errors: |s| line_source::compute_errors(s, true),
+    },
+    ReferenceProblem {
+        name: "oblique-p",
+        dimensions: 2,
+        compute_errors: |s| oblique::compute_errors(s, interface::BodyWave::P),
+    },
+    ReferenceProblem {
+        name: "oblique-s",
+        dimensions: 2,
+        compute_errors: |s| oblique::compute_errors(s, interface::BodyWave::S),
+    },
+    ReferenceProblem { name: "pekeris", dimensions: 3, compute_errors: pekeris::compute_errors },
 ];

@@ -4,24 +4,26 @@
 //! compared until the last reflected or transmitted pulse has passed, i.e. before diffraction from the ends of the
 //! pulse arrives. The pulse starts in one solid and travels several wavelengths before it reaches the interface.
 
-use super::interface::{Plane, Wave, waves};
-use super::run::{Frame, Receiver, Settings, compare, moduli};
-use super::{RICKER, Ricker, Row, SOLID, Solid};
+use super::comparison::{
+    AxisMapping, ReferenceReceiver, ReferenceSettings, format_moduli, run_and_compare,
+};
+use super::interface::{BodyWave, PlaneWave, solve_interface_waves};
+use super::{ComponentError, IsotropicSolid, REFERENCE_SOLID, RICKER, Ricker};
 
 /// Solid below the interface; its wave speeds are larger by the factor 1.44, so the shortest waves are those above.
-pub const BELOW: Solid = Solid { lambda: 2e8, mu: 2e8, density: 2400.0 };
+pub const LOWER_SOLID: IsotropicSolid = IsotropicSolid { lambda: 2e8, mu: 2e8, density: 2400.0 };
 
 /// Angles of incidence of P and S waves, degrees; subcritical.
-const ANGLES: [f64; 2] = [12.0, 10.0];
+const INCIDENCE_ANGLES: [f64; 2] = [12.0, 10.0];
 
 /// Width of constant amplitude, in wavelengths.
-const WIDTH: f64 = 24.0;
+const PULSE_WIDTH: f64 = 24.0;
 
 /// Half-length of the Ricker function in periods: at this distance from its peak it is below 10⁻⁶.
-const PERIODS: f64 = 1.36;
+const RICKER_HALF_LENGTH: f64 = 1.36;
 
 /// Names and coordinates (x, upwards) of receivers, in wavelengths of the S wave above the interface.
-const RECEIVERS: [(&str, [f64; 2]); 7] = [
+const RECEIVER_POSITIONS: [(&str, [f64; 2]); 7] = [
     ("above1", [0.2, 1.0]),
     ("above2", [0.4, 2.0]),
     ("above3", [0.6, 3.0]),
@@ -32,63 +34,73 @@ const RECEIVERS: [(&str, [f64; 2]); 7] = [
 ];
 
 /// Relative errors of the velocities for an incident P or S wave; distances are measured from the interface.
-pub fn rows(settings: &Settings, incident: Wave) -> Vec<Row> {
-    let wavelength = SOLID.shear_speed() / RICKER.frequency;
-    let h = wavelength / settings.cells;
-    let frame = Frame::new(2, settings);
+pub fn compute_errors(settings: &ReferenceSettings, incident: BodyWave) -> Vec<ComponentError> {
+    let wavelength = REFERENCE_SOLID.shear_speed() / RICKER.frequency;
+    let h = wavelength / settings.cells_per_wavelength;
+    let axes = AxisMapping::new(2, settings);
     let (speed, angle) = match incident {
-        Wave::P => (SOLID.pressure_speed(), ANGLES[0].to_radians()),
-        Wave::S => (SOLID.shear_speed(), ANGLES[1].to_radians()),
+        BodyWave::P => (REFERENCE_SOLID.pressure_speed(), INCIDENCE_ANGLES[0].to_radians()),
+        BodyWave::S => (REFERENCE_SOLID.shear_speed(), INCIDENCE_ANGLES[1].to_radians()),
     };
-    let waves = waves(&SOLID, &BELOW, incident, angle).expect("all waves travel");
+    let waves = solve_interface_waves(&REFERENCE_SOLID, &LOWER_SOLID, incident, angle)
+        .expect("all waves travel");
     // In the initial state the pulse, including its tapers of half its width on both sides, just touches the
     // interface.
-    let length = PERIODS * speed / SOLID.shear_speed();
-    let distance = WIDTH * angle.tan() + length;
-    let travel = distance * SOLID.shear_speed() / speed;
+    let length = RICKER_HALF_LENGTH * speed / REFERENCE_SOLID.shear_speed();
+    let distance = PULSE_WIDTH * angle.tan() + length;
+    let travel = distance * REFERENCE_SOLID.shear_speed() / speed;
     let duration = (travel + 3.0 + 1.5) / RICKER.frequency;
     let n = waves.above[0].direction;
     let from = n.map(|n| -distance * n);
     // In wavelengths: extent of the pulse above the interface, and a depth from which no wave returns within the
     // duration.
-    let aside = WIDTH + 1.0;
-    let top = from[1] + WIDTH * angle.sin() + length + 1.0;
+    let aside = PULSE_WIDTH + 1.0;
+    let top = from[1] + PULSE_WIDTH * angle.sin() + length + 1.0;
     let bottom = 8.0;
-    let cells = |x: f64| (x * settings.cells).ceil();
+    let cells = |x: f64| (x * settings.cells_per_wavelength).ceil();
     let low = [-cells(aside - from[0]), -cells(bottom)];
     let count = [cells(aside) - low[0], cells(top) - low[1]];
-    let mut case = frame.begin(&SOLID, h, &count, &low, duration);
-    case += &frame.sides("non-reflecting", &[(0, false), (0, true), (1, false), (1, true)]);
+    let mut case = axes.format_leading_sections(&REFERENCE_SOLID, h, &count, &low, duration);
+    case +=
+        &axes.format_boundaries("non-reflecting", &[(0, false), (0, true), (1, false), (1, true)]);
     case += &format!(
         "[[region]]\nshape = \"layer\"\naxis = {}\nfrom = {}\nto = 0\nmodel = {{ {} }}\n\
          [[region]]\nshape = \"rest\"\n",
-        frame.place(&[0, 1]).iter().position(|own| *own == 1).expect("the upward axis") + 1,
+        axes.to_axis_order(&[0, 1])
+            .iter()
+            .position(|coordinate| *coordinate == 1)
+            .expect("the upward axis")
+            + 1,
         low[1] * h,
-        moduli(&BELOW, ", "),
+        format_moduli(&LOWER_SOLID, ", "),
     );
-    let direction = frame.place(&n);
+    let direction = axes.to_axis_order(&n);
     // If the case axes have opposite handedness, the sign of the S polarisation is reversed.
-    let sign = if frame.is_mirrored() && incident == Wave::S { -1.0 } else { 1.0 };
+    let sign = if axes.is_mirrored() && incident == BodyWave::S { -1.0 } else { 1.0 };
     case += &format!(
         "[[initial]]\nkind = \"plane-pulse\"\nwave = \"{incident:?}\"\ndirection_deg = {}\n\
          at = {:?}\namplitude = {sign:?}\nwidth = {}\n\
          time = {{ kind = \"ricker\", frequency = {}, delay = 0 }}\n",
         direction[1].atan2(direction[0]).to_degrees(),
-        frame.place(&from.map(|x| x * wavelength)),
-        WIDTH * wavelength,
+        axes.to_axis_order(&from.map(|x| x * wavelength)),
+        PULSE_WIDTH * wavelength,
         RICKER.frequency,
     );
     let on_side =
-        |at: [f64; 2]| -> &[Plane] { if at[1] >= 0.0 { &waves.above } else { &waves.below } };
-    let receivers = RECEIVERS.map(|(name, at)| {
-        let own = Receiver::new(name, &at, at[1].abs(), wavelength, (settings, &[0.0; 2]));
-        let point = [own.at[0], own.at[1]];
-        let last = on_side(point).iter().map(|wave| wave.arrival(point)).fold(0.0, f64::max);
-        Receiver { until: last + (travel + PERIODS) / RICKER.frequency, ..own }
+        |at: [f64; 2]| -> &[PlaneWave] { if at[1] >= 0.0 { &waves.above } else { &waves.below } };
+    let receivers = RECEIVER_POSITIONS.map(|(name, at)| {
+        let receiver =
+            ReferenceReceiver::new(name, &at, at[1].abs(), wavelength, (settings, &[0.0; 2]));
+        let point = [receiver.position[0], receiver.position[1]];
+        let last = on_side(point).iter().map(|wave| wave.arrival_time(point)).fold(0.0, f64::max);
+        ReferenceReceiver {
+            end_time: last + (travel + RICKER_HALF_LENGTH) / RICKER.frequency,
+            ..receiver
+        }
     });
-    let centred = |t: f64| Ricker::real(&RICKER, t + 1.5 / RICKER.frequency, 0);
-    compare(settings, frame, case, &receivers, |receiver, time| {
-        let at = [receiver.at[0], receiver.at[1]];
+    let centred = |t: f64| Ricker::derivative_at(&RICKER, t + 1.5 / RICKER.frequency, 0);
+    run_and_compare(settings, axes, case, &receivers, |receiver, time| {
+        let at = [receiver.position[0], receiver.position[1]];
         let mut sums = vec![vec![0.0; time.len()]; 2];
         for (index, t) in time.iter().enumerate() {
             for wave in on_side(at) {

@@ -17,11 +17,11 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CASES = ROOT / "cases"
-LEFT_OUT = {"log.txt", "program.json", "checksums.txt"}
+IGNORED_FILES = {"log.txt", "program.json", "checksums.txt"}
 STATE_VERBS = ["point", "map", "dispersion", "speeds", "check"]
 
-# What makes a long case short. Grids stay as they are where regions, receivers and sources have places in them.
-SHORT = {
+# Settings that shorten long cases. Grids with regions, receivers or sources at given positions are not changed.
+SHORT_SETTINGS = {
     ("run", "dynamics/explosion.toml"): ["time.duration=0.02"],
     ("run", "dynamics/foundation.toml"): ["time.duration=0.01"],
     ("run", "dynamics/lamb-2d.toml"): ["time.duration=0.1"],
@@ -32,8 +32,8 @@ SHORT = {
 }
 
 
-def verbs(path):
-    """The verbs that a case is meant for: all are tried, those that refuse it must do so alike."""
+def list_verbs(path):
+    """Verbs to run on a case; a verb that does not accept it must refuse it in both builds."""
     folder = path.parent.name
     if folder == "dynamics":
         return ["run", "point", "check"]
@@ -42,51 +42,51 @@ def verbs(path):
     return STATE_VERBS
 
 
-def run(program, verb, case, out, sets):
+def run_program(program, verb, case, out, sets):
     command = [str(program), verb, str(case), "--out", str(out)]
     for setting in sets:
         command += ["--set", setting]
-    done = subprocess.run(command, capture_output=True, text=True)
-    hide = lambda text: text.replace(str(out), "OUT")
-    return done.returncode, hide(done.stdout), hide(done.stderr)
+    completed = subprocess.run(command, capture_output=True, text=True)
+    hide_folder = lambda text: text.replace(str(out), "OUT")
+    return completed.returncode, hide_folder(completed.stdout), hide_folder(completed.stderr)
 
 
-def differences(old, new, allowed):
-    """The files of two folders that differ, or are in one alone."""
+def find_differences(old, new, allowed):
+    """Yields the files that differ between two folders or are missing in one of them."""
     names = lambda folder: {p.relative_to(folder) for p in folder.rglob("*") if p.is_file()}
-    ours = names(old) | names(new)
-    for name in sorted(ours):
-        if name.name in LEFT_OUT | allowed:
+    all_names = names(old) | names(new)
+    for name in sorted(all_names):
+        if name.name in IGNORED_FILES | allowed:
             continue
-        one, other = old / name, new / name
-        if not (one.is_file() and other.is_file()):
+        old_file, new_file = old / name, new / name
+        if not (old_file.is_file() and new_file.is_file()):
             yield f"{name}: in one folder alone"
-        elif not (filecmp.cmp(one, other, shallow=False) or same_report(one, other)):
+        elif not (filecmp.cmp(old_file, new_file, shallow=False) or is_same_report(old_file, new_file)):
             yield f"{name}: differs"
 
 
-def same_report(old, new):
-    """Whether two reports in JSON are the same, line by line, but for the version of their form."""
+def is_same_report(old, new):
+    """Whether two JSON reports are equal line by line, except for the version of their schema."""
     if old.suffix != ".json":
         return False
     lines = [line for line in new.read_text().splitlines() if not line.startswith('  "schema": ')]
     return lines == old.read_text().splitlines()
 
 
-def compare(programs, verb, path, full, allowed):
+def compare_case(programs, verb, path, full, allowed):
     name = str(path.relative_to(CASES))
-    sets = [] if full else SHORT.get((verb, name), [])
+    sets = [] if full else SHORT_SETTINGS.get((verb, name), [])
     with tempfile.TemporaryDirectory() as base:
-        folders = [pathlib.Path(base, side) for side in ("old", "new")]
-        answers = [run(p, verb, path, f, sets) for p, f in zip(programs, folders)]
-        (old_code, old_out, _), (new_code, new_out, new_error) = answers
+        folders = [pathlib.Path(base, label) for label in ("old", "new")]
+        results = [run_program(p, verb, path, f, sets) for p, f in zip(programs, folders)]
+        (old_code, old_out, _), (new_code, new_out, new_error) = results
         if old_code != new_code:
             yield f"exit code {old_code}, now {new_code}: {new_error.strip()}"
         if old_out != new_out and "stdout" not in allowed:
             yield "standard output differs"
         for folder in folders:
             folder.mkdir(exist_ok=True)
-        yield from differences(*folders, allowed)
+        yield from find_differences(*folders, allowed)
 
 
 def main():
@@ -98,17 +98,17 @@ def main():
     parser.add_argument("--allow", action="append", default=[], help="a file that may differ")
     options = parser.parse_args()
     programs = [options.old.resolve(), options.new.resolve()]
-    found = 0
+    count = 0
     for path in sorted(CASES.glob("*/*.toml")):
         if options.only not in str(path):
             continue
-        for verb in verbs(path):
-            for line in compare(programs, verb, path, options.full, set(options.allow)):
-                found += 1
+        for verb in list_verbs(path):
+            for line in compare_case(programs, verb, path, options.full, set(options.allow)):
+                count += 1
                 print(f"{verb} {path.relative_to(CASES)}: {line}", flush=True)
         print(f"{path.relative_to(CASES)}: compared", file=sys.stderr, flush=True)
-    print(f"{found} differences")
-    return 1 if found else 0
+    print(f"{count} differences")
+    return 1 if count else 0
 
 
 if __name__ == "__main__":

@@ -3,36 +3,36 @@
 use super::UniformFlow;
 use super::mean_flow::MeanFlow;
 use crate::{AgreementError, PlaneWave};
-use analysis::kelvin::{Evolution, course, wave_vector, wave_vector_rate};
-use dynamics::flow::spectral::{Mode, greatest_modes};
+use analysis::kelvin::{KelvinEvolution, integrate_kelvin_wave, wave_vector, wave_vector_rate};
+use dynamics::flow::spectral::{ModeNumbers, max_dealiased_modes};
 use models::common::elementary::Elementary;
-use models::flow::state::Flow;
+use models::flow::state::DeformingFlow;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// Number of sample times after the initial time.
-pub(super) const TIMES: usize = 8;
+pub(super) const SAMPLE_COUNT: usize = 8;
 /// Points along each axis of the box of a single wave; more points would resolve shorter waves and make the problem
 /// stiffer.
-pub(super) const POINTS: usize = 4;
+pub(super) const BOX_POINTS: usize = 4;
 /// Integration steps of the predicted evolution between two sample times.
-const COURSE: usize = 50;
+const PREDICTION_STEPS_PER_SAMPLE: usize = 50;
 
 impl PlaneWave<2> {
     /// Wave vector k, 1/m.
-    pub(super) fn vector(&self) -> [f64; 2] {
+    pub(super) fn to_wave_vector(&self) -> [f64; 2] {
         let [n1, n2] = self.normal;
-        [self.number * n1, self.number * n2]
+        [self.wave_number * n1, self.wave_number * n2]
     }
 
     /// Smallest periodic box of the wave (edge lengths, m) and the Fourier mode of the wave in it.
-    pub(super) fn periodic_box(&self) -> ([f64; 2], Mode) {
-        let [k1, k2] = self.vector();
+    pub(super) fn periodic_box(&self) -> ([f64; 2], ModeNumbers) {
+        let [k1, k2] = self.to_wave_vector();
         // Wave vectors almost parallel to an axis are treated as parallel.
-        let is_negligible = |component: f64| component.abs() < 1e-9 * self.number;
+        let is_negligible = |component: f64| component.abs() < 1e-9 * self.wave_number;
         match [k1, k2].map(is_negligible) {
-            [true, _] => ([TAU / self.number; 2], [0, k2.signum() as i32]),
-            [_, true] => ([TAU / self.number; 2], [k1.signum() as i32, 0]),
+            [true, _] => ([TAU / self.wave_number; 2], [0, k2.signum() as i32]),
+            [_, true] => ([TAU / self.wave_number; 2], [k1.signum() as i32, 0]),
             _ => ([TAU / k1.abs(), TAU / k2.abs()], [k1.signum() as i32, k2.signum() as i32]),
         }
     }
@@ -40,11 +40,11 @@ impl PlaneWave<2> {
 
 /// A uniform flow and its linearised equations at any time.
 pub(super) struct LinearisedFlow<'a> {
-    pub(super) problem: &'a UniformFlow,
-    pub(super) flow: Flow,
-    mean: MeanFlow,
+    pub(super) uniform_flow: &'a UniformFlow,
+    pub(super) flow: DeformingFlow,
+    mean_flow: MeanFlow,
     /// Velocity gradient Γ, 1/s.
-    gradient: [[f64; 2]; 2],
+    velocity_gradient: [[f64; 2]; 2],
 }
 
 impl<'a> LinearisedFlow<'a> {
@@ -52,24 +52,28 @@ impl<'a> LinearisedFlow<'a> {
         let flow = problem.flow;
         let gradient = flow.velocity_gradient.map(|row| row.map(|entry| entry.value));
         let mean = MeanFlow::new(problem.model.clone(), problem.state, flow);
-        Self { problem, flow, mean, gradient }
+        Self { uniform_flow: problem, flow, mean_flow: mean, velocity_gradient: gradient }
     }
 
-    pub(super) fn evolution(
+    pub(super) fn linearise_evolution(
         &self,
         wave: [f64; 2],
         rate: [f64; 2],
-    ) -> Result<Evolution, AgreementError> {
-        Evolution::new(self.mean.system(), wave, rate).ok_or(AgreementError::Undetermined)
+    ) -> Result<KelvinEvolution, AgreementError> {
+        KelvinEvolution::new(self.mean_flow.system(), wave, rate)
+            .ok_or(AgreementError::SingularEquations)
     }
 
     /// Evolution with the wave vector k(t), at the initial time.
-    pub(super) fn moving(&self, wave: [f64; 2]) -> Result<Evolution, AgreementError> {
-        self.evolution(wave, wave_vector_rate(self.gradient, wave))
+    pub(super) fn linearise_moving_evolution(
+        &self,
+        wave: [f64; 2],
+    ) -> Result<KelvinEvolution, AgreementError> {
+        self.linearise_evolution(wave, wave_vector_rate(self.velocity_gradient, wave))
     }
 
     /// The first `count` unknowns of a wave from its transverse velocity and its internal variable (ω or ψ).
-    pub(super) fn unknowns(
+    pub(super) fn to_unknowns(
         &self,
         wave: [f64; 2],
         [transverse, internal]: [Complex64; 2],
@@ -80,8 +84,12 @@ impl<'a> LinearisedFlow<'a> {
         all[..count].to_vec()
     }
 
-    /// Transverse velocity and internal variable from the unknowns: the inverse of [`unknowns`](Self::unknowns).
-    pub(super) fn transverse(&self, wave: [f64; 2], unknowns: &[Complex64]) -> [Complex64; 2] {
+    /// Transverse velocity and internal variable from the unknowns: the inverse of [`to_unknowns`](Self::to_unknowns).
+    pub(super) fn to_wave_amplitudes(
+        &self,
+        wave: [f64; 2],
+        unknowns: &[Complex64],
+    ) -> [Complex64; 2] {
         let number = wave[0].root_sum_square(wave[1]);
         let transverse = (unknowns[1] * wave[0] - unknowns[0] * wave[1]) / number;
         [transverse, unknowns.get(2).copied().unwrap_or_default()]
@@ -89,15 +97,15 @@ impl<'a> LinearisedFlow<'a> {
 
     /// Index of the field, transverse velocity (0) or internal variable (1), that is larger relative to its scale by
     /// the mean flow; and that scale.
-    pub(super) fn greater(&self, number: f64, all: [Complex64; 2]) -> (usize, f64) {
-        let size = |field: usize| all[field].norm() / self.unit(number, field);
+    pub(super) fn dominant_field(&self, number: f64, all: [Complex64; 2]) -> (usize, f64) {
+        let size = |field: usize| all[field].norm() / self.field_scale(number, field);
         let greater = usize::from(size(1) > size(0));
-        (greater, self.unit(number, greater))
+        (greater, self.field_scale(number, greater))
     }
 
     /// Scale of the transverse velocity (`field` = 0) or internal variable (1) of a wave by the mean flow; wave
     /// number `number` (1/m).
-    pub(super) fn unit(&self, number: f64, field: usize) -> f64 {
+    pub(super) fn field_scale(&self, number: f64, field: usize) -> f64 {
         let rate = 2.0 * self.flow.shear_rate;
         match (field, self.flow.spin) {
             (0, _) => rate / number,
@@ -109,29 +117,30 @@ impl<'a> LinearisedFlow<'a> {
     /// Inertial ratio q/(ρ(Q_D/k)²), q = p sin φ + c cos φ: relative velocity gradient of a wave over its relative
     /// pressure.
     pub(super) fn inertial_ratio(&self, number: f64) -> f64 {
-        let (coulomb, velocity) = (self.problem.model.coulomb(), self.flow.shear_rate / number);
+        let (coulomb, velocity) =
+            (self.uniform_flow.model.coulomb(), self.flow.shear_rate / number);
         let (sin, cos) = coulomb.friction_angle.cr_sin_cos();
         let deviator = self.flow.stress.pressure * sin + coulomb.cohesion * cos;
         deviator / self.flow.density / velocity / velocity
     }
 
     /// Largest growth rate of the modes of the box at a time (s), 1/s; 0 if no mode grows.
-    pub(super) fn fastest_growth(
+    pub(super) fn max_growth_rate(
         &self,
         lengths: [f64; 2],
         time: f64,
     ) -> Result<f64, AgreementError> {
-        let [most, across] = greatest_modes([POINTS; 2]).map(|greatest| greatest as i32);
+        let [most, across] = max_dealiased_modes([BOX_POINTS; 2]).map(|greatest| greatest as i32);
         let mut fastest = 0.0f64;
-        let system = self.mean.system_at(time).ok_or(AgreementError::Undetermined)?;
+        let system = self.mean_flow.system_at(time).ok_or(AgreementError::SingularEquations)?;
         for first in 0..=most {
             for second in (-across..=across).filter(|second| [first, *second] > [0, 0]) {
                 let mode = [f64::from(first), f64::from(second)];
                 let start = [0, 1].map(|axis| TAU * mode[axis] / lengths[axis]);
-                let wave = wave_vector(self.gradient, start, time);
-                let rate = wave_vector_rate(self.gradient, wave);
-                let evolution = Evolution::new(&system, wave, rate);
-                let modes = evolution.ok_or(AgreementError::Undetermined)?.modes();
+                let wave = wave_vector(self.velocity_gradient, start, time);
+                let rate = wave_vector_rate(self.velocity_gradient, wave);
+                let evolution = KelvinEvolution::new(&system, wave, rate);
+                let modes = evolution.ok_or(AgreementError::SingularEquations)?.modes();
                 fastest = modes.iter().fold(fastest, |sum, own| sum.max(own.0.re));
             }
         }
@@ -139,26 +148,26 @@ impl<'a> LinearisedFlow<'a> {
     }
 
     /// Amplitudes of a wave at the sample times, predicted by the linearised equations.
-    pub(super) fn predicted(
+    pub(super) fn predict_amplitudes(
         &self,
         wave: [f64; 2],
         start: [Complex64; 2],
         count: usize,
         duration: f64,
     ) -> Result<Vec<[Complex64; 2]>, AgreementError> {
-        let start = self.unknowns(wave, start, count);
-        let all = course(
-            &|time| self.mean.system_at(time),
-            self.gradient,
+        let start = self.to_unknowns(wave, start, count);
+        let all = integrate_kelvin_wave(
+            &|time| self.mean_flow.system_at(time),
+            self.velocity_gradient,
             wave,
             &start,
             duration,
-            [TIMES, COURSE],
+            [SAMPLE_COUNT, PREDICTION_STEPS_PER_SAMPLE],
         );
-        let all = all.ok_or(AgreementError::Undetermined)?;
-        let time = |index: usize| duration * index as f64 / TIMES as f64;
+        let all = all.ok_or(AgreementError::SingularEquations)?;
+        let time = |index: usize| duration * index as f64 / SAMPLE_COUNT as f64;
         let of = |(index, own): (usize, &Vec<Complex64>)| {
-            self.transverse(wave_vector(self.gradient, wave, time(index)), own)
+            self.to_wave_amplitudes(wave_vector(self.velocity_gradient, wave, time(index)), own)
         };
         Ok(all.iter().enumerate().map(of).collect())
     }

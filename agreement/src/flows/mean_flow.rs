@@ -7,7 +7,7 @@
 
 use models::LinearisedSystem;
 use models::common::elementary::Elementary;
-use models::flow::state::{Background, Flow, State};
+use models::flow::state::{Background, DeformingFlow, MaterialState};
 use models::flow::{Model, RotationKind};
 use nalgebra::{Matrix2, Vector2};
 
@@ -15,36 +15,36 @@ use nalgebra::{Matrix2, Vector2};
 pub(super) struct MeanFlow {
     model: Model,
     /// Initial state.
-    state: State,
+    state: MaterialState,
     /// Initial flow.
-    flow: Flow,
+    flow: DeformingFlow,
     system: LinearisedSystem<2>,
     rotation_ratio: f64,
-    law: Law,
+    angle_law: AngleLaw,
 }
 
 /// Evolution law of ψ − ψ_D.
-enum Law {
-    Constant,
+enum AngleLaw {
+    ConstantAngle,
     /// Double shearing: linear equation of the module comment.
     DoubleShearing,
     /// Harris–Grekova: ψ − ψ_D follows from the spin, which has this constant rate, rad/s².
-    Spin(f64),
+    ConstantSpinRate(f64),
 }
 
 impl MeanFlow {
-    pub(super) fn new(model: Model, state: State, flow: Flow) -> Self {
+    pub(super) fn new(model: Model, state: MaterialState, flow: DeformingFlow) -> Self {
         let law = match model.kind().rotation() {
-            RotationKind::StressAxes => Law::DoubleShearing,
+            RotationKind::StressAxes => AngleLaw::DoubleShearing,
             RotationKind::IntrinsicSpin if state.spin_acceleration != 0.0 => {
-                Law::Spin(state.spin_acceleration)
+                AngleLaw::ConstantSpinRate(state.spin_acceleration)
             }
-            _ => Law::Constant,
+            _ => AngleLaw::ConstantAngle,
         };
         let mut system = LinearisedSystem::default();
         model.symbol(&flow, &mut system);
         let rotation_ratio = model.flow_rule().rotation_ratio();
-        Self { model, state, flow, system, rotation_ratio, law }
+        Self { model, state, flow, system, rotation_ratio, angle_law: law }
     }
 
     /// Linearised equations at the initial time.
@@ -56,16 +56,16 @@ impl MeanFlow {
     pub(super) fn angle(&self, time: f64) -> Option<f64> {
         let (rate, vorticity) = (self.flow.shear_rate, self.flow.half_vorticity);
         let start = -self.flow.noncoaxiality;
-        match self.law {
-            Law::Constant => Some(start),
-            Law::DoubleShearing => {
+        match self.angle_law {
+            AngleLaw::ConstantAngle => Some(start),
+            AngleLaw::DoubleShearing => {
                 let b = rate / self.rotation_ratio;
                 let matrix = Matrix2::new(-b, -vorticity, vorticity, b) * time;
                 let [x, y]: [f64; 2] =
                     (matrix.exp() * Vector2::new(start.cr_cos(), start.cr_sin())).into();
                 Some(y.cr_atan2(x))
             }
-            Law::Spin(acceleration) => {
+            AngleLaw::ConstantSpinRate(acceleration) => {
                 let spin = self.flow.spin?.value + acceleration * time;
                 let sine = self.rotation_ratio * (spin - vorticity) / rate;
                 let half = 0.5 * sine.cr_asin();
@@ -78,17 +78,17 @@ impl MeanFlow {
 
     /// Linearised equations at a time (s); `None` if the mean flow is no longer fully deforming.
     pub(super) fn system_at(&self, time: f64) -> Option<LinearisedSystem<2>> {
-        if matches!(self.law, Law::Constant) {
+        if matches!(self.angle_law, AngleLaw::ConstantAngle) {
             return Some(self.system.clone());
         }
         let angle = self.angle(time)?;
         let along = self.flow.stress.angle + self.flow.noncoaxiality;
-        let state = State {
+        let state = MaterialState {
             stress_angle: along + angle,
             noncoaxiality: Some(-angle),
             spin: None,
             stress_angle_rate: None,
-            rotational_stress: self.flow.spin.map(|_| self.flow.stress.rotational),
+            rotational_stress: self.flow.spin.map(|_| self.flow.stress.rotational_stress),
             acceleration: None,
             body_moment: None,
             velocity_gradient: None,
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use models::registry;
 
-    fn double_shearing(state: State) -> MeanFlow {
+    fn double_shearing_flow(state: MaterialState) -> MeanFlow {
         let constants = [30f64.to_radians(), 0.0, 0.0];
         let model = Model::new(registry::DOUBLE_SHEARING, &constants).expect("a model");
         let Background::FullyDeforming(flow) = model.background(&state).expect("a flow") else {
@@ -119,14 +119,14 @@ mod tests {
 
     /// Verifies the angle ψ − ψ_D against the classical Runge–Kutta method applied to the evolution equation of ψ.
     #[test]
-    fn the_stress_axes_turn_as_their_equation_says() {
-        let own = double_shearing(State {
+    fn stress_angle_follows_evolution_equation() {
+        let own = double_shearing_flow(MaterialState {
             density: 1600.0,
             pressure: 1000.0,
             shear_rate: 50.0,
             half_vorticity: -9.0,
             noncoaxiality: Some(16f64.to_radians()),
-            ..State::default()
+            ..MaterialState::default()
         });
         let (rate, vorticity) = (own.flow.shear_rate, own.flow.half_vorticity);
         let slope = |angle: f64| vorticity + rate * (2.0 * angle).sin() / own.rotation_ratio;

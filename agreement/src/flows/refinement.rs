@@ -2,12 +2,12 @@
 
 use super::UniformFlow;
 use super::linearised::LinearisedFlow;
-use super::linearised::TIMES;
-use super::waves::{LEAST, amplitudes, times};
+use super::linearised::SAMPLE_COUNT;
+use super::waves::{MIN_RELATIVE_AMPLITUDE, measure_amplitudes, sample_times};
 use crate::AgreementError;
-use crate::fit::{fit_rate, slope};
-use dynamics::flow::spectral::Mode;
-use dynamics::flow::{Closure, Flow as Solver, Problem};
+use crate::fit::{fit_rate, fit_slope};
+use dynamics::flow::spectral::ModeNumbers;
+use dynamics::flow::{Closure, FlowProblem, FlowSolver as Solver};
 use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -31,18 +31,18 @@ pub struct FastestMode {
     /// Points along each axis.
     pub points: [usize; 2],
     /// Fourier mode.
-    pub mode: Mode,
+    pub mode: ModeNumbers,
     /// Initial wave number of the mode, 1/m.
-    pub number: f64,
+    pub wave_number: f64,
     /// Growth rate predicted by the linearised equations along k(t), 1/s.
-    pub predicted: f64,
+    pub predicted_growth: f64,
     /// Growth rate measured in the solver, 1/s.
-    pub measured: f64,
+    pub measured_growth: f64,
 }
 
 /// Fastest growing modes of one perturbation under grid refinement.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Refinement {
+pub struct GridRefinement {
     /// Order of growth in k as k → ∞ according to the analysis; 0 if the flow is well-posed.
     pub verdict_order: f64,
     /// Result of each grid.
@@ -51,7 +51,7 @@ pub struct Refinement {
     pub shear_rate: f64,
 }
 
-impl Refinement {
+impl GridRefinement {
     /// Relative tolerance of measured against predicted rates, and of their orders.
     pub const RATE_TOLERANCE: f64 = 0.01;
 
@@ -60,39 +60,42 @@ impl Refinement {
     pub const ORDER_TOLERANCE: f64 = 0.25;
 
     /// Whether measured and predicted rates on `grid` agree.
-    pub fn grid_agrees(&self, grid: &FastestMode) -> bool {
-        let scale = grid.predicted.abs().max(self.shear_rate);
-        (grid.measured - grid.predicted).abs() <= Self::RATE_TOLERANCE * scale
+    pub fn is_grid_within_tolerance(&self, grid: &FastestMode) -> bool {
+        let scale = grid.predicted_growth.abs().max(self.shear_rate);
+        (grid.measured_growth - grid.predicted_growth).abs() <= Self::RATE_TOLERANCE * scale
     }
 
     /// Whether the fastest mode of each grid grows at more than three times the shear rate of the mean flow.
-    pub fn grows(&self) -> bool {
-        let grows = |own: &FastestMode| own.predicted.min(own.measured) > 3.0 * self.shear_rate;
+    pub fn is_growing(&self) -> bool {
+        let grows = |own: &FastestMode| {
+            own.predicted_growth.min(own.measured_growth) > 3.0 * self.shear_rate
+        };
         !self.grids.is_empty() && self.grids.iter().all(grows)
     }
 
     /// Orders in the wave number of predicted and measured rates, fitted to all grids; `None` for fewer than two
-    /// grids, if [`grows`](Self::grows) is false, or if the fastest modes of all grids have the same wave number.
-    pub fn orders(&self) -> Option<[f64; 2]> {
+    /// grids, if [`is_growing`](Self::is_growing) is false, or if the fastest modes of all grids have the same wave
+    /// number.
+    pub fn fit_orders(&self) -> Option<[f64; 2]> {
         let ends = self.grids.iter().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], own| {
-            [low.min(own.number), high.max(own.number)]
+            [low.min(own.wave_number), high.max(own.wave_number)]
         });
         // Equal within rounding.
         let is_one_number = ends[1] - ends[0] <= 1e-9 * ends[1];
-        if self.grids.len() < 2 || is_one_number || !self.grows() {
+        if self.grids.len() < 2 || is_one_number || !self.is_growing() {
             return None;
         }
-        let numbers: Vec<f64> = self.grids.iter().map(|own| own.number.cr_ln()).collect();
+        let numbers: Vec<f64> = self.grids.iter().map(|own| own.wave_number.cr_ln()).collect();
         let order = |value: fn(&FastestMode) -> f64| {
             let values: Vec<f64> = self.grids.iter().map(|own| value(own).cr_ln()).collect();
-            slope(&numbers, &values)
+            fit_slope(&numbers, &values)
         };
-        Some([order(|own| own.predicted), order(|own| own.measured)])
+        Some([order(|own| own.predicted_growth), order(|own| own.measured_growth)])
     }
 
     /// Whether rates and orders agree, and the predicted order agrees with that of the verdict within tolerance.
-    pub fn agrees(&self) -> bool {
-        let orders = match self.orders() {
+    pub fn is_within_tolerance(&self) -> bool {
+        let orders = match self.fit_orders() {
             // No order is defined if the grids are too coarse for growth, or if they share the fastest mode.
             None => true,
             Some([predicted, measured]) => {
@@ -100,37 +103,38 @@ impl Refinement {
                     && (measured - predicted).abs() <= Self::RATE_TOLERANCE * predicted
             }
         };
-        orders && self.grids.iter().all(|own| self.grid_agrees(own))
+        orders && self.grids.iter().all(|own| self.is_grid_within_tolerance(own))
     }
 }
 
 /// Rates (1/s) of one Fourier mode, by descending growth.
-type Rates = (Mode, Vec<Complex64>);
+type ModeRates = (ModeNumbers, Vec<Complex64>);
 
 /// Predicts and measures the fastest growing mode of a perturbation.
 ///
 /// # Errors
 /// The solver rejects the flow or stops before the end time; the perturbation has no velocity, or not one value per
 /// point; the equations do not determine the evolution.
-pub fn fastest_mode(
+pub fn compare_fastest_mode(
     problem: &UniformFlow,
     perturbation: &Perturbation,
 ) -> Result<FastestMode, AgreementError> {
     let flow = LinearisedFlow::new(problem);
     let (points, lengths) = (perturbation.points, perturbation.lengths);
     // Looser than for a single wave: the tolerance applies to the entire perturbation, which contains many waves.
-    let solver_problem = Problem { tolerance: 3e-7, points, lengths, ..problem.solver.clone() };
+    let solver_problem =
+        FlowProblem { tolerance: 3e-7, points, lengths, ..problem.solver_problem.clone() };
     let mut solver = Solver::new(&solver_problem)?;
     let ([v1, v2], internal) = (&perturbation.velocity, &perturbation.internal_variable);
     let found = [v1.len(), v2.len(), internal.len()];
     if found != [points[0] * points[1]; 3] {
-        return Err(AgreementError::Points { found, points });
+        return Err(AgreementError::PointCount { found, points });
     }
     solver.perturb([v1, v2], internal)?;
-    let all = rates(&flow, &solver)?;
-    let growth = |own: &Rates| own.1.first().map_or(f64::MIN, |rate| rate.re);
+    let all = predict_mode_rates(&flow, &solver)?;
+    let growth = |own: &ModeRates| own.1.first().map_or(f64::MIN, |rate| rate.re);
     let fastest = all.iter().max_by(|a, b| growth(a).total_cmp(&growth(b)));
-    let (mode, rates) = fastest.ok_or(AgreementError::NothingMoves)?;
+    let (mode, rates) = fastest.ok_or(AgreementError::NoVelocity)?;
     let stiffest = all.iter().flat_map(|own| &own.1).map(|rate| rate.norm()).fold(0.0, f64::max);
     let shear_rate = flow.flow.shear_rate;
     // Three e-folds; without growth, limited by the stiffest mode to a few hundred stages.
@@ -138,54 +142,59 @@ pub fn fastest_mode(
         .min(0.1 / shear_rate)
         .min(2e3 / stiffest);
     let wave = solver.wave_vector(*mode);
-    let mut measured = vec![amplitudes(&solver, *mode)];
+    let mut measured = vec![measure_amplitudes(&solver, *mode)];
     let count = if solver_problem.closure == Closure::PlasticPotential { 2 } else { 3 };
     let (duration, predicted) = {
         let mut duration = duration;
         loop {
-            let predicted = flow.predicted(wave, measured[0], count, duration)?;
+            let predicted = flow.predict_amplitudes(wave, measured[0], count, duration)?;
             // The duration of a decaying mode is halved until its amplitude stays far above rounding.
             let least = predicted.iter().map(|own| own[0].norm()).fold(f64::MAX, f64::min);
-            if least > LEAST * predicted[0][0].norm() || duration < 1e-9 / shear_rate {
+            if least > MIN_RELATIVE_AMPLITUDE * predicted[0][0].norm()
+                || duration < 1e-9 / shear_rate
+            {
                 break (duration, predicted);
             }
             duration *= 0.5;
         }
     };
-    for time in times(duration).into_iter().skip(1) {
+    for time in sample_times(duration).into_iter().skip(1) {
         while solver.time() < time {
             solver.advance(time)?;
         }
-        measured.push(amplitudes(&solver, *mode));
+        measured.push(measure_amplitudes(&solver, *mode));
     }
     // Fit to the last half, after the other modes have decayed.
-    let half = TIMES / 2;
+    let half = SAMPLE_COUNT / 2;
     let growth = |all: &[[Complex64; 2]]| {
         let transverse: Vec<Complex64> = all[half..].iter().map(|own| own[0]).collect();
-        fit_rate(&times(duration)[half..], &transverse).growth
+        fit_rate(&sample_times(duration)[half..], &transverse).growth_rate
     };
     Ok(FastestMode {
         points,
         mode: *mode,
-        number: wave[0].root_sum_square(wave[1]),
-        predicted: growth(&predicted),
-        measured: growth(&measured),
+        wave_number: wave[0].root_sum_square(wave[1]),
+        predicted_growth: growth(&predicted),
+        measured_growth: growth(&measured),
     })
 }
 
 /// Predicted rates of the modes whose velocity exceeds 1/1000 of the largest; one of each pair of opposite modes.
-fn rates(flow: &LinearisedFlow, solver: &Solver) -> Result<Vec<Rates>, AgreementError> {
-    let [most, across] = solver.greatest_modes().map(|greatest| greatest as i32);
-    let all: Vec<(Mode, f64)> = (0..=most)
+fn predict_mode_rates(
+    flow: &LinearisedFlow,
+    solver: &Solver,
+) -> Result<Vec<ModeRates>, AgreementError> {
+    let [most, across] = solver.max_modes().map(|greatest| greatest as i32);
+    let all: Vec<(ModeNumbers, f64)> = (0..=most)
         .flat_map(|first| (-across..=across).map(move |second| [first, second]))
         .filter(|mode| *mode > [0, 0])
-        .map(|mode| (mode, amplitudes(solver, mode)[0].norm()))
+        .map(|mode| (mode, measure_amplitudes(solver, mode)[0].norm()))
         .collect();
     let greatest = all.iter().map(|own| own.1).fold(0.0, f64::max);
-    let is_held = |own: &&(Mode, f64)| greatest > 0.0 && own.1 > 1e-3 * greatest;
-    let modes: Vec<Mode> = all.iter().filter(is_held).map(|own| own.0).collect();
-    let rates = |mode: &Mode| {
-        let modes = flow.moving(solver.wave_vector(*mode))?.modes();
+    let is_held = |own: &&(ModeNumbers, f64)| greatest > 0.0 && own.1 > 1e-3 * greatest;
+    let modes: Vec<ModeNumbers> = all.iter().filter(is_held).map(|own| own.0).collect();
+    let rates = |mode: &ModeNumbers| {
+        let modes = flow.linearise_moving_evolution(solver.wave_vector(*mode))?.modes();
         Ok((*mode, modes.into_iter().map(|own| own.0).collect()))
     };
     modes.par_iter().map(rates).collect()

@@ -3,19 +3,19 @@
 pub mod growth_curves;
 
 use crate::growth::{self, Assessment, Growth, Verdict};
-use crate::newton::Order;
+use crate::newton_polygon::GrowthOrder;
 use crate::pencil::Pencil;
 use crate::{AnalysisError, StateError};
 use models::flow::Model;
-use models::flow::state::{Background, Flow, State};
-use models::{ClosedForm, LinearisedSystem};
+use models::flow::state::{Background, DeformingFlow, MaterialState};
+use models::{ClosedFormVerdict, LinearisedSystem};
 
 /// Description of the model-blind method of assessment, for output.
 pub const FLOW_ROUTE: &str = "exact dispersion polynomial of the linearised equations, all directions (no model's closed form)";
 
 /// Reusable memory for assessing states one after another; use one per thread.
 #[derive(Clone, Debug, Default)]
-pub struct Workspace {
+pub struct FlowWorkspace {
     /// The linearised equations of the last state.
     pub system: LinearisedSystem<2>,
     /// Pencil and dispersion polynomial of the last state.
@@ -44,19 +44,21 @@ impl Route {
     }
 }
 
-impl From<ClosedForm> for Verdict {
+impl From<ClosedFormVerdict> for Verdict {
     /// Converts the result of a closed-form formula.
-    fn from(closed_form: ClosedForm) -> Self {
+    fn from(closed_form: ClosedFormVerdict) -> Self {
         match closed_form {
-            ClosedForm::WellPosed => Self::WellPosed,
-            ClosedForm::Grows { order, coefficient, direction } => {
-                let order = Order { numerator: order.into(), denominator: 1 };
+            ClosedFormVerdict::WellPosed => Self::WellPosed,
+            ClosedFormVerdict::PowerLawGrowth { order, coefficient, direction } => {
+                let order = GrowthOrder { numerator: order.into(), denominator: 1 };
                 Self::IllPosed { growth: Some(Growth { order, coefficient }), direction }
             }
-            ClosedForm::UnboundedAtFiniteWaveNumber { direction } => {
+            ClosedFormVerdict::UnboundedAtFiniteWaveNumber { direction } => {
                 Self::IllPosed { growth: None, direction }
             }
-            ClosedForm::Indeterminate { rank, unknowns } => Self::Indeterminate { rank, unknowns },
+            ClosedFormVerdict::Indeterminate { rank, unknowns } => {
+                Self::Indeterminate { rank, unknowns }
+            }
         }
     }
 }
@@ -68,7 +70,7 @@ pub enum FrozenState {
     /// The state yields (is fully deforming) and was assessed.
     Yielding {
         /// The background.
-        flow: Flow,
+        flow: DeformingFlow,
         /// The verdict with its evidence.
         assessment: Assessment,
     },
@@ -76,7 +78,7 @@ pub enum FrozenState {
     NotYielding(Background),
 }
 
-impl Workspace {
+impl FlowWorkspace {
     /// Assesses a state from its linearised equations.
     ///
     /// # Errors
@@ -84,7 +86,7 @@ impl Workspace {
     pub fn assess_state(
         &mut self,
         model: &Model,
-        state: &State,
+        state: &MaterialState,
     ) -> Result<FrozenState, StateError> {
         let background = model.background(state)?;
         let Background::FullyDeforming(flow) = background else {
@@ -98,7 +100,11 @@ impl Workspace {
     ///
     /// # Errors
     /// See [`AnalysisError`].
-    pub fn assess(&mut self, model: &Model, flow: &Flow) -> Result<Assessment, AnalysisError> {
+    pub fn assess(
+        &mut self,
+        model: &Model,
+        flow: &DeformingFlow,
+    ) -> Result<Assessment, AnalysisError> {
         model.symbol(flow, &mut self.system);
         self.pencil.update(&self.system)?;
         Ok(growth::assess(&self.pencil))
@@ -108,10 +114,10 @@ impl Workspace {
     ///
     /// # Errors
     /// See [`AnalysisError`].
-    pub fn decide(
+    pub fn decide_verdict(
         &mut self,
         model: &Model,
-        flow: &Flow,
+        flow: &DeformingFlow,
     ) -> Result<(Verdict, Route), AnalysisError> {
         match model.closed_form(flow) {
             Some(closed_form) => Ok((closed_form.into(), Route::ClosedForm)),
@@ -121,14 +127,14 @@ impl Workspace {
 
     /// Whether the powers of the wave number k (1/m) in the dispersion polynomial of the last state are far from
     /// overflow and underflow.
-    pub fn reaches(&self, k: f64) -> bool {
-        (1e-30..1e30).contains(&(k / self.pencil.polynomial.wave_number))
+    pub fn is_in_range(&self, k: f64) -> bool {
+        (1e-30..1e30).contains(&(k / self.pencil.polynomial.wave_number_unit))
     }
 
     /// Largest Re ς of the last state, 1/s, at the wave number `k` (1/m) and `direction` (rad); NaN if there is no
-    /// finite root, or if [`reaches`](Self::reaches) is false for `k`.
-    pub fn growth(&self, k: f64, direction: f64) -> f64 {
-        if !self.reaches(k) {
+    /// finite root, or if [`is_in_range`](Self::is_in_range) is false for `k`.
+    pub fn growth_rate(&self, k: f64, direction: f64) -> f64 {
+        if !self.is_in_range(k) {
             return f64::NAN;
         }
         let roots = self.pencil.polynomial.roots(k, direction, &[]);

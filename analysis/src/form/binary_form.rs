@@ -1,58 +1,59 @@
 //! Binary forms: products, sums, derivatives and rotations.
 
-use crate::list::{List, list};
+use crate::list::{StackList, list};
 use models::Rounded;
 use models::common::elementary::Elementary;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A binary form (homogeneous polynomial in two variables) of degree d by its d + 1 coefficients.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Form {
+pub struct BinaryForm {
     /// Coefficients; entry l multiplies κ₁^(d−l) κ₂^l.
-    pub coefficients: List<Rounded>,
+    pub coefficients: StackList<Rounded>,
     /// Coefficients of the known factors of the form, one factor after the other; factors resolve close zeros that the
     /// expanded coefficients do not.
-    pub(super) factors: List<Rounded>,
+    pub(super) factors: StackList<Rounded>,
     /// End of each factor in `factors`.
-    pub(super) ends: List<usize, 4>,
+    pub(super) factor_ends: StackList<usize, 4>,
 }
 
-impl Form {
+impl BinaryForm {
     /// The zero form of degree `degree`.
-    pub fn zero(degree: usize) -> Self {
+    pub fn new_zero(degree: usize) -> Self {
         Self { coefficients: list![Rounded::ZERO; degree + 1], ..Self::default() }
     }
 
     pub(super) fn from_coefficients(coefficients: &[Rounded]) -> Self {
-        Self { coefficients: List::from_slice(coefficients), ..Self::default() }
+        Self { coefficients: StackList::from_slice(coefficients), ..Self::default() }
     }
 
     /// Coefficients of the known factors.
     pub(super) fn factors(&self) -> impl Iterator<Item = &[Rounded]> {
-        let starts = [0].into_iter().chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| &self.factors[start..end])
+        let starts = [0].into_iter().chain(self.factor_ends.iter().copied());
+        starts.zip(&self.factor_ends).map(|(start, &end)| &self.factors[start..end])
     }
 
     /// Stores `factors` as factorisation of the form, up to a constant factor; ignored if their product is not
     /// proportional to the form.
-    pub fn factorise(&mut self, factors: &[Form]) {
-        let product =
-            |angle: f64| factors.iter().map(|f| f.at_angle(angle)).fold(Rounded::ONE, |a, b| a * b);
+    pub fn set_factors(&mut self, factors: &[BinaryForm]) {
+        let product = |angle: f64| {
+            factors.iter().map(|f| f.evaluate_at_angle(angle)).fold(Rounded::ONE, |a, b| a * b)
+        };
         // Compare where the form is largest: the ratio of form and product must be constant.
-        let mut samples: List<(f64, f64), 32> = (0..4 * factors.len() + 8)
+        let mut samples: StackList<(f64, f64), 32> = (0..4 * factors.len() + 8)
             .map(|i| 0.1 + 0.37 * i as f64)
-            .map(|angle| (self.at_angle(angle).value, product(angle).value))
+            .map(|angle| (self.evaluate_at_angle(angle).value, product(angle).value))
             .collect();
         samples.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
         samples.truncate(samples.len() / 2);
         let ratio = samples[0].0 / samples[0].1;
         let holds = samples.iter().all(|(f, p)| (f - ratio * p).abs() <= 1e-9 * f.abs());
         if ratio.is_finite() && ratio != 0.0 && holds {
-            (self.factors, self.ends) = (List::new(), List::new());
+            (self.factors, self.factor_ends) = (StackList::new(), StackList::new());
             for (index, factor) in factors.iter().enumerate() {
-                let scaled = |&c| if index == 0 { Rounded::exact(ratio) * c } else { c };
+                let scaled = |&c| if index == 0 { Rounded::from_exact(ratio) * c } else { c };
                 self.factors.extend(factor.coefficients.iter().map(scaled));
-                self.ends.push(self.factors.len());
+                self.factor_ends.push(self.factors.len());
             }
         }
     }
@@ -64,27 +65,27 @@ impl Form {
 
     /// Whether some coefficient has a sign beyond rounding, so that the form does not vanish
     /// identically.
-    pub fn is_certain(&self) -> bool {
+    pub fn is_nonzero(&self) -> bool {
         self.coefficients.iter().any(|c| matches!(c.sign(), Some(1 | -1)))
     }
 
     /// Value F(cos θ, sin θ) with rounding bound, from cos θ and sin θ.
-    pub fn at(&self, cos: Rounded, sin: Rounded) -> Rounded {
-        if self.ends.is_empty() {
-            return evaluate(&self.coefficients, cos, sin);
+    pub fn evaluate(&self, cos: Rounded, sin: Rounded) -> Rounded {
+        if self.factor_ends.is_empty() {
+            return evaluate_horner(&self.coefficients, cos, sin);
         }
-        self.factors().map(|f| evaluate(f, cos, sin)).fold(Rounded::ONE, |a, b| a * b)
+        self.factors().map(|f| evaluate_horner(f, cos, sin)).fold(Rounded::ONE, |a, b| a * b)
     }
 
     /// Value F(cos θ, sin θ) with rounding bound at an exact angle θ, rad.
-    pub fn at_angle(&self, angle: f64) -> Rounded {
-        let angle = Rounded::exact(angle);
-        self.at(angle.cos(), angle.sin())
+    pub fn evaluate_at_angle(&self, angle: f64) -> Rounded {
+        let angle = Rounded::from_exact(angle);
+        self.evaluate(angle.cos(), angle.sin())
     }
 
     /// Adds `factor` times another form of the same parity and no higher degree, as functions on the
     /// unit circle.
-    pub fn add(&mut self, other: &Form, factor: Rounded) {
+    pub fn add_scaled(&mut self, other: &BinaryForm, factor: Rounded) {
         let mut raised = other.coefficients.clone();
         while raised.len() < self.coefficients.len() {
             let mut next = list![Rounded::ZERO; raised.len() + 2];
@@ -98,11 +99,11 @@ impl Form {
             *sum += factor * f;
         }
         self.factors.clear();
-        self.ends.clear();
+        self.factor_ends.clear();
     }
 
     /// Whether the form vanishes exactly at `angle`, one of the axes.
-    pub fn vanishes_on_axis(&self, angle: f64) -> bool {
+    pub fn is_zero_on_axis(&self, angle: f64) -> bool {
         let zero = |c: Option<&Rounded>| c.is_some_and(|c| c.is_structural_zero());
         (angle == 0.0 || angle == PI) && zero(self.coefficients.first())
             || (angle - FRAC_PI_2).abs() < 1e-15 && zero(self.coefficients.last())
@@ -129,7 +130,7 @@ impl Form {
     /// Derivative dF(cos θ, sin θ)/dθ, again a form of degree d.
     pub fn derivative(&self) -> Self {
         let d = self.degree();
-        let mut result = Self::zero(d);
+        let mut result = Self::new_zero(d);
         for (l, &f) in self.coefficients.iter().enumerate() {
             // d/dθ (c^(d−l) s^l) = l c^(d−l+1) s^(l−1) − (d−l) c^(d−l−1) s^(l+1)
             if l > 0 {
@@ -144,7 +145,7 @@ impl Form {
 
     /// The form in axes rotated by the angle with cosine `cos` and sine `sin`: G(κ, κ⊥) with
     /// κ₁ = cos κ − sin κ⊥, κ₂ = sin κ + cos κ⊥.
-    pub fn rotated(&self, cos: Rounded, sin: Rounded) -> Self {
+    pub fn to_rotated_axes(&self, cos: Rounded, sin: Rounded) -> Self {
         let d = self.degree();
         let multiply = |p: &[Rounded], a: Rounded, b: Rounded| {
             let mut product = list![Rounded::ZERO; p.len() + 1];
@@ -154,9 +155,9 @@ impl Form {
             }
             product
         };
-        let mut result = Self::zero(d);
+        let mut result = Self::new_zero(d);
         // Rotate factor by factor: small values near a common zero lose less to cancellation.
-        let turned = self.factors().map(|f| Self::from_coefficients(f).rotated(cos, sin));
+        let turned = self.factors().map(|f| Self::from_coefficients(f).to_rotated_axes(cos, sin));
         let product = turned.map(|f| f.coefficients).reduce(|p, q| {
             let mut product = list![Rounded::ZERO; p.len() + q.len() - 1];
             for (i, &x) in p.iter().enumerate() {
@@ -191,7 +192,7 @@ impl Form {
 }
 
 /// Evaluates a form by Horner's scheme in cos, with powers of sin.
-fn evaluate(coefficients: &[Rounded], cos: Rounded, sin: Rounded) -> Rounded {
+fn evaluate_horner(coefficients: &[Rounded], cos: Rounded, sin: Rounded) -> Rounded {
     let mut value = coefficients[0];
     let mut power = Rounded::ONE;
     for &f in &coefficients[1..] {

@@ -6,6 +6,6 @@ mod ratio;
 mod tests;
 mod zeros;
 
-pub use binary_form::Form;
-pub use ratio::{extrema_of_ratio, maximum_of_ratio};
-pub use zeros::{Zero, merge};
+pub use binary_form::BinaryForm;
+pub use ratio::{locate_ratio_maximum, ratio_extrema};
+pub use zeros::{FormZero, merge_zeros};

@@ -1,21 +1,21 @@
 //! Tests of binary forms.
 
-use super::binary_form::Form;
+use super::binary_form::BinaryForm;
 use crate::list::list;
 use models::Rounded;
 
-fn form(coefficients: &[f64]) -> Form {
-    Form {
-        coefficients: coefficients.iter().map(|&c| Rounded::given(c)).collect(),
-        ..Form::default()
+fn form_with_coefficients(coefficients: &[f64]) -> BinaryForm {
+    BinaryForm {
+        coefficients: coefficients.iter().map(|&c| Rounded::from_rounded(c)).collect(),
+        ..BinaryForm::default()
     }
 }
 
 /// Π sin(θ − θᵢ) as a form.
-fn with_zeros(angles: &[f64]) -> Form {
+fn form_with_zeros(angles: &[f64]) -> BinaryForm {
     let mut p = list![Rounded::ONE];
     for &angle in angles {
-        let (s, c) = (Rounded::exact(angle).sin(), Rounded::exact(angle).cos());
+        let (s, c) = (Rounded::from_exact(angle).sin(), Rounded::from_exact(angle).cos());
         let mut next = list![Rounded::ZERO; p.len() + 1];
         for (i, &x) in p.iter().enumerate() {
             next[i] += -(s * x);
@@ -23,30 +23,30 @@ fn with_zeros(angles: &[f64]) -> Form {
         }
         p = next;
     }
-    Form { coefficients: p, ..Form::default() }
+    BinaryForm { coefficients: p, ..BinaryForm::default() }
 }
 
 #[test]
-fn zeros_of_products_are_found_with_their_kind() {
-    let zeros = with_zeros(&[0.3, 1.2, 2.9]).zeros();
+fn simple_and_double_zeros_are_distinguished() {
+    let zeros = form_with_zeros(&[0.3, 1.2, 2.9]).zeros();
     assert_eq!(zeros.len(), 3);
     for (z, wanted) in zeros.iter().zip([0.3, 1.2, 2.9]) {
-        assert!((z.angle - wanted).abs() < 1e-14 && z.crosses);
+        assert!((z.angle - wanted).abs() < 1e-14 && z.has_sign_change);
     }
-    let zeros = with_zeros(&[0.3, 0.3, 2.0, 2.0]).zeros();
+    let zeros = form_with_zeros(&[0.3, 0.3, 2.0, 2.0]).zeros();
     assert_eq!(zeros.len(), 2, "{zeros:?}");
     for (z, wanted) in zeros.iter().zip([0.3, 2.0]) {
-        assert!((z.angle - wanted).abs() < 1e-14 && !z.crosses, "{z:?}");
+        assert!((z.angle - wanted).abs() < 1e-14 && !z.has_sign_change, "{z:?}");
     }
 }
 
 /// Verifies position and bound of zeros of multiplicity 4 and 6, whose curvature is rounding and cannot locate them.
 #[test]
-fn places_of_multiple_zeros_are_known() {
+fn multiple_zeros_are_located_within_their_bounds() {
     for (angles, wanted) in [([0.7; 4].as_slice(), 0.7), ([0.7; 6].as_slice(), 0.7)] {
         let mut all = angles.to_vec();
         all.extend([2.0, 2.0]);
-        let zeros = with_zeros(&all).zeros();
+        let zeros = form_with_zeros(&all).zeros();
         let multiple: Vec<_> = zeros.iter().filter(|z| z.angle < 1.3).collect();
         assert_eq!(multiple.len(), 1, "{zeros:?}");
         assert!((multiple[0].angle - wanted).abs() <= multiple[0].bound, "{zeros:?}");
@@ -57,21 +57,21 @@ fn places_of_multiple_zeros_are_known() {
     let coefficients = list![
         noise(-1.6e-14),
         noise(-1.7e-16),
-        Rounded::given(-47.6),
+        Rounded::from_rounded(-47.6),
         noise(-8e-16),
         noise(7e-15),
         noise(-1e-31),
         noise(8e-31)
     ];
-    let zeros = Form { coefficients, ..Form::default() }.zeros();
+    let zeros = BinaryForm { coefficients, ..BinaryForm::default() }.zeros();
     assert!(zeros.iter().all(|z| z.bound < 1e-11), "{zeros:?}");
 }
 
 #[test]
-fn thin_sectors_are_not_missed() {
+fn zeros_that_bound_thin_sectors_are_resolved() {
     // Inside the sector |F| is about width²/4 times the form of the other zeros, detectable while above rounding.
     for width in [1e-2, 1e-5, 1e-6] {
-        let zeros = with_zeros(&[1.1, 1.1 + width, 2.0, 0.4]).zeros();
+        let zeros = form_with_zeros(&[1.1, 1.1 + width, 2.0, 0.4]).zeros();
         let angles: Vec<_> = zeros.iter().map(|z| z.angle).collect();
         assert_eq!(angles.len(), 4, "{width}: {zeros:?}");
         assert!((angles[2] - angles[1] - width).abs() < 1e-3 * width, "{angles:?}");
@@ -79,51 +79,55 @@ fn thin_sectors_are_not_missed() {
 }
 
 #[test]
-fn factors_tell_zeros_apart_that_their_product_cannot() {
+fn factors_resolve_zeros_that_their_product_merges() {
     for width in [1e-9, 1e-13] {
         let (a, b) = ([1.1, 2.0], [1.1 + width, 0.4]);
-        let mut f = with_zeros(&[a[0], a[1], b[0], b[1]]);
+        let mut f = form_with_zeros(&[a[0], a[1], b[0], b[1]]);
         assert!(f.zeros().len() == 3, "the product touches zero: {:?}", f.zeros());
-        let negated = with_zeros(&b).coefficients.iter().map(|&c| -c).collect();
-        f.factorise(&[with_zeros(&a), Form { coefficients: negated, ..Form::default() }]);
+        let negated = form_with_zeros(&b).coefficients.iter().map(|&c| -c).collect();
+        f.set_factors(&[
+            form_with_zeros(&a),
+            BinaryForm { coefficients: negated, ..BinaryForm::default() },
+        ]);
         let zeros = f.zeros();
-        assert!(zeros.len() == 4 && zeros.iter().all(|z| z.crosses), "{width}: {zeros:?}");
-        let inside = f.at_angle(0.5 * (zeros[1].angle + zeros[2].angle));
-        let outside = f.at_angle(zeros[1].angle - width);
+        assert!(zeros.len() == 4 && zeros.iter().all(|z| z.has_sign_change), "{width}: {zeros:?}");
+        let inside = f.evaluate_at_angle(0.5 * (zeros[1].angle + zeros[2].angle));
+        let outside = f.evaluate_at_angle(zeros[1].angle - width);
         assert_eq!(inside.sign().unwrap(), -outside.sign().unwrap());
     }
     // A product that is not proportional to the form is rejected.
-    let mut f = with_zeros(&[0.3, 1.2]);
-    f.factorise(&[with_zeros(&[0.3]), with_zeros(&[1.21])]);
-    assert!(f.ends.is_empty());
+    let mut f = form_with_zeros(&[0.3, 1.2]);
+    f.set_factors(&[form_with_zeros(&[0.3]), form_with_zeros(&[1.21])]);
+    assert!(f.factor_ends.is_empty());
 }
 
 #[test]
 fn positive_forms_and_constants_have_no_zero() {
-    assert!(form(&[1.0, 0.0, 2.0]).zeros().is_empty());
-    assert!(form(&[1.0, 0.0, 1.0]).zeros().is_empty());
-    assert!(form(&[3.0]).zeros().is_empty());
+    assert!(form_with_coefficients(&[1.0, 0.0, 2.0]).zeros().is_empty());
+    assert!(form_with_coefficients(&[1.0, 0.0, 1.0]).zeros().is_empty());
+    assert!(form_with_coefficients(&[3.0]).zeros().is_empty());
     // x² + y² with a perturbation far above rounding: still positive.
-    assert!(form(&[1.0, 1e-6, 1.0]).zeros().is_empty());
+    assert!(form_with_coefficients(&[1.0, 1e-6, 1.0]).zeros().is_empty());
 }
 
 #[test]
 fn rotation_keeps_values() {
-    let f = form(&[0.7, -1.3, 2.9, 0.11]);
-    let angle = Rounded::exact(0.83);
-    let g = f.rotated(angle.cos(), angle.sin());
+    let f = form_with_coefficients(&[0.7, -1.3, 2.9, 0.11]);
+    let angle = Rounded::from_exact(0.83);
+    let g = f.to_rotated_axes(angle.cos(), angle.sin());
     for theta in [0.0, 0.4, 1.9] {
-        let (direct, turned) = (f.at_angle(theta + 0.83), g.at_angle(theta));
+        let (direct, turned) = (f.evaluate_at_angle(theta + 0.83), g.evaluate_at_angle(theta));
         assert!((direct.value - turned.value).abs() <= direct.bound + turned.bound + 1e-15);
     }
 }
 
 #[test]
-fn derivative_is_the_derivative() {
-    let f = form(&[0.7, -1.3, 2.9, 0.11, 1.0]);
+fn derivative_agrees_with_central_differences() {
+    let f = form_with_coefficients(&[0.7, -1.3, 2.9, 0.11, 1.0]);
     let h = 1e-6;
     for theta in [0.2, 1.4, 2.8] {
-        let slope = (f.at_angle(theta + h).value - f.at_angle(theta - h).value) / (2.0 * h);
-        assert!((f.derivative().at_angle(theta).value - slope).abs() < 1e-8);
+        let slope = (f.evaluate_at_angle(theta + h).value - f.evaluate_at_angle(theta - h).value)
+            / (2.0 * h);
+        assert!((f.derivative().evaluate_at_angle(theta).value - slope).abs() < 1e-8);
     }
 }

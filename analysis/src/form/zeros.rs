@@ -1,7 +1,7 @@
 //! Zeros of a binary form: directions in which it vanishes, with error bounds.
 
-use super::binary_form::Form;
-use crate::list::{List, list};
+use super::binary_form::BinaryForm;
+use crate::list::{StackList, list};
 use crate::roots;
 use models::Rounded;
 use models::common::elementary::cr_arg;
@@ -10,28 +10,28 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A real direction in which a form vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Zero {
+pub struct FormZero {
     /// Angle of (κ₁, κ₂), in [0, π).
     pub angle: f64,
     /// Bound on the error of `angle`, rad.
     pub bound: f64,
     /// Whether the form changes sign at the zero; otherwise it touches zero within its rounding bound.
-    pub crosses: bool,
+    pub has_sign_change: bool,
 }
 
-impl Form {
+impl BinaryForm {
     /// The angles in [0, π) at which dF/dθ vanishes, ascending.
-    fn extrema(&self) -> List<f64> {
+    fn extrema(&self) -> StackList<f64> {
         let derivative = self.derivative();
         let curvature = derivative.derivative();
-        let mut angles: List<f64> = derivative
-            .roots_on_the_circle()
+        let mut angles: StackList<f64> = derivative
+            .unit_circle_roots()
             .filter(|z| (z.norm() - 1.0).abs() < 1e-3)
             .map(|z| {
                 let mut angle = cr_arg(z) / 2.0;
                 for _ in 0..4 {
-                    let slope = curvature.at_angle(angle).value;
-                    let step = derivative.at_angle(angle).value / slope;
+                    let slope = curvature.evaluate_at_angle(angle).value;
+                    let step = derivative.evaluate_at_angle(angle).value / slope;
                     if step.is_finite() && step.abs() < 0.1 {
                         angle -= step;
                     }
@@ -45,7 +45,7 @@ impl Form {
     }
 
     /// Roots z = exp 2iθ of the form: with w = exp iθ the form is w^(−d) times a polynomial in w².
-    pub(super) fn roots_on_the_circle(&self) -> impl Iterator<Item = Complex64> {
+    pub(super) fn unit_circle_roots(&self) -> impl Iterator<Item = Complex64> {
         let d = self.degree();
         let mut polynomial = list![Complex64::ZERO; d + 1];
         for (l, f) in self.coefficients.iter().enumerate() {
@@ -78,43 +78,43 @@ impl Form {
     /// Between two neighbouring extrema the form is monotone: a change of sign brackets exactly
     /// one zero, however close the extrema are to zero. No sector between two zeros is missed
     /// unless the form inside it stays below its rounding bound.
-    pub fn zeros(&self) -> List<Zero> {
-        if !self.is_certain() {
-            return List::new();
+    pub fn zeros(&self) -> StackList<FormZero> {
+        if !self.is_nonzero() {
+            return StackList::new();
         }
-        if !self.ends.is_empty() {
-            let mut zeros: List<Zero> =
+        if !self.factor_ends.is_empty() {
+            let mut zeros: StackList<FormZero> =
                 self.factors().flat_map(|f| Self::from_coefficients(f).zeros()).collect();
-            merge(&mut zeros);
+            merge_zeros(&mut zeros);
             return zeros;
         }
-        if let Some(zeros) = self.zeros_beside_axes() {
+        if let Some(zeros) = self.zeros_with_axis_factors() {
             return zeros;
         }
         let extrema = self.extrema();
         let derivative = self.derivative();
         let second = derivative.derivative();
-        let mut zeros = List::new();
+        let mut zeros = StackList::new();
         if self.degree() % 2 == 1 && extrema.is_empty() {
             return zeros;
         }
         // Value at an extremum; `None` if it may be zero, given that the angle of the extremum is uncertain by about a
         // unit in the last place.
         let sign_at = |angle: f64| {
-            let value = self.at_angle(angle);
-            let curvature = second.at_angle(angle).value.abs();
+            let value = self.evaluate_at_angle(angle);
+            let curvature = second.evaluate_at_angle(angle).value.abs();
             let reach = value.bound + 0.5 * curvature * (4.0 * f64::EPSILON).powi(2);
             (value.value.abs() > reach).then_some(value.value)
         };
         for (index, &left) in extrema.iter().enumerate() {
             let Some(start) = sign_at(left) else {
                 // The form touches zero at this extremum.
-                let (angle, bound) = touching(self, left);
+                let (angle, bound) = locate_multiple_zero(self, left);
                 let angle = angle.rem_euclid(PI);
                 // All extrema inside a split multiple zero lead to the same zero.
-                let is_known = |z: &Zero| (z.angle - angle).abs() <= 2.0 * (z.bound + bound);
+                let is_known = |z: &FormZero| (z.angle - angle).abs() <= 2.0 * (z.bound + bound);
                 if !zeros.iter().any(is_known) {
-                    zeros.push(Zero { angle, bound, crosses: false });
+                    zeros.push(FormZero { angle, bound, has_sign_change: false });
                 }
                 continue;
             };
@@ -127,17 +127,18 @@ impl Form {
             if start * end.signum() >= 0.0 {
                 continue;
             }
-            let angle = self.bracketed_zero((left, start), (right, end));
-            let bound = self.at_angle(angle).bound / derivative.at_angle(angle).value.abs()
+            let angle = self.refine_bracketed_zero((left, start), (right, end));
+            let bound = self.evaluate_at_angle(angle).bound
+                / derivative.evaluate_at_angle(angle).value.abs()
                 + 4.0 * f64::EPSILON;
-            zeros.push(Zero { angle: angle.rem_euclid(PI), bound, crosses: true });
+            zeros.push(FormZero { angle: angle.rem_euclid(PI), bound, has_sign_change: true });
         }
         zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
         zeros
     }
 
     /// Zeros of a form that is exactly divisible by powers of κ₁ or κ₂; `None` for other forms.
-    fn zeros_beside_axes(&self) -> Option<List<Zero>> {
+    fn zeros_with_axis_factors(&self) -> Option<StackList<FormZero>> {
         let absent = |c: &&Rounded| c.is_structural_zero();
         let second = self.coefficients.iter().take_while(absent).count();
         let first = self.coefficients.iter().rev().take_while(absent).count();
@@ -148,18 +149,22 @@ impl Form {
         let mut zeros = Self::from_coefficients(rest).zeros();
         let axes = [(second, 0.0, 0.0), (first, FRAC_PI_2, f64::EPSILON)];
         let own = axes.into_iter().filter(|axis| axis.0 > 0);
-        zeros.extend(own.map(|(power, angle, bound)| Zero {
+        zeros.extend(own.map(|(power, angle, bound)| FormZero {
             angle,
             bound,
-            crosses: power % 2 == 1,
+            has_sign_change: power % 2 == 1,
         }));
-        merge(&mut zeros);
+        merge_zeros(&mut zeros);
         Some(zeros)
     }
 
     /// Zero between two angles with values of opposite sign, by the Illinois variant of regula falsi, with bisection in
     /// every fourth round.
-    fn bracketed_zero(&self, (mut a, mut fa): (f64, f64), (mut b, mut fb): (f64, f64)) -> f64 {
+    fn refine_bracketed_zero(
+        &self,
+        (mut a, mut fa): (f64, f64),
+        (mut b, mut fb): (f64, f64),
+    ) -> f64 {
         for round in 0..120 {
             let secant = b - fb * (b - a) / (fb - fa);
             let inside = (secant - a) * (secant - b) < 0.0;
@@ -167,7 +172,7 @@ impl Form {
             if middle <= a.min(b) || middle >= a.max(b) {
                 break;
             }
-            let f = self.at_angle(middle).value;
+            let f = self.evaluate_at_angle(middle).value;
             if f == 0.0 {
                 (a, b) = (middle, middle);
                 break;
@@ -188,8 +193,8 @@ impl Form {
 /// Rounding splits a zero of multiplicity m by the m-th root of the rounding, with extrema between the resulting zeros.
 /// They are one zero if all derivatives of order below m vanish within rounding at a nearby point: a simple zero of
 /// derivative m − 1, which is well-conditioned.
-fn touching(form: &Form, angle: f64) -> (f64, f64) {
-    const NEAR: f64 = 0.03;
+fn locate_multiple_zero(form: &BinaryForm, angle: f64) -> (f64, f64) {
+    const MAX_SHIFT: f64 = 0.03;
     let mut derivatives = list![form.clone()];
     for m in 0..form.degree() {
         derivatives.push(derivatives[m].derivative());
@@ -198,38 +203,38 @@ fn touching(form: &Form, angle: f64) -> (f64, f64) {
         let (last, change) = (&derivatives[m - 1], &derivatives[m]);
         let mut place = angle;
         for _ in 0..4 {
-            let step = last.at_angle(place).value / change.at_angle(place).value;
+            let step = last.evaluate_at_angle(place).value / change.evaluate_at_angle(place).value;
             // For m = 2 the zero of the first derivative is `angle` already.
             if m > 2 {
                 place -= step;
             }
-            if step.is_nan() || step.abs() > NEAR {
+            if step.is_nan() || step.abs() > MAX_SHIFT {
                 break;
             }
         }
-        let slope = change.at_angle(place);
+        let slope = change.evaluate_at_angle(place);
         let is_zero = |value: Rounded| value.value.abs() <= value.bound;
-        let is_near = (place - angle).abs() < NEAR && !is_zero(slope);
-        if is_near && derivatives[..m].iter().all(|d| is_zero(d.at_angle(place))) {
-            return (place, last.at_angle(place).bound / slope.value.abs() + f64::EPSILON);
+        let is_near = (place - angle).abs() < MAX_SHIFT && !is_zero(slope);
+        if is_near && derivatives[..m].iter().all(|d| is_zero(d.evaluate_at_angle(place))) {
+            return (place, last.evaluate_at_angle(place).bound / slope.value.abs() + f64::EPSILON);
         }
     }
-    let curvature = derivatives[2.min(form.degree())].at_angle(angle).value.abs();
-    let slope = derivatives[1].at_angle(angle).bound;
+    let curvature = derivatives[2.min(form.degree())].evaluate_at_angle(angle).value.abs();
+    let slope = derivatives[1].evaluate_at_angle(angle).bound;
     (angle, (slope / curvature).min(1.0) + f64::EPSILON)
 }
 
 /// Sorts the zeros of several factors and merges zeros that agree within their bounds; a merged zero crosses if an odd
 /// number of its constituents does.
-pub fn merge(zeros: &mut List<Zero>) {
+pub fn merge_zeros(zeros: &mut StackList<FormZero>) {
     zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
-    let near = |a: &Zero, b: &Zero, turn: f64| {
+    let near = |a: &FormZero, b: &FormZero, turn: f64| {
         (b.angle - a.angle + turn).abs() <= 2.0 * (a.bound + b.bound)
     };
     zeros.dedup_by(|later, earlier| {
         let same = near(earlier, later, 0.0);
         if same {
-            earlier.crosses ^= later.crosses;
+            earlier.has_sign_change ^= later.has_sign_change;
             earlier.bound = earlier.bound.max(later.bound);
         }
         same
@@ -237,7 +242,7 @@ pub fn merge(zeros: &mut List<Zero>) {
     if let [first, .., last] = zeros[..]
         && near(&first, &last, -PI)
     {
-        zeros[0].crosses ^= last.crosses;
+        zeros[0].has_sign_change ^= last.has_sign_change;
         zeros.pop();
     }
 }

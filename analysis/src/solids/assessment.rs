@@ -2,11 +2,13 @@
 
 use super::angles_deg;
 use crate::StateError;
-use crate::circle::AcousticTensor2;
-use crate::flows::Workspace;
+use crate::acoustic_tensor2::AcousticTensor2;
+use crate::acoustic_tensor3::{
+    self, AcousticTensor3, Flutter, NormalSearchError, RankOneUpdate, SlowestSpeed, WaveExtremes,
+};
+use crate::flows::FlowWorkspace;
 use crate::growth::{self, Assessment, Growth, Verdict};
-use crate::newton::Order;
-use crate::sphere::{self, AcousticTensor3, Extremes, Flutter, RankOne, Slowest, SphereError};
+use crate::newton_polygon::GrowthOrder;
 use crate::waves::squared_speeds;
 use models::common::elementary::Elementary;
 use models::common::rates::RateEquations;
@@ -57,7 +59,7 @@ impl Hyperbolicity {
     }
 
     /// Description for output.
-    pub const fn words(self) -> &'static str {
+    pub const fn description(self) -> &'static str {
         match self {
             Self::Hyperbolic => "real speeds in all directions",
             Self::Flutter => "flutter: complex speeds",
@@ -76,8 +78,8 @@ impl Hyperbolicity {
         }
     }
 
-    fn from_extremes(extremes: &Extremes) -> Self {
-        let Slowest { speed_squared, rounding, .. } = extremes.slowest;
+    fn from_extremes(extremes: &WaveExtremes) -> Self {
+        let SlowestSpeed { speed_squared, rounding, .. } = extremes.slowest;
         match (extremes.flutter.is_some(), speed_squared < -rounding) {
             (false, false) => Self::Hyperbolic,
             (true, false) => Self::Flutter,
@@ -95,7 +97,7 @@ pub struct SolidAssessment {
     /// Wave normal of the fastest growth if ill-posed.
     pub normal: Option<[f64; 3]>,
     /// Strongest flutter and slowest wave over all directions.
-    pub extremes: Extremes,
+    pub extremes: WaveExtremes,
     /// Type of the characteristic speeds.
     pub hyperbolicity: Hyperbolicity,
     /// Description of the method.
@@ -118,43 +120,44 @@ impl SolidAssessment {
 /// and serves every yield set and stress.
 #[derive(Default)]
 pub struct AcousticTensorCache {
-    latest: Mutex<VecDeque<(ElasticLaw, Arc<AcousticTensor3>)>>,
+    tensors: Mutex<VecDeque<(ElasticLaw, Arc<AcousticTensor3>)>>,
 }
 
 impl AcousticTensorCache {
     /// Number of cached tensors: a map over a modulus needs one per value, and threads use several at once.
-    const KEPT: usize = 4;
+    const MAX_TENSORS: usize = 4;
 
-    fn get(
+    fn get_or_compute(
         &self,
         elastic: ElasticLaw,
         rates: &RateEquations<3>,
-    ) -> Result<Arc<AcousticTensor3>, SphereError> {
-        let lock = || self.latest.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, sphere)) = lock().iter().find(|(known, _)| *known == elastic) {
-            return Ok(Arc::clone(sphere));
+    ) -> Result<Arc<AcousticTensor3>, NormalSearchError> {
+        let lock = || self.tensors.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, tensor)) = lock().iter().find(|(known, _)| *known == elastic) {
+            return Ok(Arc::clone(tensor));
         }
-        let sphere = Arc::new(AcousticTensor3::new(rates)?);
-        let mut latest = lock();
-        latest.truncate(Self::KEPT - 1);
-        latest.push_front((elastic, Arc::clone(&sphere)));
-        Ok(sphere)
+        let tensor = Arc::new(AcousticTensor3::new(rates)?);
+        let mut tensors = lock();
+        tensors.truncate(Self::MAX_TENSORS - 1);
+        tensors.push_front((elastic, Arc::clone(&tensor)));
+        Ok(tensor)
     }
 }
 
 /// Assesses solids one after another, reusing memory; use one per thread.
 pub struct SolidAssessor<'a> {
     /// The linearised equations of the plane solid assessed last.
-    pub plane: Workspace,
+    pub plane_workspace: FlowWorkspace,
     cache: &'a AcousticTensorCache,
     /// Elastic law, acoustic tensor and workspace of the last solid in space.
-    space: Option<(ElasticLaw, Arc<AcousticTensor3>, sphere::Workspace)>,
+    space_workspace:
+        Option<(ElasticLaw, Arc<AcousticTensor3>, acoustic_tensor3::NormalSearchWorkspace)>,
 }
 
 impl<'a> SolidAssessor<'a> {
     /// Creates an assessor that shares the acoustic tensors in `cache`.
     pub fn new(cache: &'a AcousticTensorCache) -> Self {
-        Self { plane: Workspace::default(), cache, space: None }
+        Self { plane_workspace: FlowWorkspace::default(), cache, space_workspace: None }
     }
 
     /// Verdict on a solid, and the assessment by the dispersion polynomial if that was used.
@@ -166,20 +169,23 @@ impl<'a> SolidAssessor<'a> {
         solid: &Solid,
     ) -> Result<(SolidAssessment, Option<Assessment>), StateError> {
         match solid.dimensions {
-            2 => self.plane(solid),
-            _ => Ok((self.space(solid)?, None)),
+            2 => self.assess_plane(solid),
+            _ => Ok((self.assess_space(solid)?, None)),
         }
     }
 
-    fn plane(
+    fn assess_plane(
         &mut self,
         solid: &Solid,
     ) -> Result<(SolidAssessment, Option<Assessment>), StateError> {
         let rates = solid.rates::<2>()?;
-        if solid.keeps_energy() {
-            return Ok((energetic(AcousticTensor2::new(&rates).search(&[])), None));
+        if solid.is_symmetric_hyperbolic() {
+            return Ok((
+                symmetric_assessment(AcousticTensor2::new(&rates).search_extremes(&[])),
+                None,
+            ));
         }
-        let Workspace { system, pencil } = &mut self.plane;
+        let FlowWorkspace { system, pencil } = &mut self.plane_workspace;
         rates.linearise(system);
         pencil.update(system)?;
         let mut assessment = growth::assess(pencil);
@@ -187,85 +193,86 @@ impl<'a> SolidAssessor<'a> {
             Verdict::IllPosed { direction, .. } => Some(direction),
             _ => None,
         };
-        let extremes = AcousticTensor2::new(&rates).search(worst.as_slice());
+        let extremes = AcousticTensor2::new(&rates).search_extremes(worst.as_slice());
         let hyperbolicity = Hyperbolicity::from_extremes(&extremes);
         let mut normal = worst.map(|angle| [angle.cr_cos(), angle.cr_sin(), 0.0]);
         // If the polynomial is undecided in one direction, complex or imaginary speeds in another decide: no growth is
         // of a higher order than k.
         let is_open = matches!(assessment.verdict, Verdict::Marginal { .. });
         if is_open && hyperbolicity != Hyperbolicity::Hyperbolic {
-            (assessment.verdict, normal) = grows(&extremes);
+            (assessment.verdict, normal) = growth_verdict(&extremes);
         }
         let verdict = assessment.verdict.clone();
         let own = SolidAssessment { verdict, normal, extremes, hyperbolicity, route: PLANE_ROUTE };
         Ok((own, Some(assessment)))
     }
 
-    fn space(&mut self, solid: &Solid) -> Result<SolidAssessment, StateError> {
+    fn assess_space(&mut self, solid: &Solid) -> Result<SolidAssessment, StateError> {
         let elastic = solid.elastic_rates::<3>();
         // In space every yield set has one condition.
-        let active = solid.plastic.as_ref().and_then(|plastic| plastic.active.first());
+        let active =
+            solid.plastic_state.as_ref().and_then(|plastic| plastic.active_conditions.first());
         let extremes = match active {
-            None => slowest_elastic(&elastic),
+            None => slowest_elastic_wave(&elastic),
             Some(active) => {
                 let stresses = solid.stresses::<3>();
                 let components = |gradient| -> Vec<f64> {
                     stresses.iter().map(|component| component.derivative(gradient)).collect()
                 };
-                let (normal, flow) = (components(&active.normal), components(&active.flow));
-                let update =
-                    RankOne::new(&elastic, &normal, &flow, active.hardening).map_err(|error| {
-                        match error {
-                            SphereError::NoResponse(value) => {
-                                NoResponse { condition: active.name, value }.into()
-                            }
-                            error => StateError::from(error),
+                let (normal, flow) =
+                    (components(&active.normal), components(&active.flow_direction));
+                let update = RankOneUpdate::new(&elastic, &normal, &flow, active.hardening)
+                    .map_err(|error| match error {
+                        NormalSearchError::NoResponse(value) => {
+                            NoResponse { condition: active.name, value }.into()
                         }
+                        error => StateError::from(error),
                     })?;
-                let mut own = match self.space.take() {
-                    Some(own) if own.0 == solid.elastic => own,
+                let mut own = match self.space_workspace.take() {
+                    Some(own) if own.0 == solid.elastic_law => own,
                     _ => {
-                        let sphere = self.cache.get(solid.elastic.clone(), &elastic)?;
-                        let workspace = sphere.workspace();
-                        (solid.elastic.clone(), sphere, workspace)
+                        let tensor =
+                            self.cache.get_or_compute(solid.elastic_law.clone(), &elastic)?;
+                        let workspace = tensor.new_workspace();
+                        (solid.elastic_law.clone(), tensor, workspace)
                     }
                 };
-                let found = own.1.search(&update, &mut own.2);
-                self.space = Some(own);
+                let found = own.1.search_extremes(&update, &mut own.2);
+                self.space_workspace = Some(own);
                 found?
             }
         };
-        if solid.keeps_energy() {
-            return Ok(energetic(extremes));
+        if solid.is_symmetric_hyperbolic() {
+            return Ok(symmetric_assessment(extremes));
         }
         let hyperbolicity = Hyperbolicity::from_extremes(&extremes);
-        let Slowest { speed_squared, rounding, .. } = extremes.slowest;
+        let SlowestSpeed { speed_squared, rounding, .. } = extremes.slowest;
         let (verdict, normal) = match hyperbolicity {
             Hyperbolicity::Hyperbolic if speed_squared <= rounding => {
                 let quantity = "least squared speed over all directions".into();
                 (Verdict::Marginal { quantity, value: speed_squared, rounding }, None)
             }
             Hyperbolicity::Hyperbolic => (Verdict::WellPosed, None),
-            _ => grows(&extremes),
+            _ => growth_verdict(&extremes),
         };
         Ok(SolidAssessment { verdict, normal, extremes, hyperbolicity, route: SPACE_ROUTE })
     }
 }
 
 /// Verdict from complex or imaginary speeds, with the wave normal of the fastest growth.
-fn grows(extremes: &Extremes) -> (Verdict, Option<[f64; 3]>) {
+fn growth_verdict(extremes: &WaveExtremes) -> (Verdict, Option<[f64; 3]>) {
     let normal = match extremes.flutter {
         Some(Flutter { growth, normal, .. }) if growth >= extremes.growth() => normal,
         _ => extremes.slowest.normal,
     };
-    let order = Order { numerator: 1, denominator: 1 };
+    let order = GrowthOrder { numerator: 1, denominator: 1 };
     let growth = Growth { order, coefficient: extremes.growth() };
     let direction = angles_deg(normal)[0].to_radians();
     (Verdict::IllPosed { growth: Some(growth), direction }, Some(normal))
 }
 
 /// Verdict on a solid that conserves or dissipates energy (symmetric-hyperbolic).
-fn energetic(mut extremes: Extremes) -> SolidAssessment {
+fn symmetric_assessment(mut extremes: WaveExtremes) -> SolidAssessment {
     // Every c² is real and nonnegative; values below zero are rounding.
     extremes.flutter = None;
     extremes.slowest.speed_squared = extremes.slowest.speed_squared.max(0.0);
@@ -280,10 +287,10 @@ fn energetic(mut extremes: Extremes) -> SolidAssessment {
 
 /// Slowest wave of an isotropic elastic solid, from one direction. Zero speeds of the spins of a reduced Cosserat solid
 /// are not counted.
-fn slowest_elastic(elastic: &RateEquations<3>) -> Extremes {
+fn slowest_elastic_wave(elastic: &RateEquations<3>) -> WaveExtremes {
     let normal = [1.0, 0.0, 0.0];
     let speeds = squared_speeds(elastic, normal);
     let moving = speeds.iter().map(|c| c.re).filter(|&c| c > 1e-13 * speeds[0].re);
     let speed_squared = moving.fold(f64::INFINITY, f64::min);
-    Extremes { flutter: None, slowest: Slowest { speed_squared, normal, rounding: 0.0 } }
+    WaveExtremes { flutter: None, slowest: SlowestSpeed { speed_squared, normal, rounding: 0.0 } }
 }

@@ -1,25 +1,25 @@
 //! Branches of the plane waves of a solid: frequencies, speeds and forbidden bands against the wave number.
 
-use super::waves;
-use crate::waves::{Family, ForbiddenBand, Mode};
+use super::directional_waves;
+use crate::waves::{ForbiddenBand, WaveFamily, WaveMode};
 use models::elastoplastic::Solid;
 use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 
 /// Number of wave numbers of a dispersion curve.
-const SAMPLES: usize = 600;
+const CURVE_SAMPLES: usize = 600;
 
 /// Families of plane waves with the same dispersion relation.
 #[derive(Clone, Debug)]
 pub struct BranchGroup {
     /// Representative family of the group.
-    pub family: Family,
+    pub family: WaveFamily,
     /// Number of families with this dispersion relation.
-    pub count: usize,
+    pub family_count: usize,
     /// Forbidden bands: frequency intervals in which no wave of the group propagates.
-    pub bands: Vec<ForbiddenBand>,
+    pub forbidden_bands: Vec<ForbiddenBand>,
     /// Whether energy is conserved or dissipated, so that negative ω² is rounding.
-    keeps_energy: bool,
+    is_symmetric_hyperbolic: bool,
 }
 
 /// A branch at one wave number, exp(ςt + ikx) with ς = −iω. A complex ω² comes with its conjugate, so one of the four
@@ -27,7 +27,7 @@ pub struct BranchGroup {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BranchPoint {
     /// Wave number k, 1/m.
-    pub number: f64,
+    pub wave_number: f64,
     /// Frequency Re ω, rad/s.
     pub frequency: f64,
     /// Growth rate |Im ω|, 1/s.
@@ -38,58 +38,63 @@ pub struct BranchPoint {
     pub group_speed: f64,
 }
 
-/// Families of plane waves along the unit vector `normal`, of the elastic solid if `stays_elastic`; families whose
-/// frequencies agree up to the wave number `greatest` (1/m) are grouped.
+/// Families of plane waves along the unit vector `normal`, of the elastic solid if `is_elastic`; families whose
+/// frequencies agree up to the wave number `max_wave_number` (1/m) are grouped.
 ///
 /// # Errors
 /// The rate response of the yielding solid is not defined.
-pub fn branches(
+pub fn group_branches(
     solid: &Solid,
     normal: [f64; 3],
-    greatest: f64,
-    stays_elastic: bool,
+    max_wave_number: f64,
+    is_elastic: bool,
 ) -> Result<Vec<BranchGroup>, NoResponse> {
     let mut groups: Vec<BranchGroup> = Vec::new();
-    for family in waves(solid, normal, stays_elastic)?.families {
+    for family in directional_waves(solid, normal, is_elastic)?.families {
         let is_same = |other: &BranchGroup| {
-            let at = |f: &Family, k: f64| f.squared_frequencies(k);
+            let at = |f: &WaveFamily, k: f64| f.squared_frequencies(k);
             other.family.polarisation == family.polarisation
-                && other.family.branches() == family.branches()
-                && [0.0, 0.3 * greatest, greatest].iter().all(|&k| {
+                && other.family.branch_count() == family.branch_count()
+                && [0.0, 0.3 * max_wave_number, max_wave_number].iter().all(|&k| {
                     let (a, b) = (at(&other.family, k), at(&family, k));
                     let largest = a.iter().map(|x| x.norm()).fold(0.0, f64::max);
                     a.iter().zip(&b).all(|(x, y)| (x - y).norm() <= 1e-12 * largest)
                 })
         };
         match groups.iter_mut().find(|group| is_same(group)) {
-            Some(group) => group.count += 1,
+            Some(group) => group.family_count += 1,
             None => {
-                let bands = family.forbidden_bands();
-                let keeps_energy = stays_elastic || solid.keeps_energy();
-                groups.push(BranchGroup { family, keeps_energy, count: 1, bands });
+                let forbidden_bands = family.forbidden_bands();
+                let is_symmetric_hyperbolic = is_elastic || solid.is_symmetric_hyperbolic();
+                groups.push(BranchGroup {
+                    family,
+                    is_symmetric_hyperbolic,
+                    family_count: 1,
+                    forbidden_bands,
+                });
             }
         }
     }
     Ok(groups)
 }
 
-/// Wave numbers of a dispersion curve up to `greatest`, 1/m.
-fn numbers(greatest: f64) -> impl Iterator<Item = f64> {
-    (1..=SAMPLES).map(move |i| greatest * i as f64 / SAMPLES as f64)
+/// Wave numbers of a dispersion curve up to `max_wave_number`, 1/m.
+fn sample_wave_numbers(max_wave_number: f64) -> impl Iterator<Item = f64> {
+    (1..=CURVE_SAMPLES).map(move |i| max_wave_number * i as f64 / CURVE_SAMPLES as f64)
 }
 
 impl BranchPoint {
-    fn new(number: f64, mode: &Mode, keeps_energy: bool) -> Self {
-        let square = match keeps_energy {
+    fn new(wave_number: f64, mode: &WaveMode, is_symmetric_hyperbolic: bool) -> Self {
+        let square = match is_symmetric_hyperbolic {
             true => mode.squared_frequency.re.max(0.0).into(),
             false => mode.squared_frequency,
         };
         let omega = square.sqrt();
         Self {
-            number,
+            wave_number,
             frequency: omega.re,
             growth_rate: omega.im.abs(),
-            phase_speed: omega.re / number,
+            phase_speed: omega.re / wave_number,
             group_speed: if omega.re == 0.0 { 0.0 } else { (mode.slope / (2.0 * omega)).re },
         }
     }
@@ -98,22 +103,26 @@ impl BranchPoint {
 impl BranchGroup {
     /// Name of a branch, numbered from the lowest frequency.
     pub fn label(&self, branch: usize) -> String {
-        let place = match (self.family.branches(), branch) {
+        let place = match (self.family.branch_count(), branch) {
             (1, _) => String::new(),
             (2, 0) => ", lower branch".into(),
             (2, _) => ", upper branch".into(),
             (_, n) => format!(", branch {}", n + 1),
         };
-        let count = if self.count > 1 { format!(" (×{})", self.count) } else { String::new() };
+        let count = if self.family_count > 1 {
+            format!(" (×{})", self.family_count)
+        } else {
+            String::new()
+        };
         format!("{}{place}{count}", self.family.polarisation.name())
     }
 
-    /// Curves of all branches up to the wave number `greatest`, 1/m, in 600 points.
-    pub fn curves(&self, greatest: f64) -> Vec<Vec<BranchPoint>> {
+    /// Curves of all branches up to the wave number `max_wave_number`, 1/m, in 600 points.
+    pub fn curves(&self, max_wave_number: f64) -> Vec<Vec<BranchPoint>> {
         let mut curves: Vec<Vec<BranchPoint>> =
-            (0..self.family.branches()).map(|_| Vec::new()).collect();
-        for k in numbers(greatest) {
-            for (curve, point) in curves.iter_mut().zip(self.at(k)) {
+            (0..self.family.branch_count()).map(|_| Vec::new()).collect();
+        for k in sample_wave_numbers(max_wave_number) {
+            for (curve, point) in curves.iter_mut().zip(self.points_at(k)) {
                 curve.push(point);
             }
         }
@@ -128,14 +137,17 @@ impl BranchGroup {
     }
 
     /// All branches at one wave number, 1/m.
-    pub fn at(&self, number: f64) -> Vec<BranchPoint> {
-        let modes = self.family.modes(number);
-        modes.iter().map(|mode| BranchPoint::new(number, mode, self.keeps_energy)).collect()
+    pub fn points_at(&self, wave_number: f64) -> Vec<BranchPoint> {
+        let modes = self.family.modes(wave_number);
+        modes
+            .iter()
+            .map(|mode| BranchPoint::new(wave_number, mode, self.is_symmetric_hyperbolic))
+            .collect()
     }
 
     /// Characteristic speeds c, m/s: real part and magnitude of the imaginary part.
     pub fn speeds(&self) -> Vec<[f64; 2]> {
-        let speed = |square: &Complex64| match self.keeps_energy {
+        let speed = |square: &Complex64| match self.is_symmetric_hyperbolic {
             true => [square.re.max(0.0).sqrt(), 0.0],
             false => [square.sqrt().re, square.sqrt().im.abs()],
         };

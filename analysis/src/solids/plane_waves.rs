@@ -1,22 +1,26 @@
 //! Plane waves of a solid, elastic or yielding.
 
-use crate::waves::{self, Waves};
+use crate::waves::{self, DirectionalWaves};
 use models::elastoplastic::Solid;
 use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 
-/// Plane waves along the unit vector `normal`, of the elastic solid if `stays_elastic`.
+/// Plane waves along the unit vector `normal`, of the elastic solid if `is_elastic`.
 ///
 /// # Errors
 /// The rate response of the yielding solid is not defined.
-pub fn waves(solid: &Solid, normal: [f64; 3], stays_elastic: bool) -> Result<Waves, NoResponse> {
+pub fn directional_waves(
+    solid: &Solid,
+    normal: [f64; 3],
+    is_elastic: bool,
+) -> Result<DirectionalWaves, NoResponse> {
     if solid.dimensions == 2 {
         let [x, y, _] = normal;
-        let rates = if stays_elastic { solid.elastic_rates() } else { solid.rates()? };
-        Ok(Waves::along::<2>(&rates, [x, y]))
+        let rates = if is_elastic { solid.elastic_rates() } else { solid.rates()? };
+        Ok(DirectionalWaves::from_equations::<2>(&rates, [x, y]))
     } else {
-        let rates = if stays_elastic { solid.elastic_rates() } else { solid.rates()? };
-        Ok(Waves::along::<3>(&rates, normal))
+        let rates = if is_elastic { solid.elastic_rates() } else { solid.rates()? };
+        Ok(DirectionalWaves::from_equations::<3>(&rates, normal))
     }
 }
 
@@ -25,7 +29,11 @@ pub fn waves(solid: &Solid, normal: [f64; 3], stays_elastic: bool) -> Result<Wav
 ///
 /// # Errors
 /// The rate response of the yielding solid is not defined.
-pub fn roots(solid: &Solid, normal: [f64; 3], k: f64) -> Result<Vec<Complex64>, NoResponse> {
+pub fn plane_wave_roots(
+    solid: &Solid,
+    normal: [f64; 3],
+    k: f64,
+) -> Result<Vec<Complex64>, NoResponse> {
     let [x, y, _] = normal;
     let damped = match solid.dimensions {
         2 => solid.damped_rates::<2>()?.map(|rates| waves::roots(&rates, [x, y], k)),
@@ -33,14 +41,14 @@ pub fn roots(solid: &Solid, normal: [f64; 3], k: f64) -> Result<Vec<Complex64>, 
     };
     let mut all: Vec<Complex64> = match damped {
         Some(roots) => roots,
-        None => waves(solid, normal, false)?
+        None => directional_waves(solid, normal, false)?
             .families
             .iter()
             .flat_map(|family| {
                 let squares = family.squared_frequencies(k);
                 // With energy conservation a negative ω² is rounding.
-                let is_kept = solid.keeps_energy();
-                squares.into_iter().map(move |square| match is_kept {
+                let is_symmetric_hyperbolic = solid.is_symmetric_hyperbolic();
+                squares.into_iter().map(move |square| match is_symmetric_hyperbolic {
                     true => Complex64::from(square.re.max(0.0)),
                     false => square,
                 })
@@ -59,5 +67,5 @@ pub fn roots(solid: &Solid, normal: [f64; 3], k: f64) -> Result<Vec<Complex64>, 
 /// # Errors
 /// The rate response of the yielding solid is not defined.
 pub fn growth_rate(solid: &Solid, normal: [f64; 3], k: f64) -> Result<f64, NoResponse> {
-    Ok(roots(solid, normal, k)?.iter().map(|root| root.re).fold(0.0, f64::max))
+    Ok(plane_wave_roots(solid, normal, k)?.iter().map(|root| root.re).fold(0.0, f64::max))
 }

@@ -1,12 +1,13 @@
 //! Verdicts with dilatancy against brute force in 256 bits.
 
 use crate::backgrounds::{
-    ALL, Inside, Outside, Parts, Reversed, UNIFORM, Zone, harris_grekova, wanted,
+    ALL_FLAGS, BackgroundFlags, Inside, NoncoaxialityZone, Outside, Reversed, UNIFORM,
+    expected_verdict, sample_harris_grekova,
 };
-use crate::support::brute::{brute, degenerate_directions};
+use crate::support::brute_force::{compute_growth_by_brute_force, find_degenerate_directions};
 use crate::support::exact::DispersionReference;
-use crate::support::states::{Dilatancy, reference, seeded, tame};
-use crate::support::verdicts::{judge, name};
+use crate::support::states::{DilatancyKind, reference_system, sample_order_one, seeded_generator};
+use crate::support::verdicts::{compute_verdict, verdict_label};
 use models::registry;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -19,49 +20,56 @@ use wellposed_analysis::growth::Verdict;
 /// e may be 1e-3 there. At the larger wave numbers e must be smaller by this power of k, within 10 e² for the next
 /// correction. Integer orders converge faster. The tolerance also covers the digits lost at a small distance from a
 /// bound, and the search of brute force, which ends within 1e-8 of a maximum.
-pub fn differs(
+pub fn describe_difference(
     polynomial: &DispersionReference,
     verdict: &Verdict,
     distance: f64,
 ) -> Option<String> {
     let waves = [1e18, 1e20, 1e22];
-    let force = brute(polynomial, &waves, 60, &degenerate_directions(polynomial), 1.6, true);
+    let force = compute_growth_by_brute_force(
+        polynomial,
+        &waves,
+        60,
+        &find_degenerate_directions(polynomial),
+        1.6,
+        true,
+    );
     let agrees = match verdict {
         Verdict::WellPosed => {
             // Bounded: no larger at the last wave number than at the first.
-            let size = force.at.iter().map(|x| x.1.abs()).fold(1.0, f64::max);
-            !force.blows_up && force.at[2].1 - force.at[0].1 < 1e-3 * size
+            let size = force.samples.iter().map(|x| x.1.abs()).fold(1.0, f64::max);
+            !force.is_unbounded_at_finite_k && force.samples[2].1 - force.samples[0].1 < 1e-3 * size
         }
-        Verdict::IllPosed { growth: None, .. } => force.blows_up,
+        Verdict::IllPosed { growth: None, .. } => force.is_unbounded_at_finite_k,
         Verdict::IllPosed { growth: Some(growth), .. } => {
-            let order = growth.order.value();
+            let order = growth.order.to_f64();
             let deviation = |n: usize| {
-                let (k, s, _) = force.at[n];
+                let (k, s, _) = force.samples[n];
                 s / k.powf(order) / growth.coefficient - 1.0
             };
             let first = deviation(0);
             let floor = 10.0 * first * first + 1e-14 / distance + 1e-8;
             let declines = |n: usize| {
-                let expected = first * (force.at[n].0 / force.at[0].0).powf(-order);
+                let expected = first * (force.samples[n].0 / force.samples[0].0).powf(-order);
                 (deviation(n) - expected).abs() < floor
             };
-            !force.blows_up && first.abs() < 1e-3 && declines(1) && declines(2)
+            !force.is_unbounded_at_finite_k && first.abs() < 1e-3 && declines(1) && declines(2)
         }
         _ => false,
     };
     (!agrees).then(|| format!("{verdict:?}: {force:?}"))
 }
 
-/// Verifies the verdicts on backgrounds with one part, none and all, in all zones, against brute force.
+/// Verifies the verdicts on backgrounds with one flag, none and all, in all zones, against brute force.
 #[test]
 fn brute_force_confirms_harris_grekova_with_dilatancy() {
-    const INSIDE: u64 = 8;
-    const ELSEWHERE: u64 = 3;
-    let backgrounds = [UNIFORM, 1, 2, 4, 8, 16, 32, ALL];
-    let cases: Vec<(Parts, Zone, u64)> = backgrounds
+    const INSIDE_COUNT: u64 = 8;
+    const OTHER_COUNT: u64 = 3;
+    let backgrounds = [UNIFORM, 1, 2, 4, 8, 16, 32, ALL_FLAGS];
+    let cases: Vec<(BackgroundFlags, NoncoaxialityZone, u64)> = backgrounds
         .into_iter()
         .flat_map(|parts| {
-            [(Inside, INSIDE), (Outside, ELSEWHERE), (Reversed, ELSEWHERE)]
+            [(Inside, INSIDE_COUNT), (Outside, OTHER_COUNT), (Reversed, OTHER_COUNT)]
                 .into_iter()
                 .flat_map(move |(zone, count)| (0..count).map(move |n| (parts, zone, n)))
         })
@@ -70,11 +78,11 @@ fn brute_force_confirms_harris_grekova_with_dilatancy() {
         .into_par_iter()
         .filter_map(|(parts, zone, n)| {
             let seed = 0xbf_0000 + 0x100 * u64::from(parts) + 0x10 * zone as u64 + n;
-            let drawn = harris_grekova(&mut seeded(seed), parts, zone, true);
-            let verdict = judge(&drawn.sample.system);
-            assert_eq!(name(&verdict), wanted(parts, zone));
-            let polynomial = reference(&drawn.sample).polynomial();
-            let problem = differs(&polynomial, &verdict, drawn.distance)?;
+            let drawn = sample_harris_grekova(&mut seeded_generator(seed), parts, zone, true);
+            let verdict = compute_verdict(&drawn.sample.system);
+            assert_eq!(verdict_label(&verdict), expected_verdict(parts, zone));
+            let polynomial = reference_system(&drawn.sample).polynomial();
+            let problem = describe_difference(&polynomial, &verdict, drawn.distance)?;
             Some(format!("parts {parts:#b}, {zone:?}, {n}: {problem}"))
         })
         .collect();
@@ -85,20 +93,22 @@ fn brute_force_confirms_harris_grekova_with_dilatancy() {
 /// gradients, against brute force.
 #[test]
 fn brute_force_confirms_the_other_models_with_dilatancy() {
-    const STATES: u64 = 12;
+    const STATE_COUNT: u64 = 12;
     let kinds = [
-        (registry::PLASTIC_POTENTIAL, Dilatancy::Associated, "order 1/2"),
-        (registry::DOUBLE_SHEARING, Dilatancy::Positive, "order 1/1"),
+        (registry::PLASTIC_POTENTIAL, DilatancyKind::Associated, "order 1/2"),
+        (registry::DOUBLE_SHEARING, DilatancyKind::Positive, "order 1/1"),
     ];
     let mut counts = BTreeMap::<String, usize>::new();
-    let found: Vec<(String, Option<String>)> = (0..2 * STATES)
+    let found: Vec<(String, Option<String>)> = (0..2 * STATE_COUNT)
         .into_par_iter()
         .map(|index| {
             let (kind, dilatancy, wanted) = kinds[index as usize % 2];
-            let sample = tame(&mut seeded(0xd5 + index), kind, dilatancy, true);
-            let verdict = judge(&sample.system);
-            assert_eq!(name(&verdict), wanted, "{kind:?}");
-            let problem = differs(&reference(&sample).polynomial(), &verdict, 1.0);
+            let sample =
+                sample_order_one(&mut seeded_generator(0xd5 + index), kind, dilatancy, true);
+            let verdict = compute_verdict(&sample.system);
+            assert_eq!(verdict_label(&verdict), wanted, "{kind:?}");
+            let problem =
+                describe_difference(&reference_system(&sample).polynomial(), &verdict, 1.0);
             (format!("{kind:?}: {wanted}"), problem)
         })
         .collect();

@@ -1,19 +1,20 @@
 //! The coefficient of the highest power of ς: its zeros are the bounds on the non-coaxiality.
 
-use crate::backgrounds::{ALL, Inside, Outside, Reversed, UNIFORM, harris_grekova};
+use crate::backgrounds::{ALL_FLAGS, Inside, Outside, Reversed, UNIFORM, sample_harris_grekova};
 use crate::support::exact::DispersionReference;
-use crate::support::states::{Sample, reference, seeded, turned};
-use crate::support::verdicts::{coefficient, judge};
-use crate::support::wide::Wide;
+use crate::support::maximise::maximise_over_half_turn;
+use crate::support::real256::Real256;
+use crate::support::states::{FlowSample, reference_system, seeded_generator, with_noncoaxiality};
+use crate::support::verdicts::{compute_verdict, growth_coefficient};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_8, PI};
-use testkit::flows::Parameters;
+use testkit::flows::FlowParameters;
 use wellposed_analysis::growth::Verdict;
 
 /// Coefficients of cos²θ, cos θ sin θ, sin²θ in the coefficient of ς³ k², the highest powers of ς and k.
-fn highest(p: &DispersionReference) -> [Wide; 3] {
+fn leading_quadratic_form(p: &DispersionReference) -> [Real256; 3] {
     assert_eq!(p.degree(), 3);
-    let mut form = [Wide::ZERO; 3];
+    let mut form = [Real256::ZERO; 3];
     for &([time, x, y], value) in &p.terms {
         assert!(time < 3 || x + y <= 2);
         if time == 3 && x + y == 2 {
@@ -23,8 +24,8 @@ fn highest(p: &DispersionReference) -> [Wide; 3] {
     form
 }
 
-fn discriminant([a, b, c]: [Wide; 3]) -> Wide {
-    b * b - (a * c).shifted(2)
+fn discriminant([a, b, c]: [Real256; 3]) -> Real256 {
+    b * b - (a * c).multiply_by_power_of_two(2)
 }
 
 /// Verifies the bound of well-posedness on a uniform background against the determinant in 256 bits, independent of the
@@ -36,38 +37,39 @@ fn discriminant([a, b, c]: [Wide; 3]) -> Wide {
 /// form; the bound is |tan 2Δ| = √(−X/Y).
 #[test]
 fn the_bound_follows_from_the_determinant() {
-    const STATES: u64 = 2000;
-    let deviations: Vec<f64> = (0..STATES)
+    const STATE_COUNT: u64 = 2000;
+    let deviations: Vec<f64> = (0..STATE_COUNT)
         .into_par_iter()
         .map(|seed| {
-            let random = &mut seeded(0xb0_0000 + seed);
-            let drawn = harris_grekova(random, UNIFORM, Inside, seed % 2 == 0);
+            let random = &mut seeded_generator(0xb0_0000 + seed);
+            let drawn = sample_harris_grekova(random, UNIFORM, Inside, seed % 2 == 0);
             let base = drawn.sample;
             // Include ν near 0 and near φ.
             let (phi, nu) = (base.parameters.friction_angle, base.parameters.dilatancy_angle);
             let dilatancy_angle = match seed / 2 % 4 {
-                0 => phi * random.decades(1e-6, 0.1),
-                1 => phi * (1.0 - random.decades(1e-6, 0.1)),
+                0 => phi * random.log_uniform(1e-6, 0.1),
+                1 => phi * (1.0 - random.log_uniform(1e-6, 0.1)),
                 _ => nu,
             };
-            let parameters = Parameters { dilatancy_angle, ..base.parameters };
-            let base = Sample::new(base.kind(), parameters, base.state);
+            let parameters = FlowParameters { dilatancy_angle, ..base.parameters };
+            let base = FlowSample::new(base.kind(), parameters, base.state);
             let at = |delta: f64| {
-                let p = reference(&turned(&base, delta)).polynomial();
+                let p = reference_system(&with_noncoaxiality(&base, delta)).polynomial();
                 assert!(p.terms.iter().all(|&([time, x, y], _)| time < 3 || x + y == 2));
-                highest(&p)
+                leading_quadratic_form(&p)
             };
 
             // To 60 digits of the largest term.
-            let is_small = |x: Wide, than: Wide| x.exponent() < than.exponent() - 200;
+            let is_small = |x: Real256, than: Real256| x.exponent() < than.exponent() - 200;
             let x = discriminant(at(0.0));
             let [plus, minus] = [FRAC_PI_4, -FRAC_PI_4].map(|delta| discriminant(at(delta)));
-            let (sine, cosine) = Wide::from(FRAC_PI_2).sin_cos();
-            let y = ((plus + minus).shifted(-1) - x * cosine * cosine) * (sine * sine).recip();
+            let (sine, cosine) = Real256::from(FRAC_PI_2).sin_cos();
+            let y = ((plus + minus).multiply_by_power_of_two(-1) - x * cosine * cosine)
+                * (sine * sine).recip();
             let [plus, minus] = [FRAC_PI_8, -FRAC_PI_8].map(|delta| discriminant(at(delta)));
             assert!(is_small(plus - minus, x) || is_small(plus - minus, y), "seed {seed}: Z");
-            let delta = random.within(-FRAC_PI_2, FRAC_PI_2);
-            let (sine, cosine) = Wide::from(2.0 * delta).sin_cos();
+            let delta = random.uniform(-FRAC_PI_2, FRAC_PI_2);
+            let (sine, cosine) = Real256::from(2.0 * delta).sin_cos();
             let (sum, own) = (x * cosine * cosine + y * sine * sine, discriminant(at(delta)));
             assert!(is_small(sum - own, x) || is_small(sum - own, y), "seed {seed}: a form in 2Δ");
 
@@ -78,7 +80,7 @@ fn the_bound_follows_from_the_determinant() {
 
             // No real zeros inside, two outside, none reversed. The closed form is accurate to 1e-14.
             for _ in 0..4 {
-                let distance = random.decades(1e-12, 0.3);
+                let distance = random.log_uniform(1e-12, 0.3);
                 let outside = bound + distance * (FRAC_PI_4 - bound).max(1e-12);
                 let places = [
                     (bound * (1.0 - distance), false),
@@ -113,23 +115,26 @@ fn the_bound_follows_from_the_determinant() {
 #[test]
 fn the_highest_coefficient_is_that_of_the_closed_form() {
     (0..500u64).into_par_iter().for_each(|seed| {
-        let random = &mut seeded(0xb1_0000 + seed);
-        let base = harris_grekova(random, UNIFORM, Inside, seed % 2 == 0).sample;
-        let phi = Wide::from(base.parameters.friction_angle);
-        let nu = Wide::from(base.parameters.dilatancy_angle);
+        let random = &mut seeded_generator(0xb1_0000 + seed);
+        let base = sample_harris_grekova(random, UNIFORM, Inside, seed % 2 == 0).sample;
+        let phi = Real256::from(base.parameters.friction_angle);
+        let nu = Real256::from(base.parameters.dilatancy_angle);
         let ((sin_phi, cos_phi), (sin_nu, cos_nu)) = (phi.sin_cos(), nu.sin_cos());
         let (_, cos_e) = (phi - nu).sin_cos();
-        let one = Wide::from(1.0);
+        let one = Real256::from(1.0);
         let mut factor = None;
         for _ in 0..3 {
-            let delta = random.within(-FRAC_PI_2, FRAC_PI_2);
-            let [a, b, c] = highest(&reference(&turned(&base, delta)).polynomial());
-            let (sin_2d, cos_2d) = Wide::from(2.0 * delta).sin_cos();
+            let delta = random.uniform(-FRAC_PI_2, FRAC_PI_2);
+            let [a, b, c] = leading_quadratic_form(
+                &reference_system(&with_noncoaxiality(&base, delta)).polynomial(),
+            );
+            let (sin_2d, cos_2d) = Real256::from(2.0 * delta).sin_cos();
             for _ in 0..4 {
-                let angle = Wide::from(random.within(0.0, PI));
+                let angle = Real256::from(random.uniform(0.0, PI));
                 let (s, c1) = angle.sin_cos();
                 let form = a * c1 * c1 + b * c1 * s + c * s * s;
-                let beta = (Wide::from(base.state.stress_angle) - angle).shifted(1);
+                let beta =
+                    (Real256::from(base.state.stress_angle) - angle).multiply_by_power_of_two(1);
                 let (sin_b, cos_b) = beta.sin_cos();
                 let stated = cos_2d
                     * cos_nu
@@ -148,21 +153,21 @@ fn the_highest_coefficient_is_that_of_the_closed_form() {
 /// Verifies that outside, the direction of the verdict is a zero of the highest coefficient, to the rounding of this
 /// form divided by its slope.
 #[test]
-fn growth_outside_is_where_the_highest_coefficient_vanishes() {
+fn verdict_direction_outside_is_a_zero_of_the_highest_coefficient() {
     let worst = (0..1000u64)
         .into_par_iter()
         .map(|seed| {
-            let random = &mut seeded(0xb2_0000 + seed);
-            let sample = harris_grekova(random, UNIFORM, Outside, seed % 2 == 0).sample;
-            let Verdict::IllPosed { direction, .. } = judge(&sample.system) else {
+            let random = &mut seeded_generator(0xb2_0000 + seed);
+            let sample = sample_harris_grekova(random, UNIFORM, Outside, seed % 2 == 0).sample;
+            let Verdict::IllPosed { direction, .. } = compute_verdict(&sample.system) else {
                 panic!("seed {seed}: {sample:?}")
             };
-            let form = highest(&reference(&sample).polynomial());
+            let form = leading_quadratic_form(&reference_system(&sample).polynomial());
             let size = form.iter().map(|x| x.exponent()).max().expect("three");
-            let scaled = |x: Wide| x.shifted(-size).to_f64();
+            let scaled = |x: Real256| x.multiply_by_power_of_two(-size).to_f64();
             // The form is ½[A + C + R cos 2(θ − θ₀)], so R² − (A + C)² is the discriminant.
             let middle = scaled(form[0] + form[2]);
-            let root = discriminant(form).shifted(-2 * size).to_f64().sqrt();
+            let root = discriminant(form).multiply_by_power_of_two(-2 * size).to_f64().sqrt();
             let shift = scaled(form[1]).atan2(scaled(form[0] - form[2]));
             let half = root.atan2(-middle);
             let error = [half, -half]
@@ -176,37 +181,19 @@ fn growth_outside_is_where_the_highest_coefficient_vanishes() {
     assert!(worst < 200.0, "{worst}");
 }
 
-/// Maximum of a function of an angle of period π, by a scan and a shrinking grid.
-fn greatest(f: impl Fn(f64) -> f64) -> f64 {
-    let mut best = (f64::NEG_INFINITY, 0.0);
-    let (mut centre, mut width) = (FRAC_PI_2, FRAC_PI_2);
-    for round in 0..14 {
-        let steps = if round == 0 { 4000 } else { 40 };
-        for n in -steps..=steps {
-            let angle = centre + width * f64::from(n) / f64::from(steps);
-            let value = f(angle);
-            if value > best.0 {
-                best = (value, angle);
-            }
-        }
-        (centre, width) = (best.1, 4.0 * width / f64::from(steps));
-    }
-    best.0
-}
-
-/// Verifies the coefficient of growth where the noncoaxiality exceeds 90° − bound in size, ς ≈ k² F₂₄/F₃₂; Fₙₘ is the form
-/// of degree m in the wave vector that multiplies ςⁿ in the dispersion polynomial. The reference is the maximum of F₂₄/F₃₂
-/// over directions, with coefficients in 256-bit arithmetic. Near the bound min F₃₂ is much smaller than its mean, and its
-/// relative error in double precision is ε times their ratio.
+/// Verifies the coefficient of growth where the noncoaxiality exceeds 90° − bound in size, ς ≈ k² F₂₄/F₃₂; Fₙₘ is the
+/// form of degree m in the wave vector that multiplies ςⁿ in the dispersion polynomial. The reference is the maximum of
+/// F₂₄/F₃₂ over directions, with coefficients in 256-bit arithmetic. Near the bound min F₃₂ is much smaller than its
+/// mean, and its relative error in double precision is ε times their ratio.
 #[test]
-fn coefficients_beyond_the_reversed_bound() {
+fn growth_coefficients_beyond_the_reversed_bound_agree_with_the_polynomial() {
     let worst = (0..1000u64)
         .into_par_iter()
         .map(|seed| {
-            let random = &mut seeded(0xb4_0000 + seed);
-            let parts = if seed % 2 == 0 { UNIFORM } else { ALL };
-            let sample = harris_grekova(random, parts, Reversed, true).sample;
-            let p = reference(&sample).polynomial();
+            let random = &mut seeded_generator(0xb4_0000 + seed);
+            let parts = if seed % 2 == 0 { UNIFORM } else { ALL_FLAGS };
+            let sample = sample_harris_grekova(random, parts, Reversed, true).sample;
+            let p = reference_system(&sample).polynomial();
             let form = |time: u8, degree: u8| {
                 let mut list = vec![0.0; usize::from(degree) + 1];
                 for &([i, x, y], value) in &p.terms {
@@ -221,10 +208,10 @@ fn coefficients_beyond_the_reversed_bound() {
                 }
             };
             let (above, below) = (form(2, 4), form(3, 2));
-            let wanted = greatest(|angle| above(angle) / below(angle));
-            let error = (coefficient(&judge(&sample.system)) / wanted - 1.0).abs();
+            let (wanted, _) = maximise_over_half_turn(4000, |angle| above(angle) / below(angle));
+            let error = (growth_coefficient(&compute_verdict(&sample.system)) / wanted - 1.0).abs();
             // Ratio of minimum to maximum of F₃₂, whose product is −¼ of the discriminant.
-            let highest = highest(&p);
+            let highest = leading_quadratic_form(&p);
             let sum = highest[0] + highest[2];
             let part = -(discriminant(highest) * (sum * sum).recip()).to_f64();
             error / (1e-10 + 64.0 * f64::EPSILON / part)

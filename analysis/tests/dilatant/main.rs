@@ -1,4 +1,4 @@
-//! Growth in the models with dilatancy on both sides of the bounds on the non-coaxiality: verdicts by parts of the
+//! Growth in the models with dilatancy on both sides of the bounds on the non-coaxiality: verdicts by properties of the
 //! background, confirmed by brute force in 256 bits.
 
 mod backgrounds;

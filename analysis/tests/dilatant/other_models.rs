@@ -1,35 +1,38 @@
 //! The plastic potential and double shearing with dilatancy.
 
-use crate::backgrounds::{ACCELERATED, ALL, UNIFORM, with};
-use crate::support::states::{Dilatancy, Sample, seeded, tame, wild};
-use crate::support::verdicts::{coefficient, judge, name};
+use crate::backgrounds::{ACCELERATING_FLAGS, ALL_FLAGS, UNIFORM, restrict_background};
+use crate::support::states::{
+    DilatancyKind, FlowSample, sample_order_one, sample_wide_range, seeded_generator,
+};
+use crate::support::verdicts::{compute_verdict, growth_coefficient, verdict_label};
 use models::registry;
 use rayon::prelude::*;
-use testkit::flows::Parameters;
+use testkit::flows::FlowParameters;
 
 /// Verifies that the associated plastic potential is well-posed without acceleration and grows at order 1/2 with it.
 #[test]
-fn associated_plastic_potential_by_background() {
+fn associated_plastic_potential_grows_only_if_accelerated() {
     for parts in [0, 2, 4, 6, 8, 10, 12, 14] {
-        let wanted = if parts & ACCELERATED == 0 { "well-posed" } else { "order 1/2" };
+        let wanted = if parts & ACCELERATING_FLAGS == 0 { "well-posed" } else { "order 1/2" };
         let wrong: Vec<String> = (0..300u64)
             .into_par_iter()
             .filter_map(|seed| {
-                let random = &mut seeded(0xb7_0000 + seed);
+                let random = &mut seeded_generator(0xb7_0000 + seed);
                 let base = loop {
-                    let (kind, dilatancy) = (registry::PLASTIC_POTENTIAL, Dilatancy::Associated);
+                    let (kind, dilatancy) =
+                        (registry::PLASTIC_POTENTIAL, DilatancyKind::Associated);
                     let base = if seed % 2 == 0 {
-                        tame(random, kind, dilatancy, true)
+                        sample_order_one(random, kind, dilatancy, true)
                     } else {
-                        wild(random, kind, dilatancy)
+                        sample_wide_range(random, kind, dilatancy)
                     };
                     if base.state.pressure_gradient != [0.0; 2] {
                         break base;
                     }
                 };
-                let state = with(parts, base.state);
-                let sample = Sample::new(base.kind(), base.parameters, state);
-                let found = name(&judge(&sample.system));
+                let state = restrict_background(parts, base.state);
+                let sample = FlowSample::new(base.kind(), base.parameters, state);
+                let found = verdict_label(&compute_verdict(&sample.system));
                 (found != wanted).then(|| format!("seed {seed}: {found}: {sample:?}"))
             })
             .collect();
@@ -41,23 +44,25 @@ fn associated_plastic_potential_by_background() {
 /// 0.3: order 2 with the coefficient q tan²((φ − ν)/2)/(2 ρ Q_D). Doubles determine the difference of two angles to a
 /// rounding divided by it.
 #[test]
-fn plastic_potential_beside_the_associated_flow_rule() {
+fn plastic_potential_near_the_associated_flow_rule_grows_at_order_two() {
     (0..1000u64).into_par_iter().for_each(|seed| {
-        let random = &mut seeded(0xb8_0000 + seed);
-        let parts = [UNIFORM, ALL][seed as usize % 2];
-        let base = tame(random, registry::PLASTIC_POTENTIAL, Dilatancy::Associated, true);
+        let random = &mut seeded_generator(0xb8_0000 + seed);
+        let parts = [UNIFORM, ALL_FLAGS][seed as usize % 2];
+        let base =
+            sample_order_one(random, registry::PLASTIC_POTENTIAL, DilatancyKind::Associated, true);
         let phi = base.parameters.friction_angle;
-        let distance = random.decades(1e-9, 0.3);
-        let sign = if random.chance(0.5) { 1.0 } else { -1.0 };
+        let distance = random.log_uniform(1e-9, 0.3);
+        let sign = if random.bernoulli(0.5) { 1.0 } else { -1.0 };
         let dilatancy_angle = phi * (1.0 + sign * distance);
-        let parameters = Parameters { dilatancy_angle, ..base.parameters };
-        let sample = Sample::new(base.kind(), parameters, with(parts, base.state));
-        let verdict = judge(&sample.system);
-        assert_eq!(name(&verdict), "order 2/1", "seed {seed}, {distance:e}");
+        let parameters = FlowParameters { dilatancy_angle, ..base.parameters };
+        let sample =
+            FlowSample::new(base.kind(), parameters, restrict_background(parts, base.state));
+        let verdict = compute_verdict(&sample.system);
+        assert_eq!(verdict_label(&verdict), "order 2/1", "seed {seed}, {distance:e}");
         let flow = &sample.flow;
         let wanted = flow.stress.deviator.value * (0.5 * (phi - dilatancy_angle)).tan().powi(2)
             / (2.0 * flow.density * flow.shear_rate);
-        let error = (coefficient(&verdict) / wanted - 1.0).abs();
+        let error = (growth_coefficient(&verdict) / wanted - 1.0).abs();
         assert!(error < 1e-9 + 1e-14 / distance, "seed {seed}, {distance:e}: off by {error:e}");
     });
 }
@@ -65,22 +70,23 @@ fn plastic_potential_beside_the_associated_flow_rule() {
 /// Verifies growth of dilatant double shearing in every background: order 1 with the coefficient √(q cos(φ − 2ν)(1 +
 /// sin φ)/{ρ sin(φ − ν)[cos(φ − ν) + sin ν]}).
 #[test]
-fn double_shearing_with_dilatancy() {
+fn dilatant_double_shearing_grows_at_order_one() {
     (0..1000u64).into_par_iter().for_each(|seed| {
-        let random = &mut seeded(0xb9_0000 + seed);
+        let random = &mut seeded_generator(0xb9_0000 + seed);
         let base = if seed % 2 == 0 {
-            tame(random, registry::DOUBLE_SHEARING, Dilatancy::Positive, true)
+            sample_order_one(random, registry::DOUBLE_SHEARING, DilatancyKind::Positive, true)
         } else {
-            wild(random, registry::DOUBLE_SHEARING, Dilatancy::Positive)
+            sample_wide_range(random, registry::DOUBLE_SHEARING, DilatancyKind::Positive)
         };
-        let state = with([0, 2, 4, 6, 8, 10, 12, 14][seed as usize / 2 % 8], base.state);
-        let sample = Sample::new(base.kind(), base.parameters, state);
-        let verdict = judge(&sample.system);
-        assert_eq!(name(&verdict), "order 1/1", "seed {seed}: {sample:?}");
+        let state =
+            restrict_background([0, 2, 4, 6, 8, 10, 12, 14][seed as usize / 2 % 8], base.state);
+        let sample = FlowSample::new(base.kind(), base.parameters, state);
+        let verdict = compute_verdict(&sample.system);
+        assert_eq!(verdict_label(&verdict), "order 1/1", "seed {seed}: {sample:?}");
         let (phi, nu) = (base.parameters.friction_angle, base.parameters.dilatancy_angle);
         let above = sample.flow.stress.deviator.value * (phi - 2.0 * nu).cos() * (1.0 + phi.sin());
         let below = sample.flow.density * (phi - nu).sin() * ((phi - nu).cos() + nu.sin());
-        let error = (coefficient(&verdict) / (above / below).sqrt() - 1.0).abs();
+        let error = (growth_coefficient(&verdict) / (above / below).sqrt() - 1.0).abs();
         assert!(error < 1e-9, "seed {seed}: off by {error:e}");
     });
 }

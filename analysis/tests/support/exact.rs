@@ -1,27 +1,27 @@
 //! Determinants, polynomials and their roots in 256 bits, by Leibniz's sum over permutations, independent of the
 //! methods of the crate.
 
-use super::wide::{Wide, WideComplex};
+use super::real256::{Complex256, Real256};
 use models::LinearisedSystem;
 use num_complex::Complex64;
 
 /// The matrices of A ∂ₜz + Σ Bⁱ ∂ᵢz + C z = 0 in 256 bits, row by row.
 #[derive(Clone, Debug)]
-pub struct WideSystem {
+pub struct System256 {
     pub size: usize,
     /// Entry (i, j) → coefficients of ς, κ₁, κ₂ and 1.
-    pub entries: Vec<Vec<[Wide; 4]>>,
+    pub entries: Vec<Vec<[Real256; 4]>>,
 }
 
-impl WideSystem {
+impl System256 {
     /// Converts the doubles of a square system exactly; `velocity` is omitted.
-    pub fn of(system: &LinearisedSystem<2>) -> Self {
+    pub fn from_linearised(system: &LinearisedSystem<2>) -> Self {
         let size = system.equations.len();
         assert_eq!(size, system.unknowns.len());
         let entry = |i: usize, j: usize| {
             let at = (i, j);
             [system.a[at], system.b[0][at], system.b[1][at], system.c[at]]
-                .map(|x| Wide::from(x.value))
+                .map(|x| Real256::from(x.value))
         };
         let entries = (0..size).map(|i| (0..size).map(|j| entry(i, j)).collect()).collect();
         Self { size, entries }
@@ -29,11 +29,11 @@ impl WideSystem {
 
     /// det(ςA + κ₁B¹ + κ₂B² + C), one coefficient for each power of ς, κ₁, κ₂.
     pub fn polynomial(&self) -> DispersionReference {
-        let one = vec![([0u8; 3], Wide::from(1.0))];
+        let initial = vec![([0u8; 3], Real256::from(1.0))];
         let mut result = DispersionReference { terms: Vec::new() };
-        leibniz(
+        expand_leibniz(
             self.size,
-            one,
+            initial,
             &|i, j| self.entries[i][j].iter().any(|x| !x.is_zero()),
             &|product, i, j| {
                 let mut next = Vec::with_capacity(2 * product.len());
@@ -61,26 +61,26 @@ impl WideSystem {
     }
 
     /// Coefficients of det(ςA + i(k₁B¹ + k₂B²) + C) by ascending powers of ς; leading exact zeros are omitted.
-    pub fn at_wave(&self, wave: [f64; 2]) -> Vec<WideComplex> {
-        let wave = wave.map(Wide::from);
+    pub fn coefficients_at_wave(&self, wave: [f64; 2]) -> Vec<Complex256> {
+        let wave = wave.map(Real256::from);
         let constant = |i: usize, j: usize| {
             let e = &self.entries[i][j];
-            WideComplex { re: e[3], im: wave[0] * e[1] + wave[1] * e[2] }
+            Complex256 { re: e[3], im: wave[0] * e[1] + wave[1] * e[2] }
         };
-        let mut result = vec![WideComplex::ZERO; self.size + 1];
-        leibniz(
+        let mut result = vec![Complex256::ZERO; self.size + 1];
+        expand_leibniz(
             self.size,
-            vec![WideComplex::real(Wide::from(1.0))],
+            vec![Complex256::from_real(Real256::from(1.0))],
             &|i, j| !(constant(i, j).is_zero() && self.entries[i][j][0].is_zero()),
-            &|product: &Vec<WideComplex>, i, j| {
+            &|product: &Vec<Complex256>, i, j| {
                 let (a, c) = (self.entries[i][j][0], constant(i, j));
-                let mut next = vec![WideComplex::ZERO; product.len() + usize::from(!a.is_zero())];
+                let mut next = vec![Complex256::ZERO; product.len() + usize::from(!a.is_zero())];
                 for (n, &p) in product.iter().enumerate() {
                     if !c.is_zero() {
                         next[n] += p * c;
                     }
                     if !a.is_zero() {
-                        next[n + 1] += p.scaled(a);
+                        next[n + 1] += p.scale(a);
                     }
                 }
                 next
@@ -91,21 +91,21 @@ impl WideSystem {
                 }
             },
         );
-        trim(&mut result);
+        trim_leading_zeros(&mut result);
         result
     }
 
     /// Cofactors of ςA + i(k₁B¹ + k₂B²) + C at the value `root` of ς.
-    pub fn cofactors(&self, wave: [f64; 2], root: WideComplex) -> Vec<Vec<WideComplex>> {
-        let wave = wave.map(Wide::from);
-        let matrix: Vec<Vec<WideComplex>> = self
+    pub fn cofactors(&self, wave: [f64; 2], root: Complex256) -> Vec<Vec<Complex256>> {
+        let wave = wave.map(Real256::from);
+        let matrix: Vec<Vec<Complex256>> = self
             .entries
             .iter()
             .map(|row| {
                 row.iter()
                     .map(|e| {
-                        root.scaled(e[0])
-                            + WideComplex { re: e[3], im: wave[0] * e[1] + wave[1] * e[2] }
+                        root.scale(e[0])
+                            + Complex256 { re: e[3], im: wave[0] * e[1] + wave[1] * e[2] }
                     })
                     .collect()
             })
@@ -118,12 +118,12 @@ impl WideSystem {
                         let at = |i: usize, j: usize| {
                             matrix[i + usize::from(i >= row)][j + usize::from(j >= column)]
                         };
-                        let mut sum = WideComplex::ZERO;
-                        leibniz(
+                        let mut sum = Complex256::ZERO;
+                        expand_leibniz(
                             n - 1,
-                            WideComplex::real(Wide::from(1.0)),
+                            Complex256::from_real(Real256::from(1.0)),
                             &|i, j| !at(i, j).is_zero(),
-                            &|&product: &WideComplex, i, j| product * at(i, j),
+                            &|&product: &Complex256, i, j| product * at(i, j),
                             &mut |&product, negative| {
                                 sum += if negative { -product } else { product };
                             },
@@ -136,7 +136,7 @@ impl WideSystem {
     }
 }
 
-fn add_term(terms: &mut Vec<([u8; 3], Wide)>, power: [u8; 3], value: Wide) {
+fn add_term(terms: &mut Vec<([u8; 3], Real256)>, power: [u8; 3], value: Real256) {
     match terms.iter_mut().find(|(own, _)| *own == power) {
         Some((_, own)) => *own += value,
         None => terms.push((power, value)),
@@ -144,19 +144,19 @@ fn add_term(terms: &mut Vec<([u8; 3], Wide)>, power: [u8; 3], value: Wide) {
 }
 
 /// Visits all permutations without zero entries, with their products and parities.
-fn leibniz<P>(
+fn expand_leibniz<P>(
     size: usize,
-    one: P,
-    present: &dyn Fn(usize, usize) -> bool,
-    times: &dyn Fn(&P, usize, usize) -> P,
+    initial: P,
+    is_nonzero: &dyn Fn(usize, usize) -> bool,
+    multiply: &dyn Fn(&P, usize, usize) -> P,
     visit: &mut dyn FnMut(&P, bool),
 ) {
-    fn descend<P>(
+    fn visit_permutations<P>(
         size: usize,
         chosen: &mut Vec<usize>,
         product: &P,
-        present: &dyn Fn(usize, usize) -> bool,
-        times: &dyn Fn(&P, usize, usize) -> P,
+        is_nonzero: &dyn Fn(usize, usize) -> bool,
+        multiply: &dyn Fn(&P, usize, usize) -> P,
         visit: &mut dyn FnMut(&P, bool),
     ) {
         let row = chosen.len();
@@ -167,27 +167,30 @@ fn leibniz<P>(
             return;
         }
         for column in 0..size {
-            if !chosen.contains(&column) && present(row, column) {
-                let next = times(product, row, column);
+            if !chosen.contains(&column) && is_nonzero(row, column) {
+                let next = multiply(product, row, column);
                 chosen.push(column);
-                descend(size, chosen, &next, present, times, visit);
+                visit_permutations(size, chosen, &next, is_nonzero, multiply, visit);
                 chosen.pop();
             }
         }
     }
-    descend(size, &mut Vec::new(), &one, present, times, visit);
+    visit_permutations(size, &mut Vec::new(), &initial, is_nonzero, multiply, visit);
 }
 
 /// Removes leading coefficients that are exactly zero.
-pub fn trim(polynomial: &mut Vec<WideComplex>) {
+pub fn trim_leading_zeros(polynomial: &mut Vec<Complex256>) {
     while polynomial.len() > 1 && polynomial.last().is_some_and(|c| c.is_zero()) {
         polynomial.pop();
     }
 }
 
 /// Value and slope of Σ pᵢ xⁱ.
-pub fn evaluate(polynomial: &[WideComplex], x: WideComplex) -> (WideComplex, WideComplex) {
-    let (mut value, mut slope) = (WideComplex::ZERO, WideComplex::ZERO);
+pub fn evaluate_with_derivative(
+    polynomial: &[Complex256],
+    x: Complex256,
+) -> (Complex256, Complex256) {
+    let (mut value, mut slope) = (Complex256::ZERO, Complex256::ZERO);
     for &c in polynomial.iter().rev() {
         slope = slope * x + value;
         value = value * x + c;
@@ -197,13 +200,13 @@ pub fn evaluate(polynomial: &[WideComplex], x: WideComplex) -> (WideComplex, Wid
 
 /// All roots of Σ pᵢ xⁱ, simple ones to about 60 digits: simultaneous iteration from circles whose radii are the slopes
 /// of the Newton polygon.
-pub fn roots(polynomial: &[WideComplex]) -> Vec<WideComplex> {
+pub fn solve_roots(polynomial: &[Complex256]) -> Vec<Complex256> {
     let zeros = polynomial.iter().take_while(|c| c.is_zero()).count();
     let p = &polynomial[zeros.min(polynomial.len() - 1)..];
     let degree = p.len() - 1;
-    let mut found = vec![WideComplex::ZERO; polynomial.len() - p.len()];
+    let mut computed = vec![Complex256::ZERO; polynomial.len() - p.len()];
     if degree == 0 {
-        return found;
+        return computed;
     }
     let logs: Vec<f64> = p.iter().map(|c| c.modulus().log2()).collect();
     let mut x = Vec::with_capacity(degree);
@@ -218,7 +221,7 @@ pub fn roots(polynomial: &[WideComplex]) -> Vec<WideComplex> {
         for n in 0..to - from {
             let turn = std::f64::consts::TAU * n as f64 / (to - from) as f64 + 0.61;
             let start = Complex64::from_polar((radius - whole).exp2(), turn);
-            x.push(WideComplex::from(start).shifted(whole as i64));
+            x.push(Complex256::from(start).multiply_by_power_of_two(whole as i64));
         }
         from = to;
     }
@@ -228,13 +231,13 @@ pub fn roots(polynomial: &[WideComplex]) -> Vec<WideComplex> {
             if settled[i] {
                 continue;
             }
-            let (value, slope) = evaluate(p, x[i]);
+            let (value, slope) = evaluate_with_derivative(p, x[i]);
             if value.is_zero() || slope.is_zero() {
                 settled[i] = value.is_zero();
                 continue;
             }
             let newton = value.ratio(slope);
-            let one = WideComplex::real(Wide::from(1.0));
+            let one = Complex256::from_real(Real256::from(1.0));
             let mut denominator = one;
             for j in 0..degree {
                 let gap = x[i] - x[j];
@@ -250,30 +253,30 @@ pub fn roots(polynomial: &[WideComplex]) -> Vec<WideComplex> {
             break;
         }
     }
-    found.extend(x);
-    found
+    computed.extend(x);
+    computed
 }
 
 /// Pairs the numbers of two lists of equal length, nearest pairs first.
-pub fn matched<'a>(
-    found: &'a [Complex64],
-    wanted: &'a [WideComplex],
-) -> Vec<(&'a Complex64, &'a WideComplex)> {
+pub fn match_roots<'a>(
+    computed: &'a [Complex64],
+    exact: &'a [Complex256],
+) -> Vec<(&'a Complex64, &'a Complex256)> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
-    for (i, &f) in found.iter().enumerate() {
-        for (j, &w) in wanted.iter().enumerate() {
-            let size = w.modulus() + Wide::from(f64::MIN_POSITIVE);
-            let gap = (WideComplex::from(f) - w).modulus() * size.recip();
+    for (i, &f) in computed.iter().enumerate() {
+        for (j, &w) in exact.iter().enumerate() {
+            let size = w.modulus() + Real256::from(f64::MIN_POSITIVE);
+            let gap = (Complex256::from(f) - w).modulus() * size.recip();
             pairs.push((gap.to_f64(), i, j));
         }
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut left, mut right) = (vec![true; found.len()], vec![true; wanted.len()]);
+    let (mut left, mut right) = (vec![true; computed.len()], vec![true; exact.len()]);
     let mut result = Vec::new();
     for (_, i, j) in pairs {
         if left[i] && right[j] {
             (left[i], right[j]) = (false, false);
-            result.push((&found[i], &wanted[j]));
+            result.push((&computed[i], &exact[j]));
         }
     }
     result
@@ -282,14 +285,14 @@ pub fn matched<'a>(
 /// The dispersion polynomial in 256 bits: (powers of ς, κ₁, κ₂; coefficient).
 #[derive(Clone, Debug)]
 pub struct DispersionReference {
-    pub terms: Vec<([u8; 3], Wide)>,
+    pub terms: Vec<([u8; 3], Real256)>,
 }
 
 impl DispersionReference {
     /// Coefficients by ascending powers of ς at the wave vector k (cos, sin).
-    pub fn at(&self, k: Wide, cos: Wide, sin: Wide) -> Vec<WideComplex> {
-        let powers = |x: Wide| {
-            let mut list = vec![Wide::from(1.0)];
+    pub fn coefficients_at(&self, k: Real256, cos: Real256, sin: Real256) -> Vec<Complex256> {
+        let powers = |x: Real256| {
+            let mut list = vec![Real256::from(1.0)];
             for n in 0..12 {
                 list.push(list[n] * x);
             }
@@ -297,33 +300,34 @@ impl DispersionReference {
         };
         let (first, second) = (powers(k * cos), powers(k * sin));
         let highest = self.terms.iter().map(|t| t.0[0]).max().unwrap_or(0);
-        let mut result = vec![WideComplex::ZERO; usize::from(highest) + 1];
-        let mut greatest = vec![Wide::ZERO.exponent(); result.len()];
+        let mut result = vec![Complex256::ZERO; usize::from(highest) + 1];
+        let mut greatest = vec![Real256::ZERO.exponent(); result.len()];
         for &([a, b, c], value) in &self.terms {
             let term = value * first[usize::from(b)] * second[usize::from(c)];
-            result[usize::from(a)] += WideComplex::real(term).turned(usize::from(b + c));
+            result[usize::from(a)] +=
+                Complex256::from_real(term).multiply_by_i_power(usize::from(b + c));
             let size = value.exponent() + i64::from(b + c) * k.exponent();
             greatest[usize::from(a)] = greatest[usize::from(a)].max(size);
         }
         // Smaller sums are rounding of the direction in 256 bits.
         for (sum, greatest) in result.iter_mut().zip(greatest) {
             if sum.exponent() < greatest - 235 {
-                *sum = WideComplex::ZERO;
+                *sum = Complex256::ZERO;
             }
         }
-        trim(&mut result);
+        trim_leading_zeros(&mut result);
         result
     }
 
     /// Largest real part of the roots at the wave number `k` and `direction` (rad); −2⁴⁰⁰⁰ without roots.
-    pub fn growth(&self, k: Wide, direction: Wide) -> Wide {
+    pub fn max_growth_rate(&self, k: Real256, direction: Real256) -> Real256 {
         let (sin, cos) = direction.sin_cos();
-        roots(&self.at(k, cos, sin))
+        solve_roots(&self.coefficients_at(k, cos, sin))
             .into_iter()
             // Smaller real parts are rounding beside the imaginary part.
-            .map(|z| if z.re.exponent() < z.im.exponent() - 130 { Wide::ZERO } else { z.re })
+            .map(|z| if z.re.exponent() < z.im.exponent() - 130 { Real256::ZERO } else { z.re })
             .reduce(|a, b| if b > a { b } else { a })
-            .unwrap_or(-Wide::from(1.0).shifted(4000))
+            .unwrap_or(-Real256::from(1.0).multiply_by_power_of_two(4000))
     }
 
     /// Degree in ς.
@@ -332,12 +336,12 @@ impl DispersionReference {
     }
 
     /// Value F_ij(cos θ, sin θ).
-    pub fn form(&self, i: u8, j: u8, angle: Wide) -> Wide {
+    pub fn evaluate_form(&self, i: u8, j: u8, angle: Real256) -> Real256 {
         let (sin, cos) = angle.sin_cos();
-        let mut sum = Wide::ZERO;
+        let mut sum = Real256::ZERO;
         for &([a, b, c], value) in &self.terms {
             if a == i && b + c == j {
-                let power = |x: Wide, n: u8| (0..n).fold(Wide::from(1.0), |p, _| p * x);
+                let power = |x: Real256, n: u8| (0..n).fold(Real256::from(1.0), |p, _| p * x);
                 sum += value * power(cos, b) * power(sin, c);
             }
         }

@@ -2,10 +2,11 @@
 //! states. The references do not use the algebra of the crate.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-pub mod brute;
+pub mod brute_force;
 pub mod exact;
-pub mod planted;
-pub mod slipping;
+pub mod maximise;
+pub mod real256;
+pub mod slipping_layer;
 pub mod states;
+pub mod system_entries;
 pub mod verdicts;
-pub mod wide;

@@ -1,53 +1,36 @@
 //! Random fully deforming states of the granular-flow models, and their linearised equations in
 //! 256 bits from formulas written for the tests alone.
 
-use super::exact::WideSystem;
-use super::wide::Wide;
+use super::exact::System256;
+use super::real256::Real256;
 use models::LinearisedSystem;
-use models::flow::state::{Background, Flow, State};
+use models::flow::state::{Background, DeformingFlow, MaterialState};
 use models::flow::{FlowKind, Model};
 use models::registry;
-use testkit::flows::Parameters;
-pub use testkit::random::Random;
+pub use testkit::flows::DilatancyKind;
+use testkit::flows::FlowParameters;
+pub use testkit::random::RandomNumbers;
 
 /// Random-number generator of the tests of this crate.
-pub fn seeded(seed: u64) -> Random {
-    let mut random = Random::with_salt(seed, 0x5bf0_3635);
-    random.unit();
+pub fn seeded_generator(seed: u64) -> RandomNumbers {
+    let mut random = RandomNumbers::with_salt(seed, 0x5bf0_3635);
+    random.unit_interval();
     random
 }
 
-/// Dilatancy angle ν of a random state: zero, positive, or equal to φ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dilatancy {
-    Zero,
-    Positive,
-    Associated,
-}
-
-pub const VARIANTS: [(FlowKind, Dilatancy); 7] = [
-    (registry::HARRIS_GREKOVA, Dilatancy::Zero),
-    (registry::HARRIS_GREKOVA, Dilatancy::Positive),
-    (registry::DOUBLE_SHEARING, Dilatancy::Zero),
-    (registry::DOUBLE_SHEARING, Dilatancy::Positive),
-    (registry::PLASTIC_POTENTIAL, Dilatancy::Zero),
-    (registry::PLASTIC_POTENTIAL, Dilatancy::Positive),
-    (registry::PLASTIC_POTENTIAL, Dilatancy::Associated),
-];
-
 /// A model and a state, with the flow and the linearised equations that follow from them.
 #[derive(Debug)]
-pub struct Sample {
-    pub parameters: Parameters,
-    pub state: State,
+pub struct FlowSample {
+    pub parameters: FlowParameters,
+    pub state: MaterialState,
     pub model: Model,
-    pub flow: Flow,
+    pub flow: DeformingFlow,
     pub system: LinearisedSystem<2>,
 }
 
-impl Sample {
-    pub fn new(kind: FlowKind, parameters: Parameters, state: State) -> Self {
-        let model = parameters.model(kind).expect("constants within their ranges");
+impl FlowSample {
+    pub fn new(kind: FlowKind, parameters: FlowParameters, state: MaterialState) -> Self {
+        let model = parameters.build_model(kind).expect("constants within their ranges");
         let flow = match model.background(&state).expect("an admissible state") {
             Background::FullyDeforming(flow) => flow,
             elsewhere => panic!("on yield by construction, yet {elsewhere:?}"),
@@ -63,106 +46,125 @@ impl Sample {
 }
 
 /// The sample with another non-coaxiality, rad.
-pub fn turned(sample: &Sample, noncoaxiality: f64) -> Sample {
-    let state = State { noncoaxiality: Some(noncoaxiality), ..sample.state };
-    Sample::new(sample.kind(), sample.parameters, state)
+pub fn with_noncoaxiality(sample: &FlowSample, noncoaxiality: f64) -> FlowSample {
+    let state = MaterialState { noncoaxiality: Some(noncoaxiality), ..sample.state };
+    FlowSample::new(sample.kind(), sample.parameters, state)
 }
 
 /// Random sample in the widest ranges: densities 1e2…1e4 kg/m³, pressures 1…1e6 Pa, shear rates 1e-3…1e3 1/s, moments
 /// of inertia 1e-9…1e-2 m², all angles.
-pub fn wild(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy) -> Sample {
-    let friction_angle = random.within(0.03, 1.5);
+pub fn sample_wide_range(
+    random: &mut RandomNumbers,
+    kind: FlowKind,
+    dilatancy: DilatancyKind,
+) -> FlowSample {
+    let friction_angle = random.uniform(0.03, 1.5);
     let cosserat = kind == registry::HARRIS_GREKOVA;
-    let pressure = random.decades(1.0, 1e6);
-    let inertia = random.decades(1e-9, 1e-2);
-    let shear_rate = random.decades(1e-3, 1e3);
-    let density = random.decades(1e2, 1e4);
-    let parameters = Parameters {
+    let pressure = random.log_uniform(1.0, 1e6);
+    let inertia = random.log_uniform(1e-9, 1e-2);
+    let shear_rate = random.log_uniform(1e-3, 1e3);
+    let density = random.log_uniform(1e2, 1e4);
+    let parameters = FlowParameters {
         friction_angle,
         dilatancy_angle: match dilatancy {
-            Dilatancy::Zero => 0.0,
-            Dilatancy::Associated => friction_angle,
-            Dilatancy::Positive if kind == registry::PLASTIC_POTENTIAL => random.within(0.01, 1.5),
-            Dilatancy::Positive => friction_angle * random.within(0.02, 0.98),
+            DilatancyKind::Zero => 0.0,
+            DilatancyKind::Associated => friction_angle,
+            DilatancyKind::Positive if kind == registry::PLASTIC_POTENTIAL => {
+                random.uniform(0.01, 1.5)
+            }
+            DilatancyKind::Positive => friction_angle * random.uniform(0.02, 0.98),
         },
-        cohesion: if random.chance(0.5) { 0.0 } else { pressure * random.decades(1e-3, 10.0) },
+        cohesion: if random.bernoulli(0.5) {
+            0.0
+        } else {
+            pressure * random.log_uniform(1e-3, 10.0)
+        },
         moment_of_inertia: cosserat.then_some(inertia),
-        rotational_strength: cosserat
-            .then(|| if random.chance(0.4) { 0.0 } else { pressure * random.decades(1e-3, 1.0) }),
+        rotational_strength: cosserat.then(|| {
+            if random.bernoulli(0.4) { 0.0 } else { pressure * random.log_uniform(1e-3, 1.0) }
+        }),
     };
-    let mut state = State {
+    let mut state = MaterialState {
         density,
         pressure,
-        stress_angle: random.within(-std::f64::consts::PI, std::f64::consts::PI),
+        stress_angle: random.uniform(-std::f64::consts::PI, std::f64::consts::PI),
         shear_rate,
-        noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.within(-1.57, 1.57)),
-        ..State::default()
+        noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.uniform(-1.57, 1.57)),
+        ..MaterialState::default()
     };
-    if random.chance(0.6) {
-        state.velocity = [random.signed(1e-2, 10.0), random.signed(1e-2, 10.0)];
+    if random.bernoulli(0.6) {
+        state.velocity =
+            [random.signed_log_uniform(1e-2, 10.0), random.signed_log_uniform(1e-2, 10.0)];
     }
-    if random.chance(0.6) {
-        state.half_vorticity = shear_rate * random.signed(1e-2, 10.0);
+    if random.bernoulli(0.6) {
+        state.half_vorticity = shear_rate * random.signed_log_uniform(1e-2, 10.0);
     }
-    if random.chance(0.6) {
-        let mut pair = |size: f64| [0; 2].map(|_| size * random.signed(1e-2, 1e2));
+    if random.bernoulli(0.6) {
+        let mut pair = |size: f64| [0; 2].map(|_| size * random.signed_log_uniform(1e-2, 1e2));
         state.pressure_gradient = pair(pressure);
         state.stress_angle_gradient = pair(1.0);
-        if dilatancy != Dilatancy::Zero {
+        if dilatancy != DilatancyKind::Zero {
             state.density_gradient = pair(0.1 * density);
         }
         if cosserat {
             state.spin_gradient = pair(shear_rate);
         }
     }
-    if cosserat && random.chance(0.6) {
-        state.inertia_rate = inertia * shear_rate * random.signed(1e-2, 10.0);
-        state.inertia_gradient = [0; 2].map(|_| inertia * random.signed(1e-2, 10.0));
+    if cosserat && random.bernoulli(0.6) {
+        state.inertia_rate = inertia * shear_rate * random.signed_log_uniform(1e-2, 10.0);
+        state.inertia_gradient = [0; 2].map(|_| inertia * random.signed_log_uniform(1e-2, 10.0));
     }
-    Sample::new(kind, parameters, state)
+    FlowSample::new(kind, parameters, state)
 }
 
 /// Random sample with constants of comparable size, so that asymptotic behaviour appears at moderate wave numbers.
-pub fn tame(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy, gradients: bool) -> Sample {
-    let friction_angle = random.within(0.2, 1.2);
+pub fn sample_order_one(
+    random: &mut RandomNumbers,
+    kind: FlowKind,
+    dilatancy: DilatancyKind,
+    gradients: bool,
+) -> FlowSample {
+    let friction_angle = random.uniform(0.2, 1.2);
     let cosserat = kind == registry::HARRIS_GREKOVA;
-    let parameters = Parameters {
+    let parameters = FlowParameters {
         friction_angle,
         dilatancy_angle: match dilatancy {
-            Dilatancy::Zero => 0.0,
-            Dilatancy::Associated => friction_angle,
-            Dilatancy::Positive if kind == registry::PLASTIC_POTENTIAL => random.within(0.1, 1.3),
-            Dilatancy::Positive => friction_angle * random.within(0.1, 0.9),
+            DilatancyKind::Zero => 0.0,
+            DilatancyKind::Associated => friction_angle,
+            DilatancyKind::Positive if kind == registry::PLASTIC_POTENTIAL => {
+                random.uniform(0.1, 1.3)
+            }
+            DilatancyKind::Positive => friction_angle * random.uniform(0.1, 0.9),
         },
-        cohesion: random.within(0.0, 1.0),
-        moment_of_inertia: cosserat.then(|| random.within(0.1, 1.0)),
+        cohesion: random.uniform(0.0, 1.0),
+        moment_of_inertia: cosserat.then(|| random.uniform(0.1, 1.0)),
         rotational_strength: cosserat
-            .then(|| if random.chance(0.5) { 0.0 } else { random.within(0.1, 1.0) }),
+            .then(|| if random.bernoulli(0.5) { 0.0 } else { random.uniform(0.1, 1.0) }),
     };
-    let mut state = State {
-        density: random.within(0.5, 2.0),
-        pressure: random.within(0.5, 3.0),
-        stress_angle: random.within(-3.0, 3.0),
-        shear_rate: random.within(0.3, 2.0),
-        half_vorticity: random.within(-2.0, 2.0),
-        noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.within(-1.55, 1.55)),
-        velocity: [random.within(-1.0, 1.0), random.within(-1.0, 1.0)],
-        ..State::default()
+    let mut state = MaterialState {
+        density: random.uniform(0.5, 2.0),
+        pressure: random.uniform(0.5, 3.0),
+        stress_angle: random.uniform(-3.0, 3.0),
+        shear_rate: random.uniform(0.3, 2.0),
+        half_vorticity: random.uniform(-2.0, 2.0),
+        noncoaxiality: (kind != registry::PLASTIC_POTENTIAL).then(|| random.uniform(-1.55, 1.55)),
+        velocity: [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)],
+        ..MaterialState::default()
     };
     if gradients {
-        let mut pair = || [0; 2].map(|_| random.signed(0.2, 2.0));
+        let mut pair = || [0; 2].map(|_| random.signed_log_uniform(0.2, 2.0));
         state.pressure_gradient = pair();
         state.stress_angle_gradient = pair();
-        if dilatancy != Dilatancy::Zero {
+        if dilatancy != DilatancyKind::Zero {
             state.density_gradient = pair();
         }
         if cosserat {
             state.spin_gradient = pair();
             state.inertia_gradient = pair();
-            state.inertia_rate = random.signed(0.2, 2.0);
+            state.inertia_rate = random.signed_log_uniform(0.2, 2.0);
         }
     }
-    Sample::new(kind, parameters, state)
+    FlowSample::new(kind, parameters, state)
 }
 
 /// The linearised equations of a sample in 256 bits, in the crate's order of rows and columns.
@@ -172,11 +174,11 @@ pub fn tame(random: &mut Random, kind: FlowKind, dilatancy: Dilatancy, gradients
 /// 2 e_r (ω − s₂₁) = −½ c_r d:N′, the spin's balance ρ I Dω/Dt + ρ ω DI/Dt = 2r + ρG; all
 /// linearised about D = ½ tr D + Q_D N(Ψ_D), for which D:N = 2 Q_D cos 2Δ, D:N′ = 4 Q_D sin 2Δ,
 /// and N″ = −4N.
-pub fn reference(sample: &Sample) -> WideSystem {
-    let Sample { parameters, state, flow, .. } = sample;
+pub fn reference_system(sample: &FlowSample) -> System256 {
+    let FlowSample { parameters, state, flow, .. } = sample;
     let kind = sample.kind();
-    let w = Wide::from;
-    let (one, zero) = (w(1.0), Wide::ZERO);
+    let w = Real256::from;
+    let (one, zero) = (w(1.0), Real256::ZERO);
     let phi = w(parameters.friction_angle);
     let nu = w(parameters.dilatancy_angle);
     let dilatant = parameters.dilatancy_angle > 0.0;
@@ -189,21 +191,22 @@ pub fn reference(sample: &Sample) -> WideSystem {
     };
     let q = w(state.pressure) * sin_phi + w(parameters.cohesion) * cos_phi;
     let rho = w(state.density);
-    let tensor = |angle: Wide| {
-        let (s, c) = angle.shifted(1).sin_cos();
+    let tensor = |angle: Real256| {
+        let (s, c) = angle.multiply_by_power_of_two(1).sin_cos();
         [[c, s], [s, -c]]
     };
-    let rate_of = |n: [[Wide; 2]; 2]| {
-        let (c, s) = (n[0][0].shifted(1), n[0][1].shifted(1));
+    let rate_of = |n: [[Real256; 2]; 2]| {
+        let (c, s) = (n[0][0].multiply_by_power_of_two(1), n[0][1].multiply_by_power_of_two(1));
         [[-s, c], [c, s]]
     };
     let psi = w(state.stress_angle);
     let n = tensor(psi);
     let n1 = rate_of(n);
     let delta = w(flow.noncoaxiality);
-    let (sin_2d, cos_2d) = delta.shifted(1).sin_cos();
+    let (sin_2d, cos_2d) = delta.multiply_by_power_of_two(1).sin_cos();
     let shear_rate = w(state.shear_rate);
-    let times = |m: [[Wide; 2]; 2], x: [Wide; 2]| [0, 1].map(|i| m[i][0] * x[0] + m[i][1] * x[1]);
+    let times =
+        |m: [[Real256; 2]; 2], x: [Real256; 2]| [0, 1].map(|i| m[i][0] * x[0] + m[i][1] * x[1]);
     let grad_p = state.pressure_gradient.map(w);
     let grad_psi = state.stress_angle_gradient.map(w);
 
@@ -221,7 +224,7 @@ pub fn reference(sample: &Sample) -> WideSystem {
     let n_psi = times(n, grad_psi);
 
     // Unknowns v₁, v₂, ω, p, ψ, ρ; equations momentum 1, 2, spin, volume, rotation, mass.
-    let mut m = vec![vec![[Wide::ZERO; 4]; 6]; 6];
+    let mut m = vec![vec![[Real256::ZERO; 4]; 6]; 6];
     for i in 0..2 {
         m[i][i][0] = rho;
         for j in 0..2 {
@@ -231,25 +234,25 @@ pub fn reference(sample: &Sample) -> WideSystem {
             m[i][4][1 + j] = -(q * n1[i][j]);
         }
         m[i][3][3] = -(sin_phi * n1_psi[i]);
-        m[i][4][3] = (q * n_psi[i]).shifted(2) - sin_phi * n1_p[i];
+        m[i][4][3] = (q * n_psi[i]).multiply_by_power_of_two(2) - sin_phi * n1_p[i];
         m[i][5][3] = (sin_phi * n_p[i] - grad_p[i] + q * n1_psi[i]) * rho.recip();
     }
     for i in 0..2 {
         for j in 0..2 {
             let unit = if i == j { one } else { zero };
             m[3][i][1 + j] = e_v * unit - s_v * n[i][j];
-            m[4][i][1 + j] = (c_r * n1[i][j]).shifted(-1);
+            m[4][i][1 + j] = (c_r * n1[i][j]).multiply_by_power_of_two(-1);
         }
     }
     m[4][0][2] += e_r;
     m[4][1][1] += -e_r;
-    m[3][4][3] = -(s_v * shear_rate * sin_2d).shifted(2);
-    m[4][4][3] = -(c_r * shear_rate * cos_2d).shifted(2);
+    m[3][4][3] = -(s_v * shear_rate * sin_2d).multiply_by_power_of_two(2);
+    m[4][4][3] = -(c_r * shear_rate * cos_2d).multiply_by_power_of_two(2);
     match kind {
         own if own == registry::HARRIS_GREKOVA => {
             let inertia = w(parameters.moment_of_inertia.expect("given"));
             let spin = turn - c_r * e_r.recip() * shear_rate * sin_2d;
-            m[4][2][3] = e_r.shifted(1);
+            m[4][2][3] = e_r.multiply_by_power_of_two(1);
             m[2][2][0] = rho * inertia;
             m[2][2][3] = rho * w(state.inertia_rate);
             for (j, entry) in m[2].iter_mut().take(2).enumerate() {
@@ -268,12 +271,12 @@ pub fn reference(sample: &Sample) -> WideSystem {
                 },
                 w,
             );
-            m[2][5][3] = rotational.shifted(1) * rho.recip();
+            m[2][5][3] = rotational.multiply_by_power_of_two(1) * rho.recip();
         }
         own if own == registry::DOUBLE_SHEARING => {
-            m[4][4][0] = e_r.shifted(1);
+            m[4][4][0] = e_r.multiply_by_power_of_two(1);
             for j in 0..2 {
-                m[4][j][3] = (e_r * grad_psi[j]).shifted(1);
+                m[4][j][3] = (e_r * grad_psi[j]).multiply_by_power_of_two(1);
             }
         }
         _ => {}
@@ -285,23 +288,23 @@ pub fn reference(sample: &Sample) -> WideSystem {
         m[5][j][3] = w(state.density_gradient[j]);
     }
 
-    const UNKNOWNS: [&str; 6] =
+    const UNKNOWN_NAMES: [&str; 6] =
         ["velocity 1", "velocity 2", "spin", "pressure", "stress angle", "density"];
-    const EQUATIONS: [&str; 6] =
+    const EQUATION_NAMES: [&str; 6] =
         ["momentum 1", "momentum 2", "spin", "flow rule: volume", "flow rule: rotation", "mass"];
     let place = |names: &[&str], name: &str| {
         let name = name.replace("coaxiality", "rotation");
         names.iter().position(|&own| own == name).expect("a known name")
     };
-    let entries: Vec<Vec<[Wide; 4]>> = sample
+    let entries: Vec<Vec<[Real256; 4]>> = sample
         .system
         .equations
         .iter()
         .map(|equation| {
-            let row = place(&EQUATIONS, equation);
+            let row = place(&EQUATION_NAMES, equation);
             let columns = sample.system.unknowns.iter();
-            columns.map(|u| m[row][place(&UNKNOWNS, u.name)]).collect()
+            columns.map(|u| m[row][place(&UNKNOWN_NAMES, u.name)]).collect()
         })
         .collect();
-    WideSystem { size: entries.len(), entries }
+    System256 { size: entries.len(), entries }
 }

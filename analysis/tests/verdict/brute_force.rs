@@ -1,28 +1,28 @@
 //! Random small systems against brute force.
 
-use crate::planted_systems::Entries;
-use crate::support::brute::{brute, degenerate_directions};
-use crate::support::exact::{DispersionReference, WideSystem};
-use crate::support::planted::{C, T, X, Y, system};
-use crate::support::states::seeded;
-use crate::support::verdicts::{judge, name};
+use crate::known_systems::SystemEntries;
+use crate::support::brute_force::{compute_growth_by_brute_force, find_degenerate_directions};
+use crate::support::exact::{DispersionReference, System256};
+use crate::support::states::seeded_generator;
+use crate::support::system_entries::{C, T, X, Y, build_system};
+use crate::support::verdicts::{compute_verdict, verdict_label};
 use models::LinearisedSystem;
 use rayon::prelude::*;
 use wellposed_analysis::growth::Verdict;
 
 /// A random system of 2 to 4 equations with few entries, integers or not.
-fn small(seed: u64, integers: bool) -> LinearisedSystem<2> {
-    let random = &mut seeded(0x5a11 + seed);
+fn random_small_system(seed: u64, integers: bool) -> LinearisedSystem<2> {
+    let random = &mut seeded_generator(0x5a11 + seed);
     let n = 2 + (seed % 3) as usize;
-    let mut entries: Entries = Vec::new();
+    let mut entries: SystemEntries = Vec::new();
     for i in 0..n {
         for j in 0..n {
             for part in [T, X, Y, C] {
-                if random.chance(if part == T { 0.3 } else { 0.4 }) {
+                if random.bernoulli(if part == T { 0.3 } else { 0.4 }) {
                     let value = if integers {
-                        random.within(-3.49, 3.49).round()
+                        random.uniform(-3.49, 3.49).round()
                     } else {
-                        random.signed(0.3, 3.0)
+                        random.signed_log_uniform(0.3, 3.0)
                     };
                     if value != 0.0 {
                         entries.push((i, j, part, value));
@@ -31,30 +31,31 @@ fn small(seed: u64, integers: bool) -> LinearisedSystem<2> {
             }
         }
     }
-    system(n, n, &entries)
+    build_system(n, n, &entries)
 }
 
 /// Verdicts on random small systems without physical meaning agree with brute force.
 #[test]
 fn small_random_systems_agree_with_brute_force() {
-    agree_with_brute_force(false, 200);
+    assert_agreement_with_brute_force(false, 200);
 }
 
 /// Verdicts on random systems of small integers, in which many directions coincide, agree with brute force.
 #[test]
 fn small_integer_systems_agree_with_brute_force() {
-    agree_with_brute_force(true, 200);
+    assert_agreement_with_brute_force(true, 200);
 }
 
 #[test]
 #[ignore = "some minutes: cargo test --release -p wellposed-analysis --test verdict many -- --ignored"]
 fn many_small_systems_agree_with_brute_force() {
-    agree_with_brute_force(false, 500);
-    agree_with_brute_force(true, 500);
+    assert_agreement_with_brute_force(false, 500);
+    assert_agreement_with_brute_force(true, 500);
 }
 
-/// Brute-force check of a verdict: a description of the error, if any; `fine` takes longer and misses less.
-fn difference(verdict: &Verdict, p: &DispersionReference, fine: bool) -> Option<String> {
+/// Brute-force check of a verdict: a description of the error, if any; with `fine` the check takes longer and misses
+/// less.
+fn describe_difference(verdict: &Verdict, p: &DispersionReference, fine: bool) -> Option<String> {
     match verdict {
         Verdict::Indeterminate { .. } => {
             return (!p.terms.is_empty()).then(|| "not singular".to_string());
@@ -66,30 +67,39 @@ fn difference(verdict: &Verdict, p: &DispersionReference, fine: bool) -> Option<
         }
         _ => {}
     }
-    let force = brute(p, &[1e8, 1e13], 60, &degenerate_directions(p), 3.2, fine);
+    let force = compute_growth_by_brute_force(
+        p,
+        &[1e8, 1e13],
+        60,
+        &find_degenerate_directions(p),
+        3.2,
+        fine,
+    );
     let wrong = match verdict {
-        Verdict::WellPosed => force.blows_up || force.order().abs() > 0.05,
-        Verdict::IllPosed { growth: None, .. } => !force.blows_up,
+        Verdict::WellPosed => force.is_unbounded_at_finite_k || force.order().abs() > 0.05,
+        Verdict::IllPosed { growth: None, .. } => !force.is_unbounded_at_finite_k,
         Verdict::IllPosed { growth: Some(g), .. } => {
-            let order = g.order.value();
+            let order = g.order.to_f64();
             let ratio = force.coefficient(order) / g.coefficient;
-            (force.order() - order).abs() > 0.05 || (ratio - 1.0).abs() > 0.02 || force.blows_up
+            (force.order() - order).abs() > 0.05
+                || (ratio - 1.0).abs() > 0.02
+                || force.is_unbounded_at_finite_k
         }
         _ => false,
     };
     wrong.then(|| format!("order {:.4} {force:?}", force.order()))
 }
 
-fn agree_with_brute_force(integers: bool, systems: u64) {
+fn assert_agreement_with_brute_force(integers: bool, systems: u64) {
     let results: Vec<(String, Option<String>)> = (0..systems)
         .into_par_iter()
         .map(|seed| {
-            let own = small(seed, integers);
-            let verdict = judge(&own);
-            let p = WideSystem::of(&own).polynomial();
-            let problem =
-                difference(&verdict, &p, false).and_then(|_| difference(&verdict, &p, true));
-            (name(&verdict), problem.map(|p| format!("seed {seed}: {verdict:?}: {p}")))
+            let own = random_small_system(seed, integers);
+            let verdict = compute_verdict(&own);
+            let p = System256::from_linearised(&own).polynomial();
+            let problem = describe_difference(&verdict, &p, false)
+                .and_then(|_| describe_difference(&verdict, &p, true));
+            (verdict_label(&verdict), problem.map(|p| format!("seed {seed}: {verdict:?}: {p}")))
         })
         .collect();
     let mut counts = std::collections::BTreeMap::<&str, usize>::new();

@@ -2,8 +2,8 @@
 
 mod brute_force;
 mod closed_forms;
-mod planted_systems;
-mod planted_verdicts;
+mod known_systems;
+mod known_verdicts;
 mod singular_pencils;
 #[path = "../support/mod.rs"]
 mod support;

@@ -1,20 +1,25 @@
 //! Associated flow: no growth, and no speed above the elastic speeds.
 
-use crate::support::states::{Random, seeded};
+use crate::support::states::{RandomNumbers, seeded_generator};
 use models::common::rates::RateEquations;
-use models::solid::parameters::{CoupleModuli, Isotropic};
+use models::solid::parameters::{CoupleModuli, Isotropic, Theory};
 use models::yield_set::YieldSet;
-use models::yield_set::parameters::{ActiveCondition, Interlayer, InterlayerCouple, Mises};
+use models::yield_set::parameters::{
+    ActiveCondition, InterlayerCoupleLimits, InterlayerYieldSet, Mises,
+};
 use models::yield_set::tangent::tangent;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
-use wellposed_analysis::waves::{Waves, squared_speeds};
+use wellposed_analysis::waves::{DirectionalWaves, squared_speeds};
 
-use crate::random_solids::{KINDS, Kind, solid, solid_of_order_one, unit};
-use crate::yielding::{carried_too, growth, negative, on_yield, tangent_basis};
+use crate::random_solids::{THEORIES, random_solid, random_solid_of_order_one, random_unit_vector};
+use crate::yielding::{
+    equations_with_carried_stresses, growth_and_bound, random_mises_condition,
+    random_stress_on_yield_surface, reverse_time, tangent_basis,
+};
 
 /// Verifies that elastic and yielding squared speeds along `normal` interlace, with `conditions` active conditions.
-fn interlaced<const D: usize>(
+fn assert_interlaced<const D: usize>(
     elastic: &RateEquations<D>,
     yielding: &RateEquations<D>,
     normal: [f64; D],
@@ -34,12 +39,12 @@ fn interlaced<const D: usize>(
 
 #[test]
 fn associated_yielding_keeps_growth_at_rounding_level() {
-    let random = &mut seeded(9);
+    let random = &mut seeded_generator(9);
     let mut worst = [0.0f64; 2];
     let mut corners = [0usize; 5];
     for index in 0..10_000 {
-        let kind = KINDS[index % 3];
-        let mut solid = solid(random, kind);
+        let theory = THEORIES[index % 3];
+        let mut solid = random_solid(random, theory);
         // Scale moduli and density to order one.
         let scale = solid.mu;
         solid.lambda /= scale;
@@ -55,42 +60,42 @@ fn associated_yielding_keeps_growth_at_rounding_level() {
                 eta: c.eta / gamma,
             });
         }
-        let friction = random.within(0.0, 0.9);
-        let with_couple = kind == Kind::Cosserat;
+        let friction = random.uniform(0.0, 0.9);
+        let with_couple = theory == Theory::Cosserat;
         let set = match index / 3 % 4 {
             0 | 1 => {
                 let couple = with_couple.then(|| {
-                    let friction = random.within(0.0, 0.5);
-                    InterlayerCouple {
-                        strength: random.within(0.1, 1.0),
+                    let friction = random.uniform(0.0, 0.5);
+                    InterlayerCoupleLimits {
+                        strength: random.uniform(0.1, 1.0),
                         friction,
                         dilatancy: friction,
                     }
                 });
-                YieldSet::from(Interlayer {
-                    shear_strength: random.within(0.1, 1.0),
+                YieldSet::from(InterlayerYieldSet {
+                    shear_strength: random.uniform(0.1, 1.0),
                     shear_friction: friction,
                     shear_dilatancy: friction,
                     couple,
                 })
             }
-            2 => YieldSet::from(Mises::drucker_prager(1.0, friction, friction)),
+            2 => YieldSet::from(Mises::new_drucker_prager(1.0, friction, friction)),
             _ => YieldSet::from(Mises {
-                antisymmetric_weight: random.within(0.0, 2.0),
+                antisymmetric_weight: random.uniform(0.0, 2.0),
                 symmetric_length: with_couple.then_some(1.0),
                 antisymmetric_length: with_couple.then_some(2.0),
-                ..Mises::von_mises(1.0)
+                ..Mises::new_von_mises(1.0)
             }),
         };
         let is_interlayer = set.half_spaces().is_some();
-        let stress = on_yield(random, &set, true);
-        let active = set.active(&stress, 1e-9);
+        let stress = random_stress_on_yield_surface(random, &set, true);
+        let active = set.active_conditions(&stress, 1e-9);
         assert!(!active.is_empty());
         corners[active.len()] += 1;
-        if is_interlayer || random.chance(0.5) {
-            yielding::<2>(random, &solid, &active, &mut worst);
+        if is_interlayer || random.bernoulli(0.5) {
+            verify_associated_yielding::<2>(random, &solid, &active, &mut worst);
         } else {
-            yielding::<3>(random, &solid, &active, &mut worst);
+            verify_associated_yielding::<3>(random, &solid, &active, &mut worst);
         }
     }
     println!("max Re ς, Hermitian part, over the largest entry: {worst:?}; conditions {corners:?}");
@@ -99,8 +104,8 @@ fn associated_yielding_keeps_growth_at_rounding_level() {
     assert!(corners[2] > 500 && corners[3] > 100, "{corners:?}");
 }
 
-fn yielding<const D: usize>(
-    random: &mut Random,
+fn verify_associated_yielding<const D: usize>(
+    random: &mut RandomNumbers,
     solid: &Isotropic,
     active: &[ActiveCondition],
     worst: &mut [f64; 2],
@@ -124,12 +129,18 @@ fn yielding<const D: usize>(
     let least =
         scaled.symmetric_eigenvalues().iter().copied().filter(|&e| e > 1e-11).fold(1.0, f64::min);
     let tolerance = 1e-13 / least;
-    interlaced(&rates(&elastic), &rates(&plastic), unit(random), active.len(), tolerance);
+    assert_interlaced(
+        &rates(&elastic),
+        &rates(&plastic),
+        random_unit_vector(random),
+        active.len(),
+        tolerance,
+    );
 
     // Restriction to the tangent space of the active conditions, with the carried stresses as unknowns.
-    let full = carried_too::<D>(solid);
-    let form = full.symmetric().expect("elastic");
-    let nv = full.velocities();
+    let full = equations_with_carried_stresses::<D>(solid);
+    let form = full.symmetric_form().expect("elastic");
+    let nv = full.velocity_count();
     let normals: Vec<DVector<f64>> = active
         .iter()
         .map(|condition| {
@@ -140,17 +151,18 @@ fn yielding<const D: usize>(
             DVector::from_fn(nv + list.len(), |row, _| of(row))
         })
         .collect();
-    let restricted = form.restricted(&tangent_basis(nv + list.len(), &normals));
-    let k = random.decades(0.1, 10.0);
-    let wave = unit::<D>(random).map(|n| k * n);
-    let (found, bound) = growth(&restricted, wave);
+    let restricted = form.restrict(&tangent_basis(nv + list.len(), &normals));
+    let k = random.log_uniform(0.1, 10.0);
+    let wave = random_unit_vector::<D>(random).map(|n| k * n);
+    let (found, bound) = growth_and_bound(&restricted, wave);
     worst[0] = worst[0].max(found);
     worst[1] = worst[1].max(bound);
 
     // The restriction and the tangent stiffness have the same largest frequency.
-    if random.chance(0.05) {
+    if random.bernoulli(0.05) {
         let length = wave.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let families = Waves::along(&rates(&plastic), wave.map(|x| x / length)).families;
+        let families =
+            DirectionalWaves::from_equations(&rates(&plastic), wave.map(|x| x / length)).families;
         let greatest = families
             .iter()
             .flat_map(|f| f.squared_frequencies(length))
@@ -169,41 +181,34 @@ fn yielding<const D: usize>(
 
 /// Verifies that plastic flow of the background damps waves if it is associated: no root has Re ς > 0, and some decay.
 #[test]
-fn flow_of_the_background_damps() {
-    let random = &mut seeded(23);
+fn associated_flow_of_the_background_damps_waves() {
+    let random = &mut seeded_generator(23);
     let [mut greatest, mut least] = [f64::NEG_INFINITY, 0.0f64];
     for index in 0..600 {
-        let solid = solid_of_order_one(random, KINDS[index % 3]);
-        let layout = solid.layout::<3>().carrying();
+        let solid = random_solid_of_order_one(random, THEORIES[index % 3]);
+        let layout = solid.layout::<3>().with_out_of_plane();
         let list: Vec<_> = layout.all_stresses().collect();
-        let friction = random.within(0.0, 1.0);
-        let set = Mises {
-            antisymmetric_weight: random.within(0.2, 2.0),
-            symmetric_length: Some(0.8),
-            antisymmetric_length: Some(0.6),
-            ..Mises::drucker_prager(1.0, friction, friction)
-        };
-        let stress = on_yield(random, &YieldSet::from(set), false);
-        let condition = set.condition(&stress).expect("off the axis");
+        let friction = random.uniform(0.0, 1.0);
+        let (set, stress, condition) = random_mises_condition(random, friction, friction);
         let form = {
             let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
             let mut rates: RateEquations<3> =
                 layout.rates(&solid.stiffness(layout.all_stresses()), 1.0, inertia);
-            let rate = random.decades(0.01, 10.0);
+            let rate = random.log_uniform(0.01, 10.0);
             let curvature = set.curvature(&stress, &list).expect("off the axis") * rate;
-            rates.relaxation = curvature.map(models::Rounded::given);
-            rates.symmetric().expect("elastic")
+            rates.relaxation = curvature.map(models::Rounded::from_rounded);
+            rates.symmetric_form().expect("elastic")
         };
         let nv = solid.layout::<3>().velocities.len();
         let normal = DVector::from_fn(nv + list.len(), |row, _| {
             row.checked_sub(nv).map_or(0.0, |s| list[s].derivative(&condition.normal))
         });
-        let restricted = form.restricted(&tangent_basis(nv + list.len(), &[normal]));
-        let k = random.decades(0.1, 10.0);
-        let wave = unit::<3>(random).map(|n| k * n);
-        let (found, _) = growth(&restricted, wave);
+        let restricted = form.restrict(&tangent_basis(nv + list.len(), &[normal]));
+        let k = random.log_uniform(0.1, 10.0);
+        let wave = random_unit_vector::<3>(random).map(|n| k * n);
+        let (found, _) = growth_and_bound(&restricted, wave);
         greatest = greatest.max(found);
-        let (decay, _) = growth(&negative(&restricted), wave.map(|x| -x));
+        let (decay, _) = growth_and_bound(&reverse_time(&restricted), wave.map(|x| -x));
         least = least.max(decay);
     }
     println!("greatest Re ς {greatest:e}, fastest decay {least:e}");

@@ -1,29 +1,30 @@
 //! Branches of the dispersion relation: forbidden bands and slopes.
 
-use crate::support::states::seeded;
+use crate::support::states::seeded_generator;
+use models::solid::parameters::Theory;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::f64::consts::PI;
-use wellposed_analysis::waves::{Waves, roots};
+use wellposed_analysis::waves::{DirectionalWaves, roots};
 
-use crate::random_solids::{Kind, solid_of_order_one};
-use crate::yielding::plane_yielding;
+use crate::random_solids::random_solid_of_order_one;
+use crate::yielding::random_plane_yielding;
 
 /// Verifies that no wave has a frequency in a forbidden band and that waves come close to its ends, for shear waves of
 /// random positive stiffnesses.
 #[test]
-fn forbidden_bands_hold_no_wave() {
-    let random = &mut seeded(37);
+fn forbidden_bands_contain_no_wave() {
+    let random = &mut seeded_generator(37);
     let mut bands = 0;
     for _ in 0..400 {
-        let mut equations = solid_of_order_one(random, Kind::Reduced).rates::<2>();
-        let root = DMatrix::from_fn(2, 2, |_, _| random.within(-1.0, 1.0));
+        let mut equations = random_solid_of_order_one(random, Theory::Reduced).rates::<2>();
+        let root = DMatrix::from_fn(2, 2, |_, _| random.uniform(-1.0, 1.0));
         let law = &root * root.transpose();
         // Stiffness of σ21 and σ12.
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            equations.stiffness[(2 + i, 2 + j)] = models::Rounded::given(law[(i, j)]);
+            equations.stiffness[(2 + i, 2 + j)] = models::Rounded::from_rounded(law[(i, j)]);
         }
-        for family in Waves::along(&equations, [1.0, 0.0]).families {
+        for family in DirectionalWaves::from_equations(&equations, [1.0, 0.0]).families {
             let numbers = (0..1650).map(|i| 1e-4 * 1.008f64.powi(i));
             let waves: Vec<f64> = numbers
                 .flat_map(|k| family.squared_frequencies(k))
@@ -31,10 +32,13 @@ fn forbidden_bands_hold_no_wave() {
                 .collect();
             for band in family.forbidden_bands() {
                 bands += 1;
-                let tolerance = 1e-9 * (1.0 + band.from);
-                let is_inside = |&&w: &&f64| w > band.from + tolerance && w < band.to - tolerance;
+                let tolerance = 1e-9 * (1.0 + band.lower);
+                let is_inside =
+                    |&&w: &&f64| w > band.lower + tolerance && w < band.upper - tolerance;
                 assert_eq!(waves.iter().find(is_inside), None, "{band:?}");
-                for end in [band.from, band.to].into_iter().filter(|&e| e > 0.0 && e.is_finite()) {
+                for end in
+                    [band.lower, band.upper].into_iter().filter(|&e| e > 0.0 && e.is_finite())
+                {
                     let near = waves.iter().map(|w| (w - end).abs()).fold(f64::INFINITY, f64::min);
                     assert!(near < 0.05 * end, "{end} of {band:?} is {near} away from waves");
                 }
@@ -46,20 +50,20 @@ fn forbidden_bands_hold_no_wave() {
 
 /// Verifies slopes of complex branches against differences of the roots of the first-order equations.
 #[test]
-fn slopes_of_complex_branches() {
-    let random = &mut seeded(41);
+fn slopes_of_complex_branches_agree_with_differences() {
+    let random = &mut seeded_generator(41);
     let (mut complex, mut worst) = (0, 0.0f64);
     for _ in 0..400 {
-        let equations = plane_yielding(random, |friction| friction - 0.9);
-        let angle = random.within(0.0, PI);
+        let equations = random_plane_yielding(random, |friction| friction - 0.9);
+        let angle = random.uniform(0.0, PI);
         let normal = [angle.cos(), angle.sin()];
-        let k = random.decades(0.3, 30.0);
+        let k = random.log_uniform(0.3, 30.0);
         let step = 1e-4 * k;
         let squares = |k: f64| -> Vec<Complex64> {
             roots(&equations, normal, k).iter().map(|root| -(root * root)).collect()
         };
         let (before, after) = (squares(k - step), squares(k + step));
-        for family in Waves::along(&equations, normal).families {
+        for family in DirectionalWaves::from_equations(&equations, normal).families {
             let modes = family.modes(k);
             for mode in &modes {
                 let size = mode.squared_frequency.norm();

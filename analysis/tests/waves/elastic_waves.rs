@@ -1,15 +1,15 @@
 //! Speeds, dispersion and forbidden bands of elastic solids against closed forms.
 
-use crate::support::states::{Random, seeded};
-use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
+use crate::support::states::{RandomNumbers, seeded_generator};
+use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 use num_complex::Complex64;
 use std::f64::consts::PI;
-use wellposed_analysis::waves::{Polarisation, Waves, squared_speeds};
+use wellposed_analysis::waves::{DirectionalWaves, Polarisation, squared_speeds};
 
-use crate::random_solids::{KINDS, Kind, solid, unit};
+use crate::random_solids::{THEORIES, random_solid, random_unit_vector};
 
 /// Squared characteristic speeds of an isotropic solid in closed form, descending.
-fn expected(solid: &Isotropic, dimensions: usize) -> Vec<f64> {
+fn expected_squared_speeds(solid: &Isotropic, dimensions: usize) -> Vec<f64> {
     let speeds = solid.speeds();
     let across = dimensions - 1;
     let mut all = vec![speeds.longitudinal];
@@ -22,9 +22,9 @@ fn expected(solid: &Isotropic, dimensions: usize) -> Vec<f64> {
     all.into_iter().map(|c| c * c).collect()
 }
 
-fn speeds_agree<const D: usize>(random: &mut Random, solid: &Isotropic) -> f64 {
-    let found = squared_speeds(&solid.rates::<D>(), unit::<D>(random));
-    let expected = expected(solid, D);
+fn max_speed_error<const D: usize>(random: &mut RandomNumbers, solid: &Isotropic) -> f64 {
+    let found = squared_speeds(&solid.rates::<D>(), random_unit_vector::<D>(random));
+    let expected = expected_squared_speeds(solid, D);
     assert_eq!(found.len(), expected.len());
     let error = |(found, expected): (&Complex64, &f64)| match *expected {
         // Error of a zero speed relative to the shear speed.
@@ -37,13 +37,13 @@ fn speeds_agree<const D: usize>(random: &mut Random, solid: &Isotropic) -> f64 {
 
 #[test]
 fn characteristic_speeds_are_the_closed_forms() {
-    let random = &mut seeded(1);
-    for kind in KINDS {
+    let random = &mut seeded_generator(1);
+    for theory in THEORIES {
         let mut worst = [0.0f64; 2];
         for _ in 0..1500 {
-            let solid = solid(random, kind);
-            worst[0] = worst[0].max(speeds_agree::<2>(random, &solid));
-            worst[1] = worst[1].max(speeds_agree::<3>(random, &solid));
+            let solid = random_solid(random, theory);
+            worst[0] = worst[0].max(max_speed_error::<2>(random, &solid));
+            worst[1] = worst[1].max(max_speed_error::<3>(random, &solid));
         }
         println!("plane, space: {worst:?}");
         assert!(worst.iter().all(|&w| w < 1e-13), "{worst:?}");
@@ -51,23 +51,25 @@ fn characteristic_speeds_are_the_closed_forms() {
 }
 
 /// The medium of the unit test `HomogeneousIsotropicCosseratDomain` of SPECFEM++ (Princeton).
-fn specfem() -> Isotropic {
+fn specfem_medium() -> Isotropic {
     let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });
     let microrotation = Microrotation { alpha: 1.005e9, inertia: 2700.0, couple };
     Isotropic::new(8.1e9, 8.1e9, 2700.0, Some(microrotation)).expect("sound moduli")
 }
 
 #[test]
-fn the_specfem_medium() {
-    let equations = specfem().rates::<3>();
-    let speeds: Vec<f64> =
-        squared_speeds(&equations, unit(&mut seeded(2))).iter().map(|c| c.re.sqrt()).collect();
+fn specfem_medium_has_published_speeds() {
+    let equations = specfem_medium().rates::<3>();
+    let speeds: Vec<f64> = squared_speeds(&equations, random_unit_vector(&mut seeded_generator(2)))
+        .iter()
+        .map(|c| c.re.sqrt())
+        .collect();
     // As published, to half a unit of the last digit given.
     let published = [3000.0, 1836.361, 1836.361, 630.990, 408.248, 408.248];
     for (found, published) in speeds.iter().zip(published) {
         assert!((found - published).abs() <= 0.5e-3, "{found} {published}");
     }
-    let waves = Waves::along(&equations, [0.0, 0.6, 0.8]);
+    let waves = DirectionalWaves::from_equations(&equations, [0.0, 0.6, 0.8]);
     for family in &waves.families {
         let cut_off = family.squared_cut_offs().last().expect("a branch").re.sqrt() / (2.0 * PI);
         match family.polarisation {
@@ -82,18 +84,20 @@ fn the_specfem_medium() {
 }
 
 #[test]
-fn natural_rotation_and_the_forbidden_band_of_the_reduced_solid() {
-    let random = &mut seeded(3);
+fn cut_off_is_the_natural_rotation_and_ends_the_forbidden_band() {
+    let random = &mut seeded_generator(3);
     let mut worst = 0.0f64;
     for index in 0..2000 {
-        let kind = if index % 2 == 0 { Kind::Reduced } else { Kind::Cosserat };
-        let solid = solid(random, kind);
+        let theory = if index % 2 == 0 { Theory::Reduced } else { Theory::Cosserat };
+        let solid = random_solid(random, theory);
         let rotation = solid.microrotation.expect("not classical");
         let natural = rotation.natural_frequency();
-        let families = if random.chance(0.5) {
-            Waves::along(&solid.rates::<2>(), unit(random)).families
+        let families = if random.bernoulli(0.5) {
+            DirectionalWaves::from_equations(&solid.rates::<2>(), random_unit_vector(random))
+                .families
         } else {
-            Waves::along(&solid.rates::<3>(), unit(random)).families
+            DirectionalWaves::from_equations(&solid.rates::<3>(), random_unit_vector(random))
+                .families
         };
         let transverse: Vec<_> =
             families.iter().filter(|f| f.polarisation == Polarisation::Transverse).collect();
@@ -102,15 +106,15 @@ fn natural_rotation_and_the_forbidden_band_of_the_reduced_solid() {
             let cut_off = family.squared_cut_offs()[1].re.sqrt();
             worst = worst.max((cut_off / natural - 1.0).abs());
             let bands = family.forbidden_bands();
-            if kind == Kind::Cosserat {
+            if theory == Theory::Cosserat {
                 assert!(bands.is_empty(), "{bands:?}");
                 continue;
             }
             // ω₁² = ω₀²/(1 + α/μ) < ω² < ω₀² = 4α/j.
             let lower = natural / (1.0 + rotation.alpha / solid.mu).sqrt();
             assert_eq!(bands.len(), 1, "{bands:?}");
-            worst = worst.max((bands[0].from / lower - 1.0).abs());
-            worst = worst.max((bands[0].to / natural - 1.0).abs());
+            worst = worst.max((bands[0].lower / lower - 1.0).abs());
+            worst = worst.max((bands[0].upper / natural - 1.0).abs());
         }
     }
     println!("worst relative error {worst:e}");
@@ -119,14 +123,18 @@ fn natural_rotation_and_the_forbidden_band_of_the_reduced_solid() {
 
 /// Verifies k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) for transverse waves of the reduced solid.
 #[test]
-fn dispersion_of_the_reduced_solid() {
-    let random = &mut seeded(4);
+fn reduced_solid_obeys_its_dispersion_relation() {
+    let random = &mut seeded_generator(4);
     for _ in 0..500 {
-        let solid = solid(random, Kind::Reduced);
+        let solid = random_solid(random, Theory::Reduced);
         let Microrotation { alpha, inertia, .. } = solid.microrotation.expect("reduced");
         let (mu, density) = (solid.mu, solid.density);
-        let k = random.decades(0.05, 20.0) * (4.0 * alpha / inertia).sqrt() / solid.speeds().shear;
-        for family in Waves::along(&solid.rates::<3>(), unit(random)).families {
+        let k =
+            random.log_uniform(0.05, 20.0) * (4.0 * alpha / inertia).sqrt() / solid.speeds().shear;
+        for family in
+            DirectionalWaves::from_equations(&solid.rates::<3>(), random_unit_vector(random))
+                .families
+        {
             if family.polarisation != Polarisation::Transverse {
                 continue;
             }
@@ -146,10 +154,10 @@ fn dispersion_of_the_reduced_solid() {
 
 #[test]
 fn long_waves_are_those_of_the_classical_solid() {
-    let random = &mut seeded(5);
-    for kind in KINDS {
+    let random = &mut seeded_generator(5);
+    for theory in THEORIES {
         for _ in 0..200 {
-            let solid = solid(random, kind);
+            let solid = random_solid(random, theory);
             let length = match solid.microrotation {
                 None => 1.0,
                 Some(m) => solid.speeds().shear / m.natural_frequency(),
@@ -158,7 +166,9 @@ fn long_waves_are_those_of_the_classical_solid() {
             let couple = solid.couple().map_or(0.0, |c| ((c.gamma + c.eta) / solid.mu).sqrt());
             let k = 1e-5 / length.max(couple);
             let shear = solid.mu / solid.density;
-            let families = Waves::along(&solid.rates::<3>(), unit(random)).families;
+            let families =
+                DirectionalWaves::from_equations(&solid.rates::<3>(), random_unit_vector(random))
+                    .families;
             let transverse = families.iter().filter(|f| f.polarisation == Polarisation::Transverse);
             for family in transverse {
                 let mode = family.modes(k)[0];
@@ -175,22 +185,23 @@ fn long_waves_are_those_of_the_classical_solid() {
 }
 
 #[test]
-fn isotropic_solids_are_isotropic() {
-    let random = &mut seeded(6);
-    for kind in KINDS {
+fn frequencies_of_isotropic_solids_do_not_depend_on_direction() {
+    let random = &mut seeded_generator(6);
+    for theory in THEORIES {
         for _ in 0..300 {
-            let solid = solid(random, kind);
+            let solid = random_solid(random, theory);
             let equations = solid.rates::<3>();
-            let k = random.decades(0.1, 10.0)
+            let k = random.log_uniform(0.1, 10.0)
                 * solid.microrotation.map_or(1.0, |m| m.natural_frequency() / solid.speeds().shear);
             let frequencies = |normal: [f64; 3]| {
-                let families = Waves::along(&equations, normal).families;
+                let families = DirectionalWaves::from_equations(&equations, normal).families;
                 let mut all: Vec<f64> =
                     families.iter().flat_map(|f| f.squared_frequencies(k)).map(|w| w.re).collect();
                 all.sort_by(f64::total_cmp);
                 all
             };
-            let (one, other) = (frequencies(unit(random)), frequencies(unit(random)));
+            let (one, other) =
+                (frequencies(random_unit_vector(random)), frequencies(random_unit_vector(random)));
             let largest = one[one.len() - 1];
             for (a, b) in one.iter().zip(&other) {
                 assert!((a - b).abs() < 1e-13 * largest, "{one:?} {other:?}");
@@ -200,13 +211,16 @@ fn isotropic_solids_are_isotropic() {
 }
 
 #[test]
-fn group_speeds_are_slopes() {
-    let random = &mut seeded(7);
+fn group_speeds_agree_with_differences() {
+    let random = &mut seeded_generator(7);
     for _ in 0..300 {
-        let solid = solid(random, Kind::Cosserat);
+        let solid = random_solid(random, Theory::Cosserat);
         let k0 = solid.microrotation.expect("Cosserat").natural_frequency() / solid.speeds().shear;
-        let k = k0 * random.decades(0.1, 10.0);
-        for family in Waves::along(&solid.rates::<3>(), unit(random)).families {
+        let k = k0 * random.log_uniform(0.1, 10.0);
+        for family in
+            DirectionalWaves::from_equations(&solid.rates::<3>(), random_unit_vector(random))
+                .families
+        {
             let step = 1e-4 * k;
             let [before, after] = [k - step, k + step].map(|k| family.squared_frequencies(k));
             for (i, mode) in family.modes(k).iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Plane waves against the roots of the first-order equations.
 
-use crate::support::states::seeded;
+use crate::support::states::seeded_generator;
 use models::LinearisedSystem;
 use models::common::rates::RateEquations;
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
@@ -10,25 +10,26 @@ use models::yield_set::tangent::tangent;
 use nalgebra::DVector;
 use num_complex::Complex64;
 use std::f64::consts::PI;
-use wellposed_analysis::pencil::{Pencil, Roots};
-use wellposed_analysis::waves::{Waves, plane_waves, roots};
+use wellposed_analysis::pencil::{Pencil, PencilRoots};
+use wellposed_analysis::waves::{DirectionalWaves, plane_waves, roots};
 
-use crate::random_solids::{KINDS, solid, solid_of_order_one};
-use crate::yielding::{on_yield, tangent_basis};
+use crate::random_solids::{THEORIES, random_solid, random_solid_of_order_one};
+use crate::yielding::{random_stress_on_yield_surface, tangent_basis};
 
 /// Verifies plane waves against the roots of the first-order equations by generalised eigenvalues.
 #[test]
 fn waves_agree_with_the_pencil() {
-    let random = &mut seeded(8);
+    let random = &mut seeded_generator(8);
     let (mut system, mut pencil) = (LinearisedSystem::default(), Pencil::default());
     for index in 0..300 {
-        let solid = solid(random, KINDS[index % 3]);
+        let solid = random_solid(random, THEORIES[index % 3]);
         let layout = solid.layout::<2>();
         let list: Vec<_> = layout.all_stresses().collect();
         let elastic = solid.stiffness(layout.all_stresses());
-        let friction = random.within(0.1, 0.8);
-        let set = YieldSet::from(Mises::drucker_prager(1.0, friction, friction));
-        let active = set.active(&on_yield(random, &set, false), 1e-9);
+        let friction = random.uniform(0.1, 0.8);
+        let set = YieldSet::from(Mises::new_drucker_prager(1.0, friction, friction));
+        let active =
+            set.active_conditions(&random_stress_on_yield_surface(random, &set, false), 1e-9);
         let plastic = tangent(&elastic, &list, &active).expect("associated");
         for stiffness in [elastic, plastic] {
             let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
@@ -37,15 +38,17 @@ fn waves_agree_with_the_pencil() {
             pencil.update(&system).expect("finite");
             let k0 =
                 solid.microrotation.map_or(1.0, |m| m.natural_frequency() / solid.speeds().shear);
-            let (k, direction) = (k0 * random.decades(0.3, 3.0), random.within(0.0, PI));
-            let Roots::Regular { finite, .. } = pencil.roots(k, direction) else {
+            let (k, direction) = (k0 * random.log_uniform(0.3, 3.0), random.uniform(0.0, PI));
+            let PencilRoots::Regular { finite, .. } = pencil.roots(k, direction) else {
                 panic!("a regular system")
             };
-            let families = Waves::along(&equations, [direction.cos(), direction.sin()]).families;
+            let families =
+                DirectionalWaves::from_equations(&equations, [direction.cos(), direction.sin()])
+                    .families;
             let mut expected: Vec<f64> =
                 families.iter().flat_map(|f| f.squared_frequencies(k)).map(|w| w.re).collect();
             // The first-order system has one zero root for each stress in excess of the number of velocities.
-            expected.extend(vec![0.0; equations.stresses() - equations.velocities()]);
+            expected.extend(vec![0.0; equations.stress_count() - equations.velocity_count()]);
             let mut found: Vec<f64> =
                 finite.iter().filter(|r| r.im >= 0.0).map(|r| r.im * r.im).collect();
             let largest = expected.iter().copied().fold(0.0, f64::max);
@@ -63,20 +66,20 @@ fn waves_agree_with_the_pencil() {
 /// included.
 #[test]
 fn relaxation_reaches_the_linearised_system() {
-    let random = &mut seeded(29);
+    let random = &mut seeded_generator(29);
     let (mut system, mut pencil) = (LinearisedSystem::default(), Pencil::default());
     for index in 0..40 {
         // Numbers of equations within the limit of the exact polynomial.
-        let solid = solid_of_order_one(random, KINDS[index % 2]);
-        let layout = solid.layout::<2>().carrying();
+        let solid = random_solid_of_order_one(random, THEORIES[index % 2]);
+        let layout = solid.layout::<2>().with_out_of_plane();
         let list: Vec<_> = layout.all_stresses().collect();
-        let set = Mises { antisymmetric_weight: 0.7, ..Mises::drucker_prager(1.0, 0.4, 0.4) };
-        let stress = on_yield(random, &YieldSet::from(set), false);
+        let set = Mises { antisymmetric_weight: 0.7, ..Mises::new_drucker_prager(1.0, 0.4, 0.4) };
+        let stress = random_stress_on_yield_surface(random, &YieldSet::from(set), false);
         let condition = set.condition(&stress).expect("off the axis");
         let stiffness = solid.stiffness(layout.all_stresses());
         let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
         let curvature = set.curvature(&stress, &list).expect("off the axis") * 0.8;
-        let relaxation = curvature.map(models::Rounded::given);
+        let relaxation = curvature.map(models::Rounded::from_rounded);
         let plastic = tangent(&stiffness, &list, &[condition]).expect("response");
         let rates = |stiffness| RateEquations::<2> {
             relaxation: relaxation.clone(),
@@ -84,17 +87,17 @@ fn relaxation_reaches_the_linearised_system() {
         };
         rates(&plastic).linearise(&mut system);
         pencil.update(&system).expect("finite");
-        let (k, angle) = (random.decades(0.3, 3.0), random.within(0.0, PI));
-        let Roots::Regular { finite, .. } = pencil.roots(k, angle) else { panic!("regular") };
+        let (k, angle) = (random.log_uniform(0.3, 3.0), random.uniform(0.0, PI));
+        let PencilRoots::Regular { finite, .. } = pencil.roots(k, angle) else { panic!("regular") };
 
         let nv = solid.layout::<2>().velocities.len();
         let normal = DVector::from_fn(nv + list.len(), |row, _| {
             row.checked_sub(nv).map_or(0.0, |s| list[s].derivative(&condition.normal))
         });
         let restricted = rates(&stiffness)
-            .symmetric()
+            .symmetric_form()
             .expect("elastic")
-            .restricted(&tangent_basis(nv + list.len(), &[normal]));
+            .restrict(&tangent_basis(nv + list.len(), &[normal]));
         let factor = restricted.a.clone().try_inverse().expect("definite");
         let mut symbol = (&factor * &restricted.q).map(|x| Complex64::new(x, 0.0));
         for (b, component) in restricted.b.iter().zip([k * angle.cos(), k * angle.sin()]) {

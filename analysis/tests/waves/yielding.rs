@@ -1,26 +1,30 @@
 //! Random yielding solids, and the growth of their symmetric-hyperbolic form.
 
-use crate::support::states::Random;
+use crate::support::states::RandomNumbers;
 use models::common::rates::{RateEquations, SymmetricForm};
-use models::solid::parameters::Isotropic;
+use models::solid::parameters::{Isotropic, Theory};
 use models::solid::stress::Stress;
 use models::yield_set::YieldSet;
-use models::yield_set::parameters::{Interlayer, Mises};
+use models::yield_set::parameters::{ActiveCondition, InterlayerYieldSet, Mises};
 use models::yield_set::tangent::tangent;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-use crate::random_solids::{Kind, solid_of_order_one};
+use crate::random_solids::random_solid_of_order_one;
 
 /// Random stress on the yield surface, by scaling from zero; with `corners` half of the stresses lie on an edge of the
 /// interlayer set.
-pub fn on_yield(random: &mut Random, set: &YieldSet, corners: bool) -> Stress {
+pub fn random_stress_on_yield_surface(
+    random: &mut RandomNumbers,
+    set: &YieldSet,
+    corners: bool,
+) -> Stress {
     loop {
         let mut stress = Stress::default();
         for i in 0..3 {
             for j in 0..3 {
-                stress.force[i][j] = random.within(-1.0, 1.0);
-                stress.couple[i][j] = random.within(-1.0, 1.0);
+                stress.force[i][j] = random.uniform(-1.0, 1.0);
+                stress.couple[i][j] = random.uniform(-1.0, 1.0);
             }
         }
         let scaled = |factor: f64| Stress {
@@ -28,7 +32,7 @@ pub fn on_yield(random: &mut Random, set: &YieldSet, corners: bool) -> Stress {
             couple: stress.couple.map(|row| row.map(|x| factor * x)),
         };
         let (mut low, mut high) = (0.0, 1.0);
-        while set.value(&scaled(high)) < 0.0 && high < 1e6 {
+        while set.yield_function(&scaled(high)) < 0.0 && high < 1e6 {
             high *= 2.0;
         }
         if high >= 1e6 {
@@ -36,22 +40,41 @@ pub fn on_yield(random: &mut Random, set: &YieldSet, corners: bool) -> Stress {
         }
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
-            if set.value(&scaled(middle)) < 0.0 { low = middle } else { high = middle }
+            if set.yield_function(&scaled(middle)) < 0.0 { low = middle } else { high = middle }
         }
         let mut stress = scaled(high);
-        if let (Some(set), true) = (set.downcast::<Interlayer>(), corners && random.chance(0.5)) {
+        if let (Some(set), true) =
+            (set.downcast::<InterlayerYieldSet>(), corners && random.bernoulli(0.5))
+        {
             // Slip of both layers, and of the couple stress if the set limits it.
             stress.force[1][0] = set.shear_strength - set.shear_friction * stress.force[0][0];
             stress.force[0][1] = set.shear_friction * stress.force[1][1] - set.shear_strength;
-            if let (Some(couple), true) = (set.couple, random.chance(0.5)) {
+            if let (Some(couple), true) = (set.couple, random.bernoulli(0.5)) {
                 stress.couple[2][0] = couple.strength - couple.friction * stress.force[0][0];
             }
-            if YieldSet::from(*set).value(&stress) > 1e-9 {
+            if YieldSet::from(*set).yield_function(&stress) > 1e-9 {
                 continue;
             }
         }
         return stress;
     }
+}
+
+/// Mises-type yield set with friction and dilatancy, and its active condition at a random stress on it.
+pub fn random_mises_condition(
+    random: &mut RandomNumbers,
+    friction: f64,
+    dilatancy: f64,
+) -> (Mises, Stress, ActiveCondition) {
+    let set = Mises {
+        antisymmetric_weight: random.uniform(0.2, 2.0),
+        symmetric_length: Some(0.8),
+        antisymmetric_length: Some(0.6),
+        ..Mises::new_drucker_prager(1.0, friction, dilatancy)
+    };
+    let stress = random_stress_on_yield_surface(random, &YieldSet::from(set), false);
+    let condition = set.condition(&stress).expect("off the axis");
+    (set, stress, condition)
 }
 
 /// An orthonormal basis of {U : n·U = 0 for all normals}.
@@ -87,7 +110,7 @@ pub fn tangent_basis(size: usize, normals: &[DVector<f64>]) -> DMatrix<f64> {
 /// Largest Re ς and largest entry of the Hermitian part of a symmetric-hyperbolic system at ik = iκ, relative to the
 /// largest entry: with A = LLᵀ the roots are the eigenvalues of L⁻¹(iΣκᵢBⁱ + Q)L⁻ᵀ, whose Hermitian part bounds every
 /// Re ς.
-pub fn growth<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> (f64, f64) {
+pub fn growth_and_bound<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> (f64, f64) {
     let factor = form.a.clone().cholesky().expect("positive definite");
     let half = |m: &DMatrix<f64>| {
         let left = factor.l().solve_lower_triangular(m).expect("regular");
@@ -105,28 +128,24 @@ pub fn growth<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> (f64, 
 }
 
 /// The rate equations with the carried stresses among the unknowns.
-pub fn carried_too<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
-    let layout = solid.layout::<D>().carrying();
+pub fn equations_with_carried_stresses<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
+    let layout = solid.layout::<D>().with_out_of_plane();
     let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);
     layout.rates(&solid.stiffness(layout.all_stresses()), solid.density, inertia)
 }
 
 /// Rate equations of a random yielding Cosserat solid of order one in plane strain; `dilatancy` maps friction to
 /// dilatancy.
-pub fn plane_yielding(random: &mut Random, dilatancy: impl Fn(f64) -> f64) -> RateEquations<2> {
+pub fn random_plane_yielding(
+    random: &mut RandomNumbers,
+    dilatancy: impl Fn(f64) -> f64,
+) -> RateEquations<2> {
     loop {
-        let solid = solid_of_order_one(random, Kind::Cosserat);
+        let solid = random_solid_of_order_one(random, Theory::Cosserat);
         let layout = solid.layout::<2>();
         let list: Vec<_> = layout.all_stresses().collect();
-        let friction = random.within(0.0, 1.0);
-        let set = Mises {
-            antisymmetric_weight: random.within(0.2, 2.0),
-            symmetric_length: Some(0.8),
-            antisymmetric_length: Some(0.6),
-            ..Mises::drucker_prager(1.0, friction, dilatancy(friction))
-        };
-        let stress = on_yield(random, &YieldSet::from(set), false);
-        let condition = set.condition(&stress).expect("off the axis");
+        let friction = random.uniform(0.0, 1.0);
+        let (_, _, condition) = random_mises_condition(random, friction, dilatancy(friction));
         let stiffness = tangent(&solid.stiffness(layout.all_stresses()), &list, &[condition]);
         if let (Ok(stiffness), Some(rotation)) = (stiffness, solid.microrotation) {
             return layout.rates(&stiffness, 1.0, rotation.inertia);
@@ -135,6 +154,6 @@ pub fn plane_yielding(random: &mut Random, dilatancy: impl Fn(f64) -> f64) -> Ra
 }
 
 /// The equations with time reversed.
-pub fn negative<const D: usize>(form: &SymmetricForm<D>) -> SymmetricForm<D> {
+pub fn reverse_time<const D: usize>(form: &SymmetricForm<D>) -> SymmetricForm<D> {
     SymmetricForm { a: form.a.clone(), b: form.b.each_ref().map(|b| -b), q: -&form.q }
 }

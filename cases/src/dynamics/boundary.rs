@@ -1,92 +1,99 @@
 //! The sections `[[side]]`: boundary conditions on the faces of the grid.
 
-use super::component::{Component, components, names};
-use super::reader::Reader;
+use super::component::{StateComponent, component_names, components_in_scope};
+use super::reader::SolidReader;
 use crate::error::CaseError;
-use crate::position::check_order;
-use crate::schema::{Condition as When, Form, Group, Item, Length, Type};
-use crate::section::{Resolved, Section, joined};
+use crate::position_checks::check_order;
+use crate::schema::{
+    KeyCondition as When, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
+};
+use crate::section::{SectionReader, TableWriter, join_with_commas};
 
 /// Key `side`: name of a boundary face of the grid.
-pub(super) const SIDE: Item = Item::required(
+pub(super) const FACE_KEY: KeySchema = KeySchema::new_required(
     "side",
-    Type::OneOf(|scope| {
+    ValueType::OneOf(|scope| {
         let dimensions = scope.dimensions.unwrap_or(3);
-        Side::all(dimensions).into_iter().map(Side::name).collect()
+        BoundaryFace::all_faces(dimensions).into_iter().map(BoundaryFace::name).collect()
     }),
     "",
     "\"x2+\"",
     "the side: the axis of its normal, and at which end",
 );
 
-const END: Type = Type::Numbers(Length::SideAxes);
+const CORNER_TYPE: ValueType = ValueType::Numbers(ListLength::FaceAxes);
 
 /// Key `from`: lower corner of a rectangular part of a face.
-pub(super) const FROM: Item = Item::optional(
+pub(super) const LOWER_CORNER_KEY: KeySchema = KeySchema::new_optional(
     "from",
-    END,
+    CORNER_TYPE,
     "m",
     "-5.0",
     "with to: a part of the side, of which this is the first end, which is in it; in space two numbers; default all of it",
 )
-.note("an end of the part");
+.with_note("an end of the part");
 
 /// Key `to`: upper corner of a rectangular part of a face.
-pub(super) const TO: Item =
-    Item::optional("to", END, "m", "5.0", "last end of the part, which is not in it")
-        .note("an end of the part");
+pub(super) const UPPER_CORNER_KEY: KeySchema = KeySchema::new_optional(
+    "to",
+    CORNER_TYPE,
+    "m",
+    "5.0",
+    "last end of the part, which is not in it",
+)
+.with_note("an end of the part");
 
 /// Schema of the sections `[[side]]`.
-pub(super) const FORM: Form = Form::list(
+pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "side",
     "a condition on a side of the grid; a side that is not named is free, and later entries hold over earlier ones",
     &[
-        Group::always(&[
-            SIDE,
-            Item::required(
+        KeyGroup::new(&[
+            FACE_KEY,
+            KeySchema::new_required(
                 "kind",
-                Type::OneOf(|_| Condition::NAMES.map(str::to_owned).to_vec()),
+                ValueType::OneOf(|_| BoundaryConditionKind::NAMES.map(str::to_owned).to_vec()),
                 "",
                 "\"non-reflecting\"",
                 "what holds there: no traction, no velocity, mirror image, the side across, waves along the normal leave, or held",
             ),
         ]),
-        Group::when(
-            &[When::Is("kind", &["mixed"])],
-            &[Item::required(
+        KeyGroup::with_conditions(
+            &[When::HasValue("kind", &["mixed"])],
+            &[KeySchema::new_required(
                 "held",
-                Type::AnyOf(|scope| {
-                    let mut all = components(scope);
+                ValueType::AnyOf(|scope| {
+                    let mut all = components_in_scope(scope);
                     all.retain(|component| component.is_velocity());
-                    names(&all)
+                    component_names(&all)
                 }),
                 "",
                 "[\"v2\"]",
                 "velocities and spins that vanish; the tractions and couples of the others do",
             )],
         ),
-        Group::when(
-            &[When::Is(
+        KeyGroup::with_conditions(
+            &[When::HasValue(
                 "kind",
                 &["free", "fixed", "symmetry", "antisymmetry", "non-reflecting", "mixed"],
             )],
-            &[FROM, TO],
+            &[LOWER_CORNER_KEY, UPPER_CORNER_KEY],
         ),
     ],
 );
 
 /// A boundary face of the grid, normal to an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Side {
+pub struct BoundaryFace {
     /// Axis of the normal, numbered from 0.
     pub axis: usize,
     /// Whether the face is at the upper end of the axis.
     pub is_upper: bool,
 }
 
-impl Side {
+impl BoundaryFace {
     /// Returns all boundary faces of a grid in 2 or 3 dimensions.
-    pub fn all(dimensions: usize) -> Vec<Self> {
+    pub fn all_faces(dimensions: usize) -> Vec<Self> {
         let both = |axis| [false, true].map(|is_upper| Self { axis, is_upper });
         (0..dimensions).flat_map(both).collect()
     }
@@ -97,53 +104,53 @@ impl Side {
     }
 
     /// Returns the opposite face.
-    pub fn opposite(self) -> Self {
+    pub fn opposite_face(self) -> Self {
         Self { is_upper: !self.is_upper, ..self }
     }
 
     /// Returns the tangential axes of the face, ascending; positions on the face are given along these axes.
-    pub fn axes(self, dimensions: usize) -> Vec<usize> {
+    pub fn tangential_axes(self, dimensions: usize) -> Vec<usize> {
         (0..dimensions).filter(|&axis| axis != self.axis).collect()
     }
 }
 
-/// A rectangular part of a boundary face: from ≤ x < to along each tangential axis.
+/// A rectangular part of a boundary face: lower corner ≤ x < upper corner along each tangential axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct FaceRectangle {
     /// Lower coordinates along the tangential axes, m.
-    pub from: Vec<f64>,
+    pub lower_corner: Vec<f64>,
     /// Upper coordinates along the tangential axes, m.
-    pub to: Vec<f64>,
+    pub upper_corner: Vec<f64>,
 }
 
-impl Part {
+impl FaceRectangle {
     /// Returns whether the part contains a position on the face.
     pub fn contains(&self, position: &[f64]) -> bool {
-        let ends = self.from.iter().zip(&self.to);
+        let ends = self.lower_corner.iter().zip(&self.upper_corner);
         position.iter().zip(ends).all(|(x, (from, to))| (from..to).contains(&x))
     }
 
     /// Adds the keys `from` and `to` of the part to a table.
-    pub(super) fn resolved(&self, resolved: Resolved) -> Resolved {
-        resolved.number("from", &self.from).number("to", &self.to)
+    pub(super) fn write_keys(&self, resolved: TableWriter) -> TableWriter {
+        resolved.with_number("from", &self.lower_corner).with_number("to", &self.upper_corner)
     }
 }
 
 /// Boundary condition on a face or on a part of a face. Faces without a condition are traction-free; where entries
 /// overlap, the last one applies.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SideCondition {
+pub struct FaceCondition {
     /// Boundary face of the grid.
-    pub side: Side,
+    pub face: BoundaryFace,
     /// Boundary condition.
-    pub condition: Condition,
+    pub condition: BoundaryConditionKind,
     /// Part of the face; `None` for the whole face.
-    pub part: Option<Part>,
+    pub rectangle: Option<FaceRectangle>,
 }
 
 /// Boundary condition.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Condition {
+pub enum BoundaryConditionKind {
     /// Traction-free: zero traction and couple traction.
     Free,
     /// Fixed: zero velocity and spin.
@@ -159,11 +166,11 @@ pub enum Condition {
     /// Mixed: the velocities and spins in `held` are zero; the tractions and couples of the other components are zero.
     Mixed {
         /// Velocities and spins that are zero.
-        held: Vec<Component>,
+        fixed_components: Vec<StateComponent>,
     },
 }
 
-impl Condition {
+impl BoundaryConditionKind {
     /// Names of all boundary conditions in case files.
     pub const NAMES: [&str; 7] =
         ["free", "fixed", "symmetry", "antisymmetry", "periodic", "non-reflecting", "mixed"];
@@ -183,110 +190,130 @@ impl Condition {
 }
 
 /// Returns the periodic faces after all entries, each with the index of its entry.
-pub(super) fn periodic_sides(sides: &[SideCondition]) -> impl Iterator<Item = (usize, Side)> {
-    let is_last_whole = |index: usize, side: Side| {
-        !sides[index + 1..].iter().any(|later| later.side == side && later.part.is_none())
+pub(super) fn periodic_faces(
+    sides: &[FaceCondition],
+) -> impl Iterator<Item = (usize, BoundaryFace)> {
+    let is_last_whole = |index: usize, side: BoundaryFace| {
+        !sides[index + 1..].iter().any(|later| later.face == side && later.rectangle.is_none())
     };
     sides
         .iter()
         .enumerate()
         .filter(move |(index, entry)| {
-            entry.condition == Condition::Periodic && is_last_whole(*index, entry.side)
+            entry.condition == BoundaryConditionKind::Periodic && is_last_whole(*index, entry.face)
         })
-        .map(|(index, entry)| (index, entry.side))
+        .map(|(index, entry)| (index, entry.face))
 }
 
-impl SideCondition {
+impl FaceCondition {
     /// Formats the section `[[side]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
-        let mut resolved =
-            Resolved::default().text("side", self.side.name()).text("kind", self.condition.name());
-        if let Condition::Mixed { held } = &self.condition {
-            resolved = resolved.texts("held", held);
+        let mut resolved = TableWriter::default()
+            .with_text("side", self.face.name())
+            .with_text("kind", self.condition.name());
+        if let BoundaryConditionKind::Mixed { fixed_components: held } = &self.condition {
+            resolved = resolved.with_text_list("held", held);
         }
-        let resolved = match &self.part {
-            Some(part) => part.resolved(resolved),
+        let resolved = match &self.rectangle {
+            Some(part) => part.write_keys(resolved),
             None => resolved,
         };
-        resolved.under(&FORM)
+        resolved.to_section_toml(&SCHEMA)
     }
 }
 
-impl Reader<'_> {
+impl SolidReader<'_> {
     /// Reads the boundary face of an entry and sets the scope: positions in the entry are along the tangential axes of
     /// the face.
-    pub(super) fn side(&self, section: &mut Section) -> Result<Side, CaseError> {
-        let side = section.choice("side", &Side::all(self.dimensions()), Side::name)?;
-        section.scope.axes = side.axes(self.dimensions());
+    pub(super) fn read_face(&self, section: &mut SectionReader) -> Result<BoundaryFace, CaseError> {
+        let side = section.read_choice(
+            "side",
+            &BoundaryFace::all_faces(self.dimensions()),
+            BoundaryFace::name,
+        )?;
+        section.scope.face_axes = side.tangential_axes(self.dimensions());
         Ok(side)
     }
 
     /// Reads the part of a face between `from` and `to`, if given.
-    pub(super) fn part(&self, section: &Section) -> Result<Option<Part>, CaseError> {
+    pub(super) fn read_rectangle(
+        &self,
+        section: &SectionReader,
+    ) -> Result<Option<FaceRectangle>, CaseError> {
         let (from, to): (Option<Vec<f64>>, _) =
-            (section.optional("from")?, section.optional::<Vec<f64>>("to")?);
+            (section.read_optional("from")?, section.read_optional::<Vec<f64>>("to")?);
         match (from, to) {
             (Some(from), Some(to)) => {
                 check_order(section, &from, &to)?;
-                Ok(Some(Part { from, to }))
+                Ok(Some(FaceRectangle { lower_corner: from, upper_corner: to }))
             }
             (None, None) => Ok(None),
             (from, _) => {
                 let absent = if from.is_none() { "from" } else { "to" };
-                Err(section.error(absent, "missing", "give both ends of a part, from and to"))
+                Err(section.error_at(absent, "missing", "give both ends of a part, from and to"))
             }
         }
     }
 
     /// Reads all sections `[[side]]`.
-    pub(super) fn sides(&self, root: &Section) -> Result<Vec<SideCondition>, CaseError> {
+    pub(super) fn read_boundary_conditions(
+        &self,
+        root: &SectionReader,
+    ) -> Result<Vec<FaceCondition>, CaseError> {
         let mut sides = Vec::new();
-        for mut section in root.list(&FORM)? {
-            let side = self.side(&mut section)?;
-            let condition = match section.choice("kind", &Condition::NAMES, |name| name)? {
-                "free" => Condition::Free,
-                "fixed" => Condition::Fixed,
-                "symmetry" => Condition::Symmetry,
-                "antisymmetry" => Condition::Antisymmetry,
-                "periodic" => Condition::Periodic,
-                "non-reflecting" => Condition::NonReflecting,
-                _ => Condition::Mixed { held: self.held(&section, side)? },
-            };
+        for mut section in root.open_list(&SCHEMA)? {
+            let side = self.read_face(&mut section)?;
+            let condition =
+                match section.read_choice("kind", &BoundaryConditionKind::NAMES, |name| name)? {
+                    "free" => BoundaryConditionKind::Free,
+                    "fixed" => BoundaryConditionKind::Fixed,
+                    "symmetry" => BoundaryConditionKind::Symmetry,
+                    "antisymmetry" => BoundaryConditionKind::Antisymmetry,
+                    "periodic" => BoundaryConditionKind::Periodic,
+                    "non-reflecting" => BoundaryConditionKind::NonReflecting,
+                    _ => BoundaryConditionKind::Mixed {
+                        fixed_components: self.read_fixed_components(&section, side)?,
+                    },
+                };
             let part = match condition {
-                Condition::Periodic => None,
-                _ => self.part(&section)?,
+                BoundaryConditionKind::Periodic => None,
+                _ => self.read_rectangle(&section)?,
             };
             section.finish()?;
-            sides.push(SideCondition { side, condition, part });
+            sides.push(FaceCondition { face: side, condition, rectangle: part });
         }
-        let periodic: Vec<(usize, Side)> = periodic_sides(&sides).collect();
-        let is_periodic = |side: Side| periodic.iter().any(|(_, own)| *own == side);
+        let periodic: Vec<(usize, BoundaryFace)> = periodic_faces(&sides).collect();
+        let is_periodic = |side: BoundaryFace| periodic.iter().any(|(_, own)| *own == side);
         for (index, side) in &periodic {
-            let (own, across) = (side.name(), side.opposite().name());
-            if !is_periodic(side.opposite()) {
+            let (own, across) = (side.name(), side.opposite_face().name());
+            if !is_periodic(side.opposite_face()) {
                 let found = format!("found periodic on {own} alone");
                 let allowed = format!("add [[side]] with side = \"{across}\", kind = \"periodic\"");
-                return Err(root.error(&format!("side[{index}].kind"), found, allowed));
+                return Err(root.error_at(&format!("side[{index}].kind"), found, allowed));
             }
         }
-        let is_part = |entry: &SideCondition| entry.part.is_some() && is_periodic(entry.side);
+        let is_part = |entry: &FaceCondition| entry.rectangle.is_some() && is_periodic(entry.face);
         if let Some(index) = sides.iter().position(is_part) {
-            let found = format!("found a part of {}, which is periodic", sides[index].side.name());
+            let found = format!("found a part of {}, which is periodic", sides[index].face.name());
             let allowed = "leave the part out: a side is periodic as a whole";
-            return Err(root.error(&format!("side[{index}].side"), found, allowed));
+            return Err(root.error_at(&format!("side[{index}].side"), found, allowed));
         }
         Ok(sides)
     }
 
     /// Reads the velocities and spins that are zero on a mixed face.
-    fn held(&self, section: &Section, side: Side) -> Result<Vec<Component>, CaseError> {
-        let mut among = Component::on_side(self.theory, self.dimensions(), side.axis);
+    fn read_fixed_components(
+        &self,
+        section: &SectionReader,
+        side: BoundaryFace,
+    ) -> Result<Vec<StateComponent>, CaseError> {
+        let mut among = StateComponent::face_components(self.theory, self.dimensions(), side.axis);
         among.retain(|component| component.is_velocity());
-        let names = names(&among);
-        let find = |name: &str| Component::find(name, self.theory, &among);
-        section.different("held", &names, find)?.ok_or_else(|| {
-            let allowed = format!("add held, a list with any of {}", joined(&names));
-            section.error("held", "missing", allowed)
+        let names = component_names(&among);
+        let find = |name: &str| StateComponent::find_by_name(name, self.theory, &among);
+        section.read_distinct_list("held", &names, find)?.ok_or_else(|| {
+            let allowed = format!("add held, a list with any of {}", join_with_commas(&names));
+            section.error_at("held", "missing", allowed)
         })
     }
 }

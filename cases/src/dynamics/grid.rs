@@ -1,48 +1,48 @@
 //! The section `[grid]` of a solid.
 
 use crate::error::CaseError;
-use crate::schema::{Form, Group, Item, Length, Order, Type};
-use crate::section::{Resolved, Section};
+use crate::schema::{CountConstraint, KeyGroup, KeySchema, ListLength, TableSchema, ValueType};
+use crate::section::{SectionReader, TableWriter};
 
 /// Maximum number of cells of a grid.
 pub const MAX_CELLS: usize = 4_000_000_000;
 
 /// Schema of the section `[grid]`.
-pub(super) const FORM: Form = Form::section(
+pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
     "grid",
     "the cells: a rectangular grid, of a plane with two axes or of space with three",
-    &[Group::always(&[
-        Item::required(
+    &[KeyGroup::new(&[
+        KeySchema::new_required(
             "cells",
-            Type::Counts { length: [2, 3], least: 1, order: Order::Any },
+            ValueType::CountList { length: [2, 3], minimum: 1, order: CountConstraint::Unconstrained },
             "",
             "[200, 100]",
             "cells along each axis; two numbers for plane strain, three for space, and then as many coordinates everywhere",
         )
-        .note("cells along each axis"),
-        Item::required(
+        .with_note("cells along each axis"),
+        KeySchema::new_required(
             "spacing",
-            Type::PerAxis(Length::Axes),
+            ValueType::PerAxis(ListLength::GridAxes),
             "m",
             "1.0",
             "edges of a cell; one number, or one for each axis",
         )
-        .note("edges of a cell"),
-        Item::optional(
+        .with_note("edges of a cell"),
+        KeySchema::new_optional(
             "origin",
-            Type::Numbers(Length::Axes),
+            ValueType::Numbers(ListLength::GridAxes),
             "m",
             "[0.0, 0.0]",
             "the corner of least coordinates; default 0",
         )
-        .note("corner of least coordinates"),
+        .with_note("corner of least coordinates"),
     ])],
 )
-.required("a section [grid] with cells and spacing");
+.with_remedy("a section [grid] with cells and spacing");
 
 /// A uniform rectangular grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct SolidGrid {
     /// Number of cells along each axis; two axes in plane strain, three in space.
     pub cells: Vec<usize>,
     /// Cell spacing along each axis, m.
@@ -51,32 +51,32 @@ pub struct Grid {
     pub origin: Vec<f64>,
 }
 
-impl Grid {
+impl SolidGrid {
     /// Returns the number of dimensions: 2 for plane strain, 3 for space.
     pub fn dimensions(&self) -> usize {
         self.cells.len()
     }
 
     /// Returns the number of cells.
-    pub fn count(&self) -> usize {
+    pub fn cell_count(&self) -> usize {
         self.cells.iter().product()
     }
 
     /// Returns the lower and upper bound of the grid along `axis`, m.
-    pub fn extent(&self, axis: usize) -> [f64; 2] {
+    pub fn axis_bounds(&self, axis: usize) -> [f64; 2] {
         let first = self.origin[axis];
         [first, first + self.cells[axis] as f64 * self.spacing[axis]]
     }
 
     /// Returns the coordinate along `axis` of the centre of cell `index`, m.
-    pub fn centre(&self, axis: usize, index: usize) -> f64 {
+    pub fn cell_centre(&self, axis: usize, index: usize) -> f64 {
         self.origin[axis] + (index as f64 + 0.5) * self.spacing[axis]
     }
 
     /// Returns whether a point is in the grid or on its boundary.
     pub fn contains(&self, point: &[f64]) -> bool {
         point.iter().enumerate().all(|(axis, x)| {
-            let [first, last] = self.extent(axis);
+            let [first, last] = self.axis_bounds(axis);
             (first..=last).contains(x)
         })
     }
@@ -85,13 +85,13 @@ impl Grid {
     ///
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.
-    pub(crate) fn read(root: &Section) -> Result<Self, CaseError> {
-        let mut section = root.required_section(&FORM)?;
-        if section.has("length") {
+    pub(crate) fn read(root: &SectionReader) -> Result<Self, CaseError> {
+        let mut section = root.open_required_section(&SCHEMA)?;
+        if section.has_key("length") {
             let allowed = "give spacing, the edges of a cell in m, in its place";
-            return Err(section.error("length", "found for a solid", allowed));
+            return Err(section.error_at("length", "found for a solid", allowed));
         }
-        let cells: Vec<usize> = section.required("cells")?;
+        let cells: Vec<usize> = section.read_required("cells")?;
         let d = cells.len();
         section.scope.dimensions = Some(d);
         let total = cells.iter().try_fold(1usize, |total, &cells| total.checked_mul(cells));
@@ -99,13 +99,13 @@ impl Grid {
             let numbers: Vec<String> = cells.iter().map(usize::to_string).collect();
             let found = format!("a grid of {}", numbers.join(" × "));
             let allowed = format!("expected at most {MAX_CELLS} cells in all");
-            return Err(section.error("cells", found, allowed));
+            return Err(section.error_at("cells", found, allowed));
         }
-        let spacing = section.required("spacing")?;
-        let origin = section.optional("origin")?.unwrap_or(vec![0.0; d]);
+        let spacing = section.read_required("spacing")?;
+        let origin = section.read_optional("origin")?.unwrap_or(vec![0.0; d]);
         let grid = Self { cells, spacing, origin };
         for axis in 0..d {
-            let [first, last] = grid.extent(axis);
+            let [first, last] = grid.axis_bounds(axis);
             let largest = first.abs().max(last.abs());
             // Centres and faces of neighbouring cells must be distinct doubles.
             if !largest.is_finite() || grid.spacing[axis] <= 8.0 * f64::EPSILON * largest {
@@ -113,7 +113,7 @@ impl Grid {
                     format!("cells of {:?} m from {first:?} to {last:?}", grid.spacing[axis]);
                 let allowed =
                     format!("expected coordinates that tell cells apart along x{}", axis + 1);
-                return Err(section.error("spacing", found, allowed));
+                return Err(section.error_at("spacing", found, allowed));
             }
         }
         section.finish()?;
@@ -122,10 +122,10 @@ impl Grid {
 
     /// Formats the section `[grid]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
-        Resolved::default()
-            .number("cells", &self.cells)
-            .number("spacing", &self.spacing)
-            .number("origin", &self.origin)
-            .under(&FORM)
+        TableWriter::default()
+            .with_number("cells", &self.cells)
+            .with_number("spacing", &self.spacing)
+            .with_number("origin", &self.origin)
+            .to_section_toml(&SCHEMA)
     }
 }

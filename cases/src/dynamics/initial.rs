@@ -1,148 +1,156 @@
 //! The sections `[[initial]]`: parts of the initial state of a solid.
 
-use super::component::{Component, components, names};
-use super::function;
-use super::plane_pulse::{PlanePulse, Polarization};
-use super::reader::Reader;
-use super::shape::{ITEMS, Shape};
+use super::component::{StateComponent, component_names, components_in_scope};
+use super::plane_pulse::{BodyWaveType, PlanePulseInput};
+use super::reader::SolidReader;
+use super::shape::{RegionShape, SHAPE_KEYS};
 use super::time;
+use super::time_function;
 use crate::error::CaseError;
-use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
-use crate::section::{Resolved, Section};
-use crate::value::count;
+use crate::schema::{
+    AllowedRange, KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
+};
+use crate::section::{SectionReader, TableWriter};
+use crate::value::parse_count;
 
-const NUMBER: Type = Type::Number(Range::Finite);
-const POSITIVE: Type = Type::Number(Range::Positive);
-const POINT: Type = Type::Numbers(Length::Axes);
-const SPACE: &[Condition] = &[Condition::Space];
-const UNIT_OF_FIELD: &str = "the unit of the field";
+const NUMBER_TYPE: ValueType = ValueType::Number(AllowedRange::Finite);
+const POSITIVE_TYPE: ValueType = ValueType::Number(AllowedRange::Positive);
+const POINT_TYPE: ValueType = ValueType::Numbers(ListLength::GridAxes);
+const SPACE_CONDITION: &[KeyCondition] = &[KeyCondition::Space];
+const FIELD_UNIT: &str = "the unit of the field";
 
-const FIELD: Item = Item::required(
+const FIELD_KEY: KeySchema = KeySchema::new_required(
     "field",
-    Type::OneOf(|scope| names(&components(scope))),
+    ValueType::OneOf(|scope| component_names(&components_in_scope(scope))),
     "",
     "\"v1\"",
     "any component of the state",
 );
-const AMPLITUDE: Item =
-    Item::required("amplitude", NUMBER, UNIT_OF_FIELD, "0.1", "the value, of a bell the greatest");
-const VELOCITY: Item = Item::required("amplitude", NUMBER, "m/s", "0.1", "greatest velocity");
-const DIRECTION: Item = Item::with_default(
+const AMPLITUDE_KEY: KeySchema = KeySchema::new_required(
+    "amplitude",
+    NUMBER_TYPE,
+    FIELD_UNIT,
+    "0.1",
+    "the value, of a bell the greatest",
+);
+const VELOCITY_KEY: KeySchema =
+    KeySchema::new_required("amplitude", NUMBER_TYPE, "m/s", "0.1", "greatest velocity");
+const DIRECTION_KEY: KeySchema = KeySchema::new_with_default(
     "direction_deg",
-    NUMBER,
+    NUMBER_TYPE,
     "deg",
     "0.0",
     "direction in which it travels, from x₁ anticlockwise",
 );
-const ELEVATION: Item = Item::with_default(
+const ELEVATION_KEY: KeySchema = KeySchema::new_with_default(
     "elevation_deg",
-    NUMBER,
+    NUMBER_TYPE,
     "deg",
     "0.0",
     "its angle above the plane of x₁ and x₂",
 )
-.when(SPACE);
+.with_conditions(SPACE_CONDITION);
 
 /// Schema of the sections `[[initial]]`.
-pub(super) const FORM: Form = Form::list(
+pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "initial",
     "a part of the initial state; the parts add up",
     &[
-        Group::always(&[Item::required(
+        KeyGroup::new(&[KeySchema::new_required(
             "kind",
-            Type::OneOf(|_| Initial::NAMES.map(str::to_owned).to_vec()),
+            ValueType::OneOf(|_| InitialStateTerm::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"pulse\"",
             "pulse: a bell exp(−(r/radius)²) of one field; plane-wave: of the case's own medium; plane-pulse: a plane wave of finite length, in classical solids; rotation: a microrotation, in Cosserat solids; uniform: one value of one field",
         )]),
-        Group::when(
-            &[Condition::Is("kind", &["pulse"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["pulse"])],
             &[
-                FIELD,
-                AMPLITUDE,
-                Item::optional("axis", Type::Axis, "", "2", "the bell is about a plane normal to this axis, not about a point")
-                    .note("an axis"),
-                Item::required("at", POINT, "m", "[0.0, -60.0]", "where it is greatest")
-                    .note("where it is greatest")
-                    .when(&[Condition::Absent("axis")]),
-                Item::required("at", NUMBER, "m", "-60.0", "the coordinate of the plane along the axis")
-                    .note("the plane, along the axis")
-                    .when(&[Condition::Present("axis")]),
-                Item::required("radius", POSITIVE, "m", "5.0", "radius"),
+                FIELD_KEY,
+                AMPLITUDE_KEY,
+                KeySchema::new_optional("axis", ValueType::Axis, "", "2", "the bell is about a plane normal to this axis, not about a point")
+                    .with_note("an axis"),
+                KeySchema::new_required("at", POINT_TYPE, "m", "[0.0, -60.0]", "where it is greatest")
+                    .with_note("where it is greatest")
+                    .with_conditions(&[KeyCondition::Absent("axis")]),
+                KeySchema::new_required("at", NUMBER_TYPE, "m", "-60.0", "the coordinate of the plane along the axis")
+                    .with_note("the plane, along the axis")
+                    .with_conditions(&[KeyCondition::Present("axis")]),
+                KeySchema::new_required("radius", POSITIVE_TYPE, "m", "5.0", "radius"),
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["plane-wave"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["plane-wave"])],
             &[
-                Item::required("branch", Type::Whole(1), "", "1", "which wave: 1 has the greatest frequency"),
-                DIRECTION,
-                ELEVATION,
-                Item::required("wavelength", POSITIVE, "m", "20.0", "wavelength"),
-                VELOCITY,
+                KeySchema::new_required("branch", ValueType::WholeNumber(1), "", "1", "which wave: 1 has the greatest frequency"),
+                DIRECTION_KEY,
+                ELEVATION_KEY,
+                KeySchema::new_required("wavelength", POSITIVE_TYPE, "m", "20.0", "wavelength"),
+                VELOCITY_KEY,
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["plane-pulse"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["plane-pulse"])],
             &[
-                Item::required(
+                KeySchema::new_required(
                     "wave",
-                    Type::OneOf(|_| time::names(Polarization::ALL, Polarization::name)),
+                    ValueType::OneOf(|_| time::variant_names(BodyWaveType::ALL, BodyWaveType::name)),
                     "",
                     "\"S\"",
                     "longitudinal or transverse",
                 ),
-                DIRECTION,
-                ELEVATION,
-                Item::with_default(
+                DIRECTION_KEY,
+                ELEVATION_KEY,
+                KeySchema::new_with_default(
                     "polarization_deg",
-                    NUMBER,
+                    NUMBER_TYPE,
                     "deg",
                     "0.0",
                     "of S waves the angle of the velocity from the direction of growing azimuth to that of growing elevation",
                 )
-                .when(&[Condition::Space, Condition::Is("wave", &["S"])]),
-                Item::required("at", POINT, "m", "[0.0, -20.0]", "where the velocity is amplitude × time; inside the grid")
-                    .note("a point of the grid"),
-                VELOCITY,
-                Item::optional("width", POSITIVE, "m", "20.0", "of the full amplitude across the direction; it falls to 0 over half of it on either side; default: without end"),
-                function::TIME,
+                .with_conditions(&[KeyCondition::Space, KeyCondition::HasValue("wave", &["S"])]),
+                KeySchema::new_required("at", POINT_TYPE, "m", "[0.0, -20.0]", "where the velocity is amplitude × time; inside the grid")
+                    .with_note("a point of the grid"),
+                VELOCITY_KEY,
+                KeySchema::new_optional("width", POSITIVE_TYPE, "m", "20.0", "of the full amplitude across the direction; it falls to 0 over half of it on either side; default: without end"),
+                time_function::TIME_KEY,
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["rotation", "uniform"])],
-            &[Item::required(
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["rotation", "uniform"])],
+            &[KeySchema::new_required(
                 "shape",
-                Type::OneOf(|scope| Shape::words(scope.dimensions, &Shape::Everywhere)),
+                ValueType::OneOf(|scope| RegionShape::allowed_names_in_scope(scope.dimensions, &RegionShape::WholeGrid)),
                 "",
                 "\"box\"",
                 "where, as in [[region]] and with the same keys, or everywhere",
             )],
         ),
-        Group::when(&[Condition::Is("kind", &["rotation", "uniform"])], ITEMS),
-        Group::when(
-            &[Condition::Is("kind", &["rotation"])],
+        KeyGroup::with_conditions(&[KeyCondition::HasValue("kind", &["rotation", "uniform"])], SHAPE_KEYS),
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["rotation"])],
             &[
-                Item::required("angle_deg", NUMBER, "deg", "1.0", "the angle, anticlockwise about the axis"),
-                Item::optional("about", Type::AxisOfSpace, "", "3", "the axis, from 1; default 3")
-                    .note("axis of the rotation")
-                    .when(SPACE),
+                KeySchema::new_required("angle_deg", NUMBER_TYPE, "deg", "1.0", "the angle, anticlockwise about the axis"),
+                KeySchema::new_optional("about", ValueType::SpaceAxis, "", "3", "the axis, from 1; default 3")
+                    .with_note("axis of the rotation")
+                    .with_conditions(SPACE_CONDITION),
             ],
         ),
-        Group::when(&[Condition::Is("kind", &["uniform"])], &[FIELD, AMPLITUDE]),
+        KeyGroup::with_conditions(&[KeyCondition::HasValue("kind", &["uniform"])], &[FIELD_KEY, AMPLITUDE_KEY]),
     ],
 );
 
 /// A part of the initial state; parts are summed.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Initial {
+pub enum InitialStateTerm {
     /// Gaussian pulse amplitude·exp(−(r/radius)²) of one component.
     Pulse {
         /// Perturbed component.
-        field: Component,
+        component: StateComponent,
         /// Maximum value, in the unit of the component.
         amplitude: f64,
         /// Centre of the pulse.
-        centre: Centre,
+        centre: PulseCentre,
         /// Radius, m; positive.
         radius: f64,
     },
@@ -160,11 +168,11 @@ pub enum Initial {
         amplitude: f64,
     },
     /// Plane wave with a time function as waveform.
-    PlanePulse(PlanePulse),
+    PlanePulse(PlanePulseInput),
     /// Microrotation.
     Rotation {
         /// Shape of the rotated part of the grid.
-        shape: Shape,
+        shape: RegionShape,
         /// Angle, degrees, anticlockwise about the axis.
         angle_deg: f64,
         /// Rotation axis, numbered from 0; 2 in plane strain.
@@ -173,9 +181,9 @@ pub enum Initial {
     /// Uniform value of one component.
     Uniform {
         /// Shape of the part of the grid with this value.
-        shape: Shape,
+        shape: RegionShape,
         /// Perturbed component.
-        field: Component,
+        component: StateComponent,
         /// Value, in the unit of the component.
         amplitude: f64,
     },
@@ -183,7 +191,7 @@ pub enum Initial {
 
 /// Centre of a pulse, from which the distance r is measured.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Centre {
+pub enum PulseCentre {
     /// A point, m.
     Point(Vec<f64>),
     /// A plane normal to a coordinate axis.
@@ -191,11 +199,11 @@ pub enum Centre {
         /// Axis of the normal, numbered from 0.
         axis: usize,
         /// Coordinate of the plane along the axis, m.
-        at: f64,
+        coordinate: f64,
     },
 }
 
-impl Initial {
+impl InitialStateTerm {
     /// Names of all kinds of initial state in case files.
     pub const NAMES: [&str; 5] = ["pulse", "plane-wave", "plane-pulse", "rotation", "uniform"];
 
@@ -212,66 +220,72 @@ impl Initial {
 
     /// Formats the section `[[initial]]` as TOML with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
-        let resolved = Resolved::default().text("kind", self.name());
+        let resolved = TableWriter::default().with_text("kind", self.name());
         let resolved = match self {
-            Self::Pulse { field, amplitude, centre, radius } => {
-                let resolved =
-                    resolved.text("field", field.to_string()).number("amplitude", amplitude);
+            Self::Pulse { component: field, amplitude, centre, radius } => {
+                let resolved = resolved
+                    .with_text("field", field.to_string())
+                    .with_number("amplitude", amplitude);
                 match centre {
-                    Centre::Point(at) => resolved.number("at", at),
-                    Centre::Plane { axis, at } => {
-                        resolved.number("axis", axis + 1).number("at", at)
+                    PulseCentre::Point(at) => resolved.with_number("at", at),
+                    PulseCentre::Plane { axis, coordinate: at } => {
+                        resolved.with_number("axis", axis + 1).with_number("at", at)
                     }
                 }
-                .number("radius", radius)
+                .with_number("radius", radius)
             }
             Self::PlaneWave { branch, direction_deg, elevation_deg, wavelength, amplitude } => {
-                let resolved =
-                    resolved.number("branch", branch).number("direction_deg", direction_deg);
+                let resolved = resolved
+                    .with_number("branch", branch)
+                    .with_number("direction_deg", direction_deg);
                 match dimensions {
                     2 => resolved,
-                    _ => resolved.number("elevation_deg", elevation_deg),
+                    _ => resolved.with_number("elevation_deg", elevation_deg),
                 }
-                .number("wavelength", wavelength)
-                .number("amplitude", amplitude)
+                .with_number("wavelength", wavelength)
+                .with_number("amplitude", amplitude)
             }
-            Self::PlanePulse(pulse) => {
-                pulse.resolved(resolved, dimensions).table("time", &pulse.time.resolved())
-            }
+            Self::PlanePulse(pulse) => pulse
+                .write_keys(resolved, dimensions)
+                .with_table("time", &pulse.waveform.to_table()),
             Self::Rotation { shape, angle_deg, axis } => {
-                let resolved = shape.resolved(resolved, dimensions).number("angle_deg", angle_deg);
+                let resolved =
+                    shape.write_keys(resolved, dimensions).with_number("angle_deg", angle_deg);
                 match dimensions {
                     2 => resolved,
-                    _ => resolved.number("about", axis + 1),
+                    _ => resolved.with_number("about", axis + 1),
                 }
             }
-            Self::Uniform { shape, field, amplitude } => shape
-                .resolved(resolved, dimensions)
-                .text("field", field.to_string())
-                .number("amplitude", amplitude),
+            Self::Uniform { shape, component: field, amplitude } => shape
+                .write_keys(resolved, dimensions)
+                .with_text("field", field.to_string())
+                .with_number("amplitude", amplitude),
         };
-        resolved.under(&FORM)
+        resolved.to_section_toml(&SCHEMA)
     }
 }
 
-impl Reader<'_> {
+impl SolidReader<'_> {
     /// Reads all sections `[[initial]]`.
-    pub(super) fn initial(&self, root: &Section) -> Result<Vec<Initial>, CaseError> {
+    pub(super) fn read_initial_terms(
+        &self,
+        root: &SectionReader,
+    ) -> Result<Vec<InitialStateTerm>, CaseError> {
         let mut parts = Vec::new();
-        for section in root.list(&FORM)? {
-            let part = match section.choice("kind", &Initial::NAMES, |name| name)? {
-                "pulse" => self.pulse(&section)?,
-                "plane-wave" => self.plane_wave(&section)?,
+        for section in root.open_list(&SCHEMA)? {
+            let part = match section.read_choice("kind", &InitialStateTerm::NAMES, |name| name)? {
+                "pulse" => self.read_pulse(&section)?,
+                "plane-wave" => self.read_plane_wave(&section)?,
                 "plane-pulse" => {
-                    let at = self.point_inside(&section)?;
-                    let time = self.function(&section)?;
-                    Initial::PlanePulse(PlanePulse::read(&section, at, time)?)
+                    let at = self.read_point(&section)?;
+                    let time = self.read_time_function(&section)?;
+                    InitialStateTerm::PlanePulse(PlanePulseInput::read(&section, at, time)?)
                 }
-                "rotation" => self.rotation(&section)?,
-                _ => Initial::Uniform {
-                    shape: self.shape(&section, &Shape::Everywhere)?,
-                    field: self.component(&section, &self.components)?,
-                    amplitude: section.required("amplitude")?,
+                "rotation" => self.read_rotation(&section)?,
+                _ => InitialStateTerm::Uniform {
+                    shape: self.read_shape(&section, &RegionShape::WholeGrid)?,
+                    component: self.read_component(&section, &self.state_components)?,
+                    amplitude: section.read_required("amplitude")?,
                 },
             };
             section.finish()?;
@@ -280,45 +294,52 @@ impl Reader<'_> {
         Ok(parts)
     }
 
-    fn pulse(&self, section: &Section) -> Result<Initial, CaseError> {
-        let field = self.component(section, &self.components)?;
-        let amplitude = section.required("amplitude")?;
-        let centre = match section.optional::<usize>("axis")? {
-            Some(axis) => Centre::Plane { axis: axis - 1, at: section.required("at")? },
-            None => Centre::Point(section.required("at")?),
+    fn read_pulse(&self, section: &SectionReader) -> Result<InitialStateTerm, CaseError> {
+        let field = self.read_component(section, &self.state_components)?;
+        let amplitude = section.read_required("amplitude")?;
+        let centre = match section.read_optional::<usize>("axis")? {
+            Some(axis) => {
+                PulseCentre::Plane { axis: axis - 1, coordinate: section.read_required("at")? }
+            }
+            None => PulseCentre::Point(section.read_required("at")?),
         };
-        Ok(Initial::Pulse { field, amplitude, centre, radius: section.required("radius")? })
-    }
-
-    fn plane_wave(&self, section: &Section) -> Result<Initial, CaseError> {
-        // The medium has as many branches as velocities and spins.
-        let branches = self.components.iter().filter(|c| c.is_velocity()).count();
-        let expected = format!("a whole number from 1 to {branches} (1 is the greatest frequency)");
-        let branch = section.required_as("branch", &expected, |value| {
-            count(value).filter(|branch| *branch <= branches)
-        })?;
-        let direction_deg = section.or_default("direction_deg")?;
-        let elevation_deg = match self.dimensions() {
-            2 => 0.0,
-            _ => section.or_default("elevation_deg")?,
-        };
-        Ok(Initial::PlaneWave {
-            branch,
-            direction_deg,
-            elevation_deg,
-            wavelength: section.required("wavelength")?,
-            amplitude: section.required("amplitude")?,
+        Ok(InitialStateTerm::Pulse {
+            component: field,
+            amplitude,
+            centre,
+            radius: section.read_required("radius")?,
         })
     }
 
-    fn rotation(&self, section: &Section) -> Result<Initial, CaseError> {
-        self.need_spin(section, "kind", "a microrotation")?;
-        let shape = self.shape(section, &Shape::Everywhere)?;
-        let angle_deg = section.required("angle_deg")?;
+    fn read_plane_wave(&self, section: &SectionReader) -> Result<InitialStateTerm, CaseError> {
+        // The medium has as many branches as velocities and spins.
+        let branches = self.state_components.iter().filter(|c| c.is_velocity()).count();
+        let expected = format!("a whole number from 1 to {branches} (1 is the greatest frequency)");
+        let branch = section.read_required_with("branch", &expected, |value| {
+            parse_count(value).filter(|branch| *branch <= branches)
+        })?;
+        let direction_deg = section.read_or_default("direction_deg")?;
+        let elevation_deg = match self.dimensions() {
+            2 => 0.0,
+            _ => section.read_or_default("elevation_deg")?,
+        };
+        Ok(InitialStateTerm::PlaneWave {
+            branch,
+            direction_deg,
+            elevation_deg,
+            wavelength: section.read_required("wavelength")?,
+            amplitude: section.read_required("amplitude")?,
+        })
+    }
+
+    fn read_rotation(&self, section: &SectionReader) -> Result<InitialStateTerm, CaseError> {
+        self.check_spin(section, "kind", "a microrotation")?;
+        let shape = self.read_shape(section, &RegionShape::WholeGrid)?;
+        let angle_deg = section.read_required("angle_deg")?;
         let axis = match self.dimensions() {
             2 => None,
-            _ => section.optional::<usize>("about")?,
+            _ => section.read_optional::<usize>("about")?,
         };
-        Ok(Initial::Rotation { shape, angle_deg, axis: axis.map_or(2, |axis| axis - 1) })
+        Ok(InitialStateTerm::Rotation { shape, angle_deg, axis: axis.map_or(2, |axis| axis - 1) })
     }
 }

@@ -1,176 +1,195 @@
 //! The sections `[[load]]`: loads on the boundary faces of the grid.
 
-use super::boundary::{FROM, Part, SIDE, Side, TO};
-use super::component::{Component, components, names};
-use super::function::{self, TimeFunction};
-use super::profile::{self, Profile};
-use super::reader::Reader;
-use super::source::{KERNEL, Kernel, RADIUS};
+use super::boundary::{BoundaryFace, FACE_KEY, FaceRectangle, LOWER_CORNER_KEY, UPPER_CORNER_KEY};
+use super::component::{StateComponent, component_names, components_in_scope};
+use super::profile::{self, LoadProfile};
+use super::reader::SolidReader;
+use super::source::{KERNEL_KEY, Kernel, RADIUS_KEY};
+use super::time_function::{self, TimeFunction};
 use crate::error::CaseError;
-use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
-use crate::section::{Resolved, Section};
+use crate::schema::{
+    AllowedRange, KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
+};
+use crate::section::{SectionReader, TableWriter};
 
-const WITHOUT_POINT: &[Condition] = &[Condition::Absent("at")];
+const NO_POINT_CONDITION: &[KeyCondition] = &[KeyCondition::Absent("at")];
 
 /// Schema of the sections `[[load]]`.
-pub(super) const FORM: Form = Form::list(
+pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "load",
     "a load on a side: what a stress or velocity of the side is; loads add up, over the conditions",
     &[
-        Group::always(&[
-            SIDE,
-            Item::required(
+        KeyGroup::new(&[
+            FACE_KEY,
+            KeySchema::new_required(
                 "field",
-                Type::OneOf(|scope| names(&components(scope))),
+                ValueType::OneOf(|scope| component_names(&components_in_scope(scope))),
                 "",
                 "\"sigma22\"",
                 "a stress or couple stress on the side, tension positive, or a velocity or spin of it",
             ),
-            Item::required(
+            KeySchema::new_required(
                 "amplitude",
-                Type::Number(Range::Finite),
+                ValueType::Number(AllowedRange::Finite),
                 "m/s, rad/s, Pa or N/m",
                 "-1e3",
                 "what the function of time is multiplied by; at a point N or N·m, in plane strain per m",
             )
-            .note("what time is multiplied by"),
+            .with_note("what time is multiplied by"),
         ]),
-        Group::when(WITHOUT_POINT, &[FROM, TO]),
-        Group::always(&[Item::optional(
+        KeyGroup::with_conditions(NO_POINT_CONDITION, &[LOWER_CORNER_KEY, UPPER_CORNER_KEY]),
+        KeyGroup::new(&[KeySchema::new_optional(
             "at",
-            Type::Numbers(Length::SideAxes),
+            ValueType::Numbers(ListLength::FaceAxes),
             "m",
             "0.0",
             "in place of from and to: a point at which a force acts; in space two numbers",
         )
-        .note("a point of the side")
-        .when(&[Condition::Absent("from"), Condition::Absent("to")])]),
-        Group::when(&[Condition::Present("at")], &[KERNEL, RADIUS]),
-        Group::when(
-            WITHOUT_POINT,
-            &[Item::optional(
+        .with_note("a point of the side")
+        .with_conditions(&[KeyCondition::Absent("from"), KeyCondition::Absent("to")])]),
+        KeyGroup::with_conditions(&[KeyCondition::Present("at")], &[KERNEL_KEY, RADIUS_KEY]),
+        KeyGroup::with_conditions(
+            NO_POINT_CONDITION,
+            &[KeySchema::new_optional(
                 "profile",
-                Type::Table(&profile::FORM),
+                ValueType::Table(&profile::SCHEMA),
                 "",
                 "{ kind = \"bell\", at = 0.0, radius = 5.0 }",
                 "a factor along the side; default 1",
             )],
         ),
-        Group::always(&[function::TIME]),
+        KeyGroup::new(&[time_function::TIME_KEY]),
     ],
 );
 
 /// A boundary load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Load {
+pub struct FaceLoad {
     /// Boundary face of the grid.
-    pub side: Side,
+    pub face: BoundaryFace,
     /// Loaded component: a velocity or spin of the face, or a stress or couple stress on it. Stresses are tensor
     /// components, tension-positive on the lower and the upper face.
-    pub field: Component,
+    pub component: StateComponent,
     /// Amplitude, multiplied by the time function: m/s, rad/s, Pa or N/m. For a point load the integral over the face:
     /// N or N·m, in plane strain per unit thickness.
     pub amplitude: f64,
     /// Loaded part of the face.
-    pub action: Action,
+    pub loaded_area: LoadedArea,
     /// Spatial profile along the face; `None` for a uniform load and for point loads.
-    pub profile: Option<Profile>,
+    pub profile: Option<LoadProfile>,
     /// Time function.
-    pub time: TimeFunction,
+    pub time_function: TimeFunction,
 }
 
 /// Part of a boundary face on which a load acts.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Action {
+pub enum LoadedArea {
     /// The whole face.
-    Whole,
+    WholeFace,
     /// A rectangular part of the face.
-    Part(Part),
+    Rectangle(FaceRectangle),
     /// A point load.
     Point {
         /// Coordinates along the tangential axes of the face, m.
-        at: Vec<f64>,
+        position: Vec<f64>,
         /// Kernel over which the load is distributed.
         kernel: Kernel,
     },
 }
 
-impl Load {
+impl FaceLoad {
     /// Formats the section `[[load]]` as TOML with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
-        let resolved = Resolved::default()
-            .text("side", self.side.name())
-            .text("field", self.field.to_string())
-            .number("amplitude", self.amplitude);
-        let resolved = match &self.action {
-            Action::Whole => resolved,
-            Action::Part(part) => part.resolved(resolved),
-            Action::Point { at, kernel } => kernel.resolved(resolved.number("at", at)),
+        let resolved = TableWriter::default()
+            .with_text("side", self.face.name())
+            .with_text("field", self.component.to_string())
+            .with_number("amplitude", self.amplitude);
+        let resolved = match &self.loaded_area {
+            LoadedArea::WholeFace => resolved,
+            LoadedArea::Rectangle(part) => part.write_keys(resolved),
+            LoadedArea::Point { position: at, kernel } => {
+                kernel.write_keys(resolved.with_number("at", at))
+            }
         };
         let resolved = match &self.profile {
-            Some(profile) => resolved.table("profile", &profile.resolved(dimensions)),
+            Some(profile) => resolved.with_table("profile", &profile.to_table(dimensions)),
             None => resolved,
         };
-        resolved.table("time", &self.time.resolved()).under(&FORM)
+        resolved.with_table("time", &self.time_function.to_table()).to_section_toml(&SCHEMA)
     }
 }
 
-impl Reader<'_> {
+impl SolidReader<'_> {
     /// Reads all sections `[[load]]`.
-    pub(super) fn loads(&self, root: &Section, periodic: &[Side]) -> Result<Vec<Load>, CaseError> {
+    pub(super) fn read_loads(
+        &self,
+        root: &SectionReader,
+        periodic: &[BoundaryFace],
+    ) -> Result<Vec<FaceLoad>, CaseError> {
         let mut loads = Vec::new();
-        for mut section in root.list(&FORM)? {
-            let side = self.side(&mut section)?;
+        for mut section in root.open_list(&SCHEMA)? {
+            let side = self.read_face(&mut section)?;
             if periodic.contains(&side) {
                 let found = format!("found {}, which is periodic", side.name());
                 let allowed = "a periodic side has no load; give [[source]], or another side";
-                return Err(section.error("side", found, allowed));
+                return Err(section.error_at("side", found, allowed));
             }
-            let among = Component::on_side(self.theory, self.dimensions(), side.axis);
-            let field = self.component(&section, &among)?;
-            let amplitude = section.required("amplitude")?;
-            let action = self.action(&section, field)?;
+            let among = StateComponent::face_components(self.theory, self.dimensions(), side.axis);
+            let field = self.read_component(&section, &among)?;
+            let amplitude = section.read_required("amplitude")?;
+            let action = self.read_loaded_area(&section, field)?;
             let profile = match action {
-                Action::Point { .. } if section.has("profile") => {
+                LoadedArea::Point { .. } if section.has_key("profile") => {
                     let allowed = "leave it out: what acts at a point has a kernel; a profile goes \
                                    with from and to, or with all of the side";
-                    return Err(section.error("profile", "found beside at", allowed));
+                    return Err(section.error_at("profile", "found beside at", allowed));
                 }
-                Action::Point { .. } => None,
-                _ => Profile::read(&section)?,
+                LoadedArea::Point { .. } => None,
+                _ => LoadProfile::read(&section)?,
             };
-            let time = self.function(&section)?;
+            let time = self.read_time_function(&section)?;
             section.finish()?;
-            loads.push(Load { side, field, amplitude, action, profile, time });
+            loads.push(FaceLoad {
+                face: side,
+                component: field,
+                amplitude,
+                loaded_area: action,
+                profile,
+                time_function: time,
+            });
         }
         Ok(loads)
     }
 
     /// Reads the part of the face on which a load acts.
-    fn action(&self, section: &Section, field: Component) -> Result<Action, CaseError> {
-        let part = self.part(section)?;
-        let at: Option<Vec<f64>> = section.optional("at")?;
+    fn read_loaded_area(
+        &self,
+        section: &SectionReader,
+        field: StateComponent,
+    ) -> Result<LoadedArea, CaseError> {
+        let part = self.read_rectangle(section)?;
+        let at: Option<Vec<f64>> = section.read_optional("at")?;
         let kernel = Kernel::read(section)?;
         match (part, at) {
             (Some(_), Some(_)) => {
                 let allowed = "give one of the two, a part or a point of the side";
-                Err(section.error("at", "found beside from and to", allowed))
+                Err(section.error_at("at", "found beside from and to", allowed))
             }
             (_, Some(_)) if field.is_velocity() => {
                 let allowed = "a stress or couple stress, or from and to in place of at";
-                Err(section.error("at", format!("found for the velocity {field}"), allowed))
+                Err(section.error_at("at", format!("found for the velocity {field}"), allowed))
             }
             (None, Some(at)) => {
-                self.check_inside(section, &at, &section.scope.axes)?;
-                Ok(Action::Point { at, kernel: kernel.unwrap_or_default() })
+                self.check_position(section, &at, &section.scope.face_axes)?;
+                Ok(LoadedArea::Point { position: at, kernel: kernel.unwrap_or_default() })
             }
             (_, None) if kernel.is_some() => {
-                let key = if section.has("radius") { "radius" } else { "kernel" };
+                let key = if section.has_key("radius") { "radius" } else { "kernel" };
                 let allowed = "add at, the point that it is about, or leave it out";
-                Err(section.error(key, "found without at", allowed))
+                Err(section.error_at(key, "found without at", allowed))
             }
-            (Some(part), None) => Ok(Action::Part(part)),
-            (None, None) => Ok(Action::Whole),
+            (Some(part), None) => Ok(LoadedArea::Rectangle(part)),
+            (None, None) => Ok(LoadedArea::WholeFace),
         }
     }
 }

@@ -1,69 +1,78 @@
 //! The sections `[output]` and `[[receiver]]` of a solid.
 
-use super::component::{Component, components, names};
-use super::reader::Reader;
+use super::component::{StateComponent, component_names, components_in_scope};
+use super::reader::SolidReader;
 use super::time;
 use crate::error::CaseError;
-use crate::receivers::{self, Domain, Interpolation, Receiver, receivers};
-use crate::schema::{Form, Group, Item, Range, Scope, Type};
-use crate::section::{Resolved, Section};
+use crate::receivers::{self, Interpolation, ReceiverDomain, ReceiverPoint, read_receivers};
+use crate::schema::{AllowedRange, KeyGroup, KeySchema, SchemaScope, TableSchema, ValueType};
+use crate::section::{SectionReader, TableWriter};
 use std::fmt;
 
 /// Builds the key `ledger_interval`, the time between two rows of the energy ledger; `zero` describes the meaning of 0
 /// in messages.
-pub(crate) const fn ledger_interval(zero: &'static str, meaning: &'static str) -> Item {
-    Item::with_default("ledger_interval", Type::Number(Range::NotNegative), "s", "0.0", meaning)
-        .note(zero)
+pub(crate) const fn new_ledger_interval_key(
+    zero: &'static str,
+    meaning: &'static str,
+) -> KeySchema {
+    KeySchema::new_with_default(
+        "ledger_interval",
+        ValueType::Number(AllowedRange::NotNegative),
+        "s",
+        "0.0",
+        meaning,
+    )
+    .with_note(zero)
 }
 
 /// Key `snapshot_interval`: time between two snapshots.
-pub(crate) const SNAPSHOT_INTERVAL: Item = Item::with_default(
+pub(crate) const SNAPSHOT_INTERVAL_KEY: KeySchema = KeySchema::new_with_default(
     "snapshot_interval",
-    Type::Number(Range::NotNegative),
+    ValueType::Number(AllowedRange::NotNegative),
     "s",
     "0.0",
     "time between two snapshots of all fields, for ParaView and an animation; 0: none",
 )
-.note("0: none");
+.with_note("0: none");
 
 /// Key `contours`: contour levels of a picture.
-pub(crate) const CONTOURS: Item = Item::optional(
+pub(crate) const CONTOURS_KEY: KeySchema = KeySchema::new_optional(
     "contours",
-    Type::List(0, Range::Finite),
+    ValueType::NumberList(0, AllowedRange::Finite),
     "the unit of the picture",
     "[0.01, 0.02]",
     "lines of equal value; default: at ¼ and ½ of the greatest magnitude of what has a sign; []: none",
 )
-.note("lines of equal value");
+.with_note("lines of equal value");
 
 /// Schema of the sections `[[receiver]]`.
-pub(super) const RECEIVER: Form = Form::list(
+pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
     "receiver",
     "a point, a line or a grid of points at which the state is recorded",
-    &[Group::always(&[
-        receivers::NAME,
-        receivers::at(
+    &[KeyGroup::new(&[
+        receivers::NAME_KEY,
+        receivers::new_position_key(
             "a point of the grid",
             "[40.0, 0.0]",
             "any point of the grid, on sides as well",
         ),
-        receivers::FROM,
-        receivers::TO,
-        receivers::COUNT,
-        Item::optional(
+        receivers::FIRST_POINT_KEY,
+        receivers::LAST_POINT_KEY,
+        receivers::POINT_COUNT_KEY,
+        KeySchema::new_optional(
             "fields",
-            Type::AnyOf(|scope| {
-                let mut words = names(&components(scope));
-                words.extend(all_integrals(scope));
+            ValueType::AnyOf(|scope| {
+                let mut words = component_names(&components_in_scope(scope));
+                words.extend(integral_names(scope));
                 words
             }),
             "",
             "[\"v1\", \"v2\"]",
             "what is recorded; default all components, and what integrals of [output] names",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "interpolation",
-            Type::OneOf(|_| time::names(Interpolation::ALL, Interpolation::name)),
+            ValueType::OneOf(|_| time::variant_names(Interpolation::ALL, Interpolation::name)),
             "",
             "\"cubic\"",
             "between cells; none: the cell that holds the point",
@@ -72,28 +81,28 @@ pub(super) const RECEIVER: Form = Form::list(
 );
 
 /// Schema of the section `[output]`.
-pub(super) const OUTPUT: Form = Form::section(
+pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
     "output",
     "what else is recorded, and what pictures show",
-    &[Group::always(&[
-        ledger_interval(
+    &[KeyGroup::new(&[
+        new_ledger_interval_key(
             "0: at most 1000 lines",
             "time between two lines of the energy ledger; 0: at most 1000 lines",
         ),
-        SNAPSHOT_INTERVAL,
-        Item::optional(
+        SNAPSHOT_INTERVAL_KEY,
+        KeySchema::new_optional(
             "integrals",
-            Type::AnyOf(all_integrals),
+            ValueType::AnyOf(integral_names),
             "",
             "[]",
             "displacements and rotations to be kept: \"u1\", \"phi3\"; default none",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "picture",
-            Type::OneOf(|scope| {
+            ValueType::OneOf(|scope| {
                 let mut words = vec!["speed".to_owned()];
-                words.extend(names(&components(scope)));
-                words.extend(all_integrals(scope));
+                words.extend(component_names(&components_in_scope(scope)));
+                words.extend(integral_names(scope));
                 words.push("dissipation".to_owned());
                 words
             }),
@@ -101,31 +110,31 @@ pub(super) const OUTPUT: Form = Form::section(
             "\"speed\"",
             "what pictures show: speed, a component, one of integrals, or dissipation",
         ),
-        CONTOURS,
+        CONTOURS_KEY,
     ])],
 );
 
 /// Returns the names of all displacements and rotations of a solid.
-fn all_integrals(scope: &Scope) -> Vec<String> {
-    components(scope).into_iter().filter_map(Component::integral).collect()
+fn integral_names(scope: &SchemaScope) -> Vec<String> {
+    components_in_scope(scope).into_iter().filter_map(StateComponent::integral_name).collect()
 }
 
 /// A quantity recorded by a receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Recorded {
+pub enum RecordedQuantity {
     /// A component of the state.
-    Component(Component),
+    Component(StateComponent),
     /// Time integral of a velocity (displacement) or spin (rotation).
-    Integral(Component),
+    TimeIntegral(StateComponent),
 }
 
 /// Formats the name in case files.
-impl fmt::Display for Recorded {
+impl fmt::Display for RecordedQuantity {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Component(component) => component.fmt(formatter),
-            Self::Integral(component) => {
-                formatter.write_str(&component.integral().unwrap_or_default())
+            Self::TimeIntegral(component) => {
+                formatter.write_str(&component.integral_name().unwrap_or_default())
             }
         }
     }
@@ -133,126 +142,148 @@ impl fmt::Display for Recorded {
 
 /// Output options of a solid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Output {
+pub struct SolidOutput {
     /// Time between two rows of the energy ledger, s; 0 for at most 1000 rows.
     pub ledger_interval: f64,
     /// Time between two snapshots of all fields, s; 0 for none.
     pub snapshot_interval: f64,
     /// Velocities and spins whose time integrals (displacements, rotations) are stored.
-    pub integrals: Vec<Component>,
+    pub integrated_components: Vec<StateComponent>,
     /// Quantity plotted in pictures.
-    pub picture: Picture,
+    pub plotted_quantity: PlottedQuantity,
     /// Contour levels in the unit of the quantity; `None` for automatic levels.
-    pub contours: Option<Vec<f64>>,
+    pub contour_levels: Option<Vec<f64>>,
 }
 
 /// Quantity plotted in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Picture {
+pub enum PlottedQuantity {
     /// Magnitude of the velocity.
     #[default]
     Speed,
     /// A component of the state.
-    Component(Component),
+    Component(StateComponent),
     /// Time integral of a velocity (displacement) or spin (rotation).
-    Integral(Component),
+    TimeIntegral(StateComponent),
     /// Plastic dissipation per unit volume.
     Dissipation,
 }
 
-impl Picture {
+impl PlottedQuantity {
     /// Returns the name of the quantity in case files.
     pub fn name(self) -> String {
         match self {
             Self::Speed => "speed".to_owned(),
             Self::Component(component) => component.to_string(),
-            Self::Integral(component) => component.integral().unwrap_or_default(),
+            Self::TimeIntegral(component) => component.integral_name().unwrap_or_default(),
             Self::Dissipation => "dissipation".to_owned(),
         }
     }
 }
 
-impl Output {
+impl SolidOutput {
     /// Formats the section `[output]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         let integrals: Vec<String> =
-            self.integrals.iter().filter_map(|own| own.integral()).collect();
-        let resolved = Resolved::default()
-            .number("ledger_interval", self.ledger_interval)
-            .number("snapshot_interval", self.snapshot_interval)
-            .texts("integrals", &integrals)
-            .text("picture", self.picture.name());
-        let resolved = match &self.contours {
-            Some(contours) => resolved.number("contours", contours),
+            self.integrated_components.iter().filter_map(|own| own.integral_name()).collect();
+        let resolved = TableWriter::default()
+            .with_number("ledger_interval", self.ledger_interval)
+            .with_number("snapshot_interval", self.snapshot_interval)
+            .with_text_list("integrals", &integrals)
+            .with_text("picture", self.plotted_quantity.name());
+        let resolved = match &self.contour_levels {
+            Some(contours) => resolved.with_number("contours", contours),
             None => resolved,
         };
-        resolved.under(&OUTPUT)
+        resolved.to_section_toml(&OUTPUT_SCHEMA)
     }
 }
 
-impl Receiver<Recorded> {
+impl ReceiverPoint<RecordedQuantity> {
     /// Formats the section `[[receiver]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
-        self.resolved().text("interpolation", self.interpolation.name()).under(&RECEIVER)
+        self.to_table()
+            .with_text("interpolation", self.interpolation.name())
+            .to_section_toml(&RECEIVER_SCHEMA)
     }
 }
 
-impl Reader<'_> {
+impl SolidReader<'_> {
     /// Reads the sections `[[receiver]]`; `integrals` are the recorded displacements and rotations.
-    pub(super) fn receivers(
+    pub(super) fn read_receivers(
         &self,
-        root: &Section,
-        integrals: &[Component],
-    ) -> Result<Vec<Receiver<Recorded>>, CaseError> {
-        let all: Vec<Recorded> = (self.components.iter().copied().map(Recorded::Component))
-            .chain(integrals.iter().copied().map(Recorded::Integral))
-            .collect();
+        root: &SectionReader,
+        integrals: &[StateComponent],
+    ) -> Result<Vec<ReceiverPoint<RecordedQuantity>>, CaseError> {
+        let all: Vec<RecordedQuantity> =
+            (self.state_components.iter().copied().map(RecordedQuantity::Component))
+                .chain(integrals.iter().copied().map(RecordedQuantity::TimeIntegral))
+                .collect();
         let find = |name: &str| {
-            let component = Component::find(name, self.theory, &self.components);
+            let component = StateComponent::find_by_name(name, self.theory, &self.state_components);
             let integral = || all.iter().copied().find(|own| own.to_string() == name);
-            component.map(Recorded::Component).or_else(integral)
+            component.map(RecordedQuantity::Component).or_else(integral)
         };
-        let extents: Vec<[f64; 2]> = (0..self.dimensions()).map(|a| self.grid.extent(a)).collect();
-        let domain = Domain { form: &RECEIVER, extents, whole: "grid", interpolates: true };
-        receivers(root, &all, find, &domain)
+        let extents: Vec<[f64; 2]> =
+            (0..self.dimensions()).map(|a| self.grid.axis_bounds(a)).collect();
+        let domain = ReceiverDomain {
+            schema: &RECEIVER_SCHEMA,
+            bounds: extents,
+            name: "grid",
+            has_interpolation: true,
+        };
+        read_receivers(root, &all, find, &domain)
     }
 
     /// Reads the section `[output]`; `yields` states whether at least one medium yields.
-    pub(super) fn output(&self, root: &Section, yields: bool) -> Result<Output, CaseError> {
-        let mut output = Output {
+    pub(super) fn read_output(
+        &self,
+        root: &SectionReader,
+        yields: bool,
+    ) -> Result<SolidOutput, CaseError> {
+        let mut output = SolidOutput {
             ledger_interval: 0.0,
             snapshot_interval: 0.0,
-            integrals: Vec::new(),
-            picture: Picture::Speed,
-            contours: None,
+            integrated_components: Vec::new(),
+            plotted_quantity: PlottedQuantity::Speed,
+            contour_levels: None,
         };
-        let Some(section) = root.section(&OUTPUT)? else { return Ok(output) };
-        output.ledger_interval = section.or_default("ledger_interval")?;
-        output.snapshot_interval = section.or_default("snapshot_interval")?;
-        let possible: Vec<(String, Component)> = self
-            .components
+        let Some(section) = root.open_section(&OUTPUT_SCHEMA)? else { return Ok(output) };
+        output.ledger_interval = section.read_or_default("ledger_interval")?;
+        output.snapshot_interval = section.read_or_default("snapshot_interval")?;
+        let possible: Vec<(String, StateComponent)> = self
+            .state_components
             .iter()
-            .filter_map(|component| Some((component.integral()?, *component)))
+            .filter_map(|component| Some((component.integral_name()?, *component)))
             .collect();
         let words: Vec<String> = possible.iter().map(|own| own.0.clone()).collect();
         let find = |name: &str| possible.iter().find(|own| own.0 == name).map(|own| own.1);
-        output.integrals = section.different("integrals", &words, find)?.unwrap_or_default();
-        let mut pictures = vec![Picture::Speed];
-        pictures.extend(self.components.iter().copied().map(Picture::Component));
-        pictures.extend(output.integrals.iter().copied().map(Picture::Integral));
-        pictures.push(Picture::Dissipation);
+        output.integrated_components =
+            section.read_distinct_list("integrals", &words, find)?.unwrap_or_default();
+        let mut pictures = vec![PlottedQuantity::Speed];
+        pictures.extend(self.state_components.iter().copied().map(PlottedQuantity::Component));
+        pictures.extend(
+            output.integrated_components.iter().copied().map(PlottedQuantity::TimeIntegral),
+        );
+        pictures.push(PlottedQuantity::Dissipation);
         let words: Vec<String> = pictures.iter().map(|picture| picture.name()).collect();
-        if let Some(name) = section.optional_text("picture", &words)? {
+        if let Some(name) = section.read_optional_text("picture", &words)? {
             let own = pictures.iter().copied().find(|picture| picture.name() == name);
-            let component = Component::find(&name, self.theory, &self.components);
-            let own = own.or(component.map(Picture::Component));
-            output.picture = own.ok_or_else(|| section.no_such("picture", &name, &words))?;
+            let component =
+                StateComponent::find_by_name(&name, self.theory, &self.state_components);
+            let own = own.or(component.map(PlottedQuantity::Component));
+            output.plotted_quantity =
+                own.ok_or_else(|| section.unknown_name_error("picture", &name, &words))?;
         }
-        if output.picture == Picture::Dissipation && !yields {
+        if output.plotted_quantity == PlottedQuantity::Dissipation && !yields {
             let allowed = "another picture, or a section [yield]";
-            return Err(section.error("picture", "found 'dissipation' in elastic media", allowed));
+            return Err(section.error_at(
+                "picture",
+                "found 'dissipation' in elastic media",
+                allowed,
+            ));
         }
-        output.contours = section.optional("contours")?;
+        output.contour_levels = section.read_optional("contours")?;
         section.finish()?;
         Ok(output)
     }

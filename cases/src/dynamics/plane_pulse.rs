@@ -1,14 +1,14 @@
 //! Plane P or S wave with a given waveform as initial state.
 
-use super::function::TimeFunction;
+use super::time_function::TimeFunction;
 use crate::error::CaseError;
 use crate::named_enum::named_enum;
-use crate::section::{Resolved, Section};
+use crate::section::{SectionReader, TableWriter};
 use models::common::elementary::Elementary;
 
 named_enum! {
     /// Polarisation of a plane wave.
-    Polarization {
+    BodyWaveType {
         /// Longitudinal (P) wave.
         P = "P",
         /// Transverse (S) wave.
@@ -18,10 +18,10 @@ named_enum! {
 
 /// A plane P or S wave of the medium at a point, v = amplitude·a g(t − n·(x − at)/c), with its stress.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlanePulse {
+pub struct PlanePulseInput {
     /// Polarisation, which determines the unit vector a. P: a = n. S: a is n rotated by 90° anticlockwise; in space it
     /// is then rotated about n by `polarization_deg`.
-    pub polarization: Polarization,
+    pub wave_type: BodyWaveType,
     /// Direction of the wave normal n, degrees anticlockwise from x₁.
     pub direction_deg: f64,
     /// Elevation of n above the plane of x₁ and x₂, degrees; 0 in plane strain.
@@ -29,19 +29,19 @@ pub struct PlanePulse {
     /// For S waves in space the angle of a from the azimuthal towards the elevation direction, degrees; otherwise 0.
     pub polarization_deg: f64,
     /// Reference point, m, at which the velocity of the incident wave is amplitude·a g(t).
-    pub at: Vec<f64>,
+    pub reference_point: Vec<f64>,
     /// Velocity amplitude, m/s.
     pub amplitude: f64,
     /// Width of the full amplitude transverse to n, m, with cosine tapers of half the width on either side; `None` if
     /// unbounded.
     pub width: Option<f64>,
     /// Waveform g(t).
-    pub time: TimeFunction,
+    pub waveform: TimeFunction,
 }
 
-impl PlanePulse {
+impl PlanePulseInput {
     /// Computes the taper factor at a distance (m) from the line through `at` along n.
-    pub fn across(&self, distance: f64) -> f64 {
+    pub fn transverse_taper(&self, distance: f64) -> f64 {
         let Some(width) = self.width else { return 1.0 };
         match distance / width - 0.5 {
             part if part <= 0.0 => 1.0,
@@ -52,45 +52,47 @@ impl PlanePulse {
 
     /// Reads the entry; the reference point and the time function are arguments.
     pub(super) fn read(
-        section: &Section,
+        section: &SectionReader,
         at: Vec<f64>,
         time: TimeFunction,
     ) -> Result<Self, CaseError> {
-        let polarization = section.choice("wave", Polarization::ALL, Polarization::name)?;
-        let direction_deg = section.or_default("direction_deg")?;
+        let polarization = section.read_choice("wave", BodyWaveType::ALL, BodyWaveType::name)?;
+        let direction_deg = section.read_or_default("direction_deg")?;
         let (mut elevation_deg, mut polarization_deg) = (0.0, 0.0);
         if section.scope.dimensions() == 3 {
-            elevation_deg = section.or_default("elevation_deg")?;
-            if polarization == Polarization::S {
-                polarization_deg = section.or_default("polarization_deg")?;
+            elevation_deg = section.read_or_default("elevation_deg")?;
+            if polarization == BodyWaveType::S {
+                polarization_deg = section.read_or_default("polarization_deg")?;
             }
         }
         Ok(Self {
-            polarization,
+            wave_type: polarization,
             direction_deg,
             elevation_deg,
             polarization_deg,
-            at,
-            amplitude: section.required("amplitude")?,
-            width: section.optional("width")?,
-            time,
+            reference_point: at,
+            amplitude: section.read_required("amplitude")?,
+            width: section.read_optional("width")?,
+            waveform: time,
         })
     }
 
     /// Adds the keys of the entry to a table, without the time function.
-    pub(super) fn resolved(&self, resolved: Resolved, dimensions: usize) -> Resolved {
+    pub(super) fn write_keys(&self, resolved: TableWriter, dimensions: usize) -> TableWriter {
         let mut resolved = resolved
-            .text("wave", self.polarization.name())
-            .number("direction_deg", self.direction_deg);
+            .with_text("wave", self.wave_type.name())
+            .with_number("direction_deg", self.direction_deg);
         if dimensions == 3 {
-            resolved = resolved.number("elevation_deg", self.elevation_deg);
-            if self.polarization == Polarization::S {
-                resolved = resolved.number("polarization_deg", self.polarization_deg);
+            resolved = resolved.with_number("elevation_deg", self.elevation_deg);
+            if self.wave_type == BodyWaveType::S {
+                resolved = resolved.with_number("polarization_deg", self.polarization_deg);
             }
         }
-        let resolved = resolved.number("at", &self.at).number("amplitude", self.amplitude);
+        let resolved = resolved
+            .with_number("at", &self.reference_point)
+            .with_number("amplitude", self.amplitude);
         match self.width {
-            Some(width) => resolved.number("width", width),
+            Some(width) => resolved.with_number("width", width),
             None => resolved,
         }
     }

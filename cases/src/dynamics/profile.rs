@@ -1,69 +1,83 @@
 //! Spatial profiles of boundary loads.
 
-use super::function::Samples;
+use super::time_function::Samples;
 use crate::error::CaseError;
-use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
-use crate::section::{Resolved, Section};
-use crate::value::count;
+use crate::schema::{
+    AllowedRange, KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
+};
+use crate::section::{SectionReader, TableWriter};
+use crate::value::parse_count;
 use models::common::elementary::Elementary;
 use std::f64::consts::{PI, TAU};
 
-const AXIS: Item = Item::optional(
+const AXIS_KEY: KeySchema = KeySchema::new_optional(
     "axis",
-    Type::AxisOfSpace,
+    ValueType::SpaceAxis,
     "",
     "1",
     "an axis of the side, from 1, where it must be there",
 )
-.when(&[Condition::Space]);
+.with_conditions(&[KeyCondition::Space]);
 
 /// Schema of the table `profile` of a load.
-pub(super) const FORM: Form = Form::braces(
+pub(super) const SCHEMA: TableSchema = TableSchema::new_inline_table(
     "profile",
     "a factor along the side",
     &[
-        Group::always(&[Item::required(
+        KeyGroup::new(&[KeySchema::new_required(
             "kind",
-            Type::OneOf(|_| Profile::NAMES.map(str::to_owned).to_vec()),
+            ValueType::OneOf(|_| LoadProfile::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"bell\"",
             "cos: cos(2πx/wavelength + phase); bell: ½(1 + cos(πr/radius)), 0 beyond; table: straight lines between samples, 0 outside",
         )]),
-        Group::when(
-            &[Condition::Is("kind", &["cos"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["cos"])],
             &[
-                AXIS,
-                Item::required(
+                AXIS_KEY,
+                KeySchema::new_required(
                     "wavelength",
-                    Type::Number(Range::Positive),
+                    ValueType::Number(AllowedRange::Positive),
                     "m",
                     "10.0",
                     "wavelength",
                 ),
-                Item::with_default("phase_deg", Type::Number(Range::Finite), "deg", "0.0", "phase"),
+                KeySchema::new_with_default(
+                    "phase_deg",
+                    ValueType::Number(AllowedRange::Finite),
+                    "deg",
+                    "0.0",
+                    "phase",
+                ),
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["bell"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["bell"])],
             &[
-                Item::required(
+                KeySchema::new_required(
                     "at",
-                    Type::Numbers(Length::SideAxes),
+                    ValueType::Numbers(ListLength::FaceAxes),
                     "m",
                     "0.0",
                     "where it is 1; in space two numbers",
                 )
-                .note("where it is 1"),
-                Item::required("radius", Type::Number(Range::Positive), "m", "5.0", "radius"),
+                .with_note("where it is 1"),
+                KeySchema::new_required(
+                    "radius",
+                    ValueType::Number(AllowedRange::Positive),
+                    "m",
+                    "5.0",
+                    "radius",
+                ),
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["table"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["table"])],
             &[
-                AXIS,
-                Item::required(
+                AXIS_KEY,
+                KeySchema::new_required(
                     "samples",
-                    Type::Samples(["[coordinate in m, value]", "coordinates"]),
+                    ValueType::Samples(["[coordinate in m, value]", "coordinates"]),
                     "",
                     "[[-5.0, 0.0], [5.0, 1.0]]",
                     "coordinates, m, which increase, and factors",
@@ -75,7 +89,7 @@ pub(super) const FORM: Form = Form::braces(
 
 /// Spatial profile of a boundary load: a factor that depends on the position on the face.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Profile {
+pub enum LoadProfile {
     /// Cosine cos(2πx/wavelength + phase) along a tangential axis.
     Cos {
         /// Axis, numbered from 0.
@@ -88,7 +102,7 @@ pub enum Profile {
     /// Cosine bell ½(1 + cos(πr/radius)) about a point; 0 beyond the radius.
     Bell {
         /// Centre, coordinates along the tangential axes of the face, m.
-        at: Vec<f64>,
+        centre: Vec<f64>,
         /// Radius, m; positive.
         radius: f64,
     },
@@ -101,12 +115,12 @@ pub enum Profile {
     },
 }
 
-impl Profile {
+impl LoadProfile {
     const NAMES: [&str; 3] = ["cos", "bell", "table"];
 
     /// Evaluates the factor at a position on the face; `distance` computes the distance (m) of two positions, e.g.
     /// across periodic faces.
-    pub fn value(
+    pub fn evaluate(
         &self,
         axes: &[usize],
         position: &[f64],
@@ -120,40 +134,45 @@ impl Profile {
             Self::Cos { axis, wavelength, phase_deg } => {
                 (TAU * coordinate(axis) / wavelength + phase_deg.to_radians()).cr_cos()
             }
-            Self::Bell { at, radius } => match distance(position, at) / radius {
+            Self::Bell { centre: at, radius } => match distance(position, at) / radius {
                 part if part < 1.0 => 0.5 + 0.5 * (PI * part).cr_cos(),
                 _ => 0.0,
             },
-            Self::Table { axis, samples } => samples.value(coordinate(axis)),
+            Self::Table { axis, samples } => samples.interpolate(coordinate(axis)),
         }
     }
 
     /// Reads the table `profile` of a load; `None` if absent.
-    pub(super) fn read(section: &Section) -> Result<Option<Self>, CaseError> {
-        let Some(section) = section.table("profile")? else { return Ok(None) };
-        let axes = &section.scope.axes;
+    pub(super) fn read(section: &SectionReader) -> Result<Option<Self>, CaseError> {
+        let Some(section) = section.open_table("profile")? else { return Ok(None) };
+        let axes = &section.scope.face_axes;
         let axis = || match axes[..] {
             [axis] => Ok(axis),
             _ => {
                 let numbers: Vec<String> = axes.iter().map(|axis| (axis + 1).to_string()).collect();
                 let expected = format!("{} (an axis of the side)", numbers.join(" or "));
-                section.required_as("axis", &expected, |value| {
-                    count(value)?.checked_sub(1).filter(|axis| axes.contains(axis))
+                section.read_required_with("axis", &expected, |value| {
+                    parse_count(value)?.checked_sub(1).filter(|axis| axes.contains(axis))
                 })
             }
         };
-        let profile = match section.choice("kind", &Self::NAMES, |name| name)? {
+        let profile = match section.read_choice("kind", &Self::NAMES, |name| name)? {
             "cos" => {
-                let phase_deg = section.or_default("phase_deg")?;
-                Self::Cos { axis: axis()?, wavelength: section.required("wavelength")?, phase_deg }
+                let phase_deg = section.read_or_default("phase_deg")?;
+                Self::Cos {
+                    axis: axis()?,
+                    wavelength: section.read_required("wavelength")?,
+                    phase_deg,
+                }
             }
-            "bell" => {
-                Self::Bell { at: section.required("at")?, radius: section.required("radius")? }
-            }
+            "bell" => Self::Bell {
+                centre: section.read_required("at")?,
+                radius: section.read_required("radius")?,
+            },
             _ => Self::Table {
                 axis: axis()?,
-                samples: Samples::new(section.required("samples")?)
-                    .ok_or_else(|| section.wrong("samples"))?,
+                samples: Samples::new(section.read_required("samples")?)
+                    .ok_or_else(|| section.invalid_value_error("samples"))?,
             },
         };
         section.finish()?;
@@ -161,24 +180,24 @@ impl Profile {
     }
 
     /// Formats the profile as a TOML table; the axis is omitted on a face with one tangential axis.
-    pub(super) fn resolved(&self, dimensions: usize) -> Resolved {
-        let with_axis = |resolved: Resolved, axis: &usize| match dimensions {
+    pub(super) fn to_table(&self, dimensions: usize) -> TableWriter {
+        let with_axis = |resolved: TableWriter, axis: &usize| match dimensions {
             2 => resolved,
-            _ => resolved.number("axis", axis + 1),
+            _ => resolved.with_number("axis", axis + 1),
         };
-        let resolved = Resolved::default();
+        let resolved = TableWriter::default();
         match self {
             Self::Cos { axis, wavelength, phase_deg } => {
-                with_axis(resolved.text("kind", "cos"), axis)
-                    .number("wavelength", wavelength)
-                    .number("phase_deg", phase_deg)
+                with_axis(resolved.with_text("kind", "cos"), axis)
+                    .with_number("wavelength", wavelength)
+                    .with_number("phase_deg", phase_deg)
             }
-            Self::Bell { at, radius } => {
-                resolved.text("kind", "bell").number("at", at).number("radius", radius)
-            }
-            Self::Table { axis, samples } => {
-                with_axis(resolved.text("kind", "table"), axis).number("samples", samples.samples())
-            }
+            Self::Bell { centre: at, radius } => resolved
+                .with_text("kind", "bell")
+                .with_number("at", at)
+                .with_number("radius", radius),
+            Self::Table { axis, samples } => with_axis(resolved.with_text("kind", "table"), axis)
+                .with_number("samples", samples.samples()),
         }
     }
 }

@@ -1,56 +1,56 @@
 //! Common context for reading the time-domain sections of a solid.
 
-use super::component::{Component, names};
-use super::grid::Grid;
+use super::component::{StateComponent, component_names};
+use super::grid::SolidGrid;
 use crate::error::CaseError;
-use crate::position::check_inside;
-use crate::section::Section;
+use crate::position_checks::check_position;
+use crate::section::SectionReader;
 use models::solid::parameters::Theory;
 use std::path::Path;
 
 /// Context for reading the time-domain sections of a solid.
-pub(super) struct Reader<'a> {
-    pub(super) grid: &'a Grid,
+pub(super) struct SolidReader<'a> {
+    pub(super) grid: &'a SolidGrid,
     pub(super) theory: Theory,
     /// State components of the solid of the case.
-    pub(super) components: Vec<Component>,
+    pub(super) state_components: Vec<StateComponent>,
     /// Folder of the case file.
-    pub(super) folder: &'a Path,
+    pub(super) case_folder: &'a Path,
 }
 
-impl Reader<'_> {
+impl SolidReader<'_> {
     pub(super) fn dimensions(&self) -> usize {
         self.grid.dimensions()
     }
 
     /// Reads the point `at` and checks that it is in the grid.
-    pub(super) fn point_inside(&self, section: &Section) -> Result<Vec<f64>, CaseError> {
-        let at: Vec<f64> = section.required("at")?;
+    pub(super) fn read_point(&self, section: &SectionReader) -> Result<Vec<f64>, CaseError> {
+        let at: Vec<f64> = section.read_required("at")?;
         let axes: Vec<usize> = (0..self.dimensions()).collect();
-        self.check_inside(section, &at, &axes)?;
+        self.check_position(section, &at, &axes)?;
         Ok(at)
     }
 
     /// Checks that a position, given along `axes`, is in the grid.
-    pub(super) fn check_inside(
+    pub(super) fn check_position(
         &self,
-        section: &Section,
+        section: &SectionReader,
         position: &[f64],
         axes: &[usize],
     ) -> Result<(), CaseError> {
-        let extents: Vec<[f64; 2]> = axes.iter().map(|&axis| self.grid.extent(axis)).collect();
-        check_inside(section, "at", position, axes, &extents, "grid")
+        let extents: Vec<[f64; 2]> = axes.iter().map(|&axis| self.grid.axis_bounds(axis)).collect();
+        check_position(section, "at", position, axes, &extents, "grid")
     }
 
     /// Reads the component named by the key `field`, one of `among`.
-    pub(super) fn component(
+    pub(super) fn read_component(
         &self,
-        section: &Section,
-        among: &[Component],
-    ) -> Result<Component, CaseError> {
-        let names = names(among);
-        let name = section.required_text("field", &names)?;
-        Component::find(&name, self.theory, among)
-            .ok_or_else(|| section.no_such("field", &name, &names))
+        section: &SectionReader,
+        among: &[StateComponent],
+    ) -> Result<StateComponent, CaseError> {
+        let names = component_names(among);
+        let name = section.read_required_text("field", &names)?;
+        StateComponent::find_by_name(&name, self.theory, among)
+            .ok_or_else(|| section.unknown_name_error("field", &name, &names))
     }
 }

@@ -1,40 +1,42 @@
 //! The sections `[[region]]`: subdomains of the grid with different media.
 
-use super::reader::Reader;
-use super::shape::{ITEMS, Shape};
+use super::reader::SolidReader;
+use super::shape::{RegionShape, SHAPE_KEYS};
 use crate::error::CaseError;
-use crate::kind::NO_YIELD;
+use crate::kind::NO_YIELD_NAME;
 use crate::material::Material;
-use crate::schema::{Form, Group, Item, Type};
-use crate::section::{Resolved, Section};
+use crate::schema::{KeyGroup, KeySchema, TableSchema, ValueType};
+use crate::section::{SectionReader, TableWriter};
 
 /// Maximum number of regions of a case.
 pub const MAX_REGIONS: usize = u16::MAX as usize;
 
 /// Schema of the sections `[[region]]`.
-pub(super) const FORM: Form = Form::list(
+pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "region",
     "a part of the grid with its own medium: every cell is in just one, by its centre; without any [model] and [yield] hold everywhere",
     &[
-        Group::always(&[Item::required(
+        KeyGroup::new(&[KeySchema::new_required(
             "shape",
-            Type::OneOf(|scope| Shape::words(scope.dimensions, &Shape::Rest)),
+            ValueType::OneOf(|scope| {
+                RegionShape::allowed_names_in_scope(scope.dimensions, &RegionShape::Complement)
+            }),
             "",
             "\"layer\"",
             "where it is; rest is what no other region holds",
         )]),
-        Group::always(ITEMS),
-        Group::always(&[
-            Item::optional(
+        KeyGroup::new(SHAPE_KEYS),
+        KeyGroup::new(&[
+            KeySchema::new_optional(
                 "model",
-                Type::Part("model"),
+                ValueType::SectionKeys("model"),
                 "",
                 "{ mu = 2e10 }",
                 "what differs from [model]",
             ),
-            Item::optional(
+            KeySchema::new_optional(
                 "yield",
-                Type::Part("yield"),
+                ValueType::SectionKeys("yield"),
                 "",
                 "{ kind = \"none\" }",
                 "what differs from [yield]; none stays elastic",
@@ -45,58 +47,61 @@ pub(super) const FORM: Form = Form::list(
 
 /// A subdomain of the grid with its own medium.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Region {
+pub struct MaterialRegion {
     /// Shape of the region; a cell belongs to the region if its centre is inside the shape.
-    pub shape: Shape,
+    pub shape: RegionShape,
     /// Material of the region.
     pub material: Material,
 }
 
-impl Region {
+impl MaterialRegion {
     /// Formats the section `[[region]]` as TOML with all values.
     pub(super) fn to_toml(&self, dimensions: usize) -> String {
-        let resolved = self.shape.resolved(Resolved::default(), dimensions);
-        let resolved = resolved.table("model", &part(&self.material, "model"));
-        let resolved = match self.material.yields {
-            Some(_) => resolved.table("yield", &part(&self.material, "yield")),
-            None => resolved.table("yield", &Resolved::default().text("kind", NO_YIELD)),
+        let resolved = self.shape.write_keys(TableWriter::default(), dimensions);
+        let resolved = resolved.with_table("model", &to_section_table(&self.material, "model"));
+        let resolved = match self.material.yield_set {
+            Some(_) => resolved.with_table("yield", &to_section_table(&self.material, "yield")),
+            None => resolved
+                .with_table("yield", &TableWriter::default().with_text("kind", NO_YIELD_NAME)),
         };
-        resolved.under(&FORM)
+        resolved.to_section_toml(&SCHEMA)
     }
 }
 
 /// Formats the keys of one section of a material as a TOML table.
-fn part(material: &Material, section: &str) -> Resolved {
-    let own = material.values(&[]).filter(|(key, _)| key.split().0 == section);
-    own.fold(Resolved::default(), |all, (key, value)| all.literal(key.split().1, value))
+fn to_section_table(material: &Material, section: &str) -> TableWriter {
+    let own = material.key_values(&[]).filter(|(key, _)| key.split_section().0 == section);
+    own.fold(TableWriter::default(), |all, (key, value)| {
+        all.with_toml(key.split_section().1, value)
+    })
 }
 
-impl Reader<'_> {
+impl SolidReader<'_> {
     /// Reads the sections `[[region]]`; `material` reads the material of a region.
-    pub(super) fn regions(
+    pub(super) fn read_regions(
         &self,
-        root: &Section,
-        material: impl Fn(&Section) -> Result<Material, CaseError>,
-    ) -> Result<Vec<Region>, CaseError> {
-        let sections = root.list(&FORM)?;
+        root: &SectionReader,
+        material: impl Fn(&SectionReader) -> Result<Material, CaseError>,
+    ) -> Result<Vec<MaterialRegion>, CaseError> {
+        let sections = root.open_list(&SCHEMA)?;
         if sections.len() > MAX_REGIONS {
             let allowed = format!("expected at most {MAX_REGIONS}");
-            return Err(root.error("region", format!("{} regions", sections.len()), allowed));
+            return Err(root.error_at("region", format!("{} regions", sections.len()), allowed));
         }
-        let mut regions: Vec<Region> = Vec::new();
+        let mut regions: Vec<MaterialRegion> = Vec::new();
         let mut rest: Option<usize> = None;
         for (index, section) in sections.into_iter().enumerate() {
-            let shape = self.shape(&section, &Shape::Rest)?;
-            if shape == Shape::Rest
+            let shape = self.read_shape(&section, &RegionShape::Complement)?;
+            if shape == RegionShape::Complement
                 && let Some(first) = rest.replace(index)
             {
-                let place = root.place(&format!("region[{first}]"));
+                let place = root.locate(&format!("region[{first}]"));
                 let found = format!("a second rest besides region[{first}] ({place})");
-                return Err(section.error("shape", found, "give one region the rest"));
+                return Err(section.error_at("shape", found, "give one region the rest"));
             }
             let material = material(&section)?;
             section.finish()?;
-            regions.push(Region { shape, material });
+            regions.push(MaterialRegion { shape, material });
         }
         Ok(regions)
     }

@@ -1,129 +1,131 @@
 //! The sections `[[source]]`: point sources inside the grid, and the kernels that distribute them over cells.
 
-use super::function::{self, TimeFunction};
-use super::reader::Reader;
+use super::reader::SolidReader;
+use super::time_function::{self, TimeFunction};
 use crate::error::CaseError;
-use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
-use crate::section::{Resolved, Section};
+use crate::schema::{
+    AllowedRange, KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
+};
+use crate::section::{SectionReader, TableWriter};
 use models::solid::parameters::Theory;
 
-const PLANE: &[Condition] = &[Condition::Plane];
-const SPACE: &[Condition] = &[Condition::Space];
+const PLANE_CONDITION: &[KeyCondition] = &[KeyCondition::PlaneStrain];
+const SPACE_CONDITION: &[KeyCondition] = &[KeyCondition::Space];
 
 /// Key `kernel`: kernel of a point load or point source.
-pub(super) const KERNEL: Item = Item::optional(
+pub(super) const KERNEL_KEY: KeySchema = KeySchema::new_optional(
     "kernel",
-    Type::OneOf(|_| Kernel::NAMES.map(str::to_owned).to_vec()),
+    ValueType::OneOf(|_| Kernel::NAMES.map(str::to_owned).to_vec()),
     "",
     "\"bell\"",
     "over which what acts at a point is spread: spline, smooth, of a few cells; bell, with its radius; cell, the nearest one; default spline, with a radius bell",
 );
 
 /// Key `radius`: radius of the bell kernel.
-pub(super) const RADIUS: Item = Item::optional(
+pub(super) const RADIUS_KEY: KeySchema = KeySchema::new_optional(
     "radius",
-    Type::Number(Range::NotNegative),
+    ValueType::Number(AllowedRange::NotNegative),
     "m",
     "2.0",
     "radius of the kernel bell; 0: the kernel cell",
 )
-.note("radius of the bell; 0: one cell");
+.with_note("radius of the bell; 0: one cell");
 
 /// Schema of the sections `[[source]]`.
-pub(super) const FORM: Form = Form::list(
+pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "source",
     "a load inside the grid",
     &[
-        Group::always(&[Item::required(
+        KeyGroup::new(&[KeySchema::new_required(
             "kind",
-            Type::OneOf(|_| SourceKind::NAMES.map(str::to_owned).to_vec()),
+            ValueType::OneOf(|_| SourceKind::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"force\"",
             "what acts; a couple in Cosserat solids",
         )]),
-        Group::when(
-            &[Condition::Is("kind", &["force"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["force"])],
             &[
-                Item::required(
+                KeySchema::new_required(
                     "amplitude",
-                    Type::Numbers(Length::Axes),
+                    ValueType::Numbers(ListLength::GridAxes),
                     "N/m",
                     "[1e4, 0.0]",
                     "the force by components",
                 )
-                .note("force by components")
-                .when(PLANE),
-                Item::required(
+                .with_note("force by components")
+                .with_conditions(PLANE_CONDITION),
+                KeySchema::new_required(
                     "amplitude",
-                    Type::Numbers(Length::Axes),
+                    ValueType::Numbers(ListLength::GridAxes),
                     "N",
                     "[1e4, 0.0, 0.0]",
                     "the force by components",
                 )
-                .note("force by components")
-                .when(SPACE),
+                .with_note("force by components")
+                .with_conditions(SPACE_CONDITION),
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["couple"])],
-            &[Item::required(
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["couple"])],
+            &[KeySchema::new_required(
                 "amplitude",
-                Type::Numbers(Length::Spins),
+                ValueType::Numbers(ListLength::SpinComponents),
                 "N·m",
                 "1e4",
                 "the couple, in plane strain per m; in space three numbers",
             )
-            .note("couple")],
+            .with_note("couple")],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["moment"])],
-            &[Item::required(
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["moment"])],
+            &[KeySchema::new_required(
                 "amplitude",
-                Type::Tensor,
+                ValueType::Tensor,
                 "N·m",
                 "[[0.0, 1e4], [1e4, 0.0]]",
                 "the moment tensor by rows, in plane strain per m",
             )
-            .remark(", by rows")],
+            .with_remark(", by rows")],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["explosion"])],
-            &[Item::required(
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["explosion"])],
+            &[KeySchema::new_required(
                 "amplitude",
-                Type::Number(Range::Finite),
+                ValueType::Number(AllowedRange::Finite),
                 "N·m",
                 "1e4",
                 "the isotropic moment, in plane strain per m",
             )
-            .note("isotropic moment")],
+            .with_note("isotropic moment")],
         ),
-        Group::always(&[
-            Item::required(
+        KeyGroup::new(&[
+            KeySchema::new_required(
                 "at",
-                Type::Numbers(Length::Axes),
+                ValueType::Numbers(ListLength::GridAxes),
                 "m",
                 "[0.0, -40.0]",
                 "where it acts, inside the grid",
             )
-            .note("a point of the grid"),
-            KERNEL,
-            RADIUS,
-            function::TIME,
+            .with_note("a point of the grid"),
+            KERNEL_KEY,
+            RADIUS_KEY,
+            time_function::TIME_KEY,
         ]),
     ],
 );
 
 /// Point source inside the grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Source {
+pub struct PointSource {
     /// Kind and amplitude of the source.
-    pub action: SourceKind,
+    pub kind: SourceKind,
     /// Position, m; inside the grid.
-    pub at: Vec<f64>,
+    pub position: Vec<f64>,
     /// Kernel that distributes the source over cells.
     pub kernel: Kernel,
     /// Time function.
-    pub time: TimeFunction,
+    pub time_function: TimeFunction,
 }
 
 /// Kernel that distributes a point source over cells.
@@ -155,9 +157,9 @@ impl Kernel {
     }
 
     /// Reads the keys `kernel` and `radius`; `None` if both are absent.
-    pub(super) fn read(section: &Section) -> Result<Option<Self>, CaseError> {
-        let radius: Option<f64> = section.optional("radius")?;
-        let name = section.optional_choice("kernel", &Self::NAMES, |name| name)?;
+    pub(super) fn read(section: &SectionReader) -> Result<Option<Self>, CaseError> {
+        let radius: Option<f64> = section.read_optional("radius")?;
+        let name = section.read_optional_choice("kernel", &Self::NAMES, |name| name)?;
         match (name, radius) {
             (None, None) => Ok(None),
             (Some("spline"), None) => Ok(Some(Self::Spline)),
@@ -167,20 +169,20 @@ impl Kernel {
                 let found =
                     found.map_or("missing".to_owned(), |radius| format!("found {radius:?}"));
                 let allowed = "expected a positive number in m (radius of the bell)";
-                Err(section.error("radius", found, allowed))
+                Err(section.error_at("radius", found, allowed))
             }
             (name, _) => {
                 let found = format!("found beside kernel = \"{}\"", name.unwrap_or_default());
-                Err(section.error("radius", found, "leave it out, or write kernel = \"bell\""))
+                Err(section.error_at("radius", found, "leave it out, or write kernel = \"bell\""))
             }
         }
     }
 
     /// Adds the keys of the kernel to a table.
-    pub(super) fn resolved(self, resolved: Resolved) -> Resolved {
-        let resolved = resolved.text("kernel", self.name());
+    pub(super) fn write_keys(self, resolved: TableWriter) -> TableWriter {
+        let resolved = resolved.with_text("kernel", self.name());
         match self {
-            Self::Bell { radius } => resolved.number("radius", radius),
+            Self::Bell { radius } => resolved.with_number("radius", radius),
             Self::Spline | Self::Cell => resolved,
         }
     }
@@ -215,52 +217,52 @@ impl SourceKind {
     }
 }
 
-impl Source {
+impl PointSource {
     /// Formats the section `[[source]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
-        let resolved = Resolved::default().text("kind", self.action.name());
-        let resolved = match &self.action {
+        let resolved = TableWriter::default().with_text("kind", self.kind.name());
+        let resolved = match &self.kind {
             SourceKind::Couple(couple) if couple.len() == 1 => {
-                resolved.number("amplitude", couple[0])
+                resolved.with_number("amplitude", couple[0])
             }
             SourceKind::Force(amplitude) | SourceKind::Couple(amplitude) => {
-                resolved.number("amplitude", amplitude)
+                resolved.with_number("amplitude", amplitude)
             }
-            SourceKind::Moment(amplitude) => resolved.number("amplitude", amplitude),
-            SourceKind::Explosion(amplitude) => resolved.number("amplitude", amplitude),
+            SourceKind::Moment(amplitude) => resolved.with_number("amplitude", amplitude),
+            SourceKind::Explosion(amplitude) => resolved.with_number("amplitude", amplitude),
         };
-        let resolved = self.kernel.resolved(resolved.number("at", &self.at));
-        resolved.table("time", &self.time.resolved()).under(&FORM)
+        let resolved = self.kernel.write_keys(resolved.with_number("at", &self.position));
+        resolved.with_table("time", &self.time_function.to_table()).to_section_toml(&SCHEMA)
     }
 }
 
-impl Reader<'_> {
+impl SolidReader<'_> {
     /// Reads all sections `[[source]]`.
-    pub(super) fn sources(&self, root: &Section) -> Result<Vec<Source>, CaseError> {
+    pub(super) fn read_sources(&self, root: &SectionReader) -> Result<Vec<PointSource>, CaseError> {
         let mut sources = Vec::new();
-        for section in root.list(&FORM)? {
-            let action = match section.choice("kind", &SourceKind::NAMES, |name| name)? {
-                "force" => SourceKind::Force(section.required("amplitude")?),
+        for section in root.open_list(&SCHEMA)? {
+            let action = match section.read_choice("kind", &SourceKind::NAMES, |name| name)? {
+                "force" => SourceKind::Force(section.read_required("amplitude")?),
                 "couple" => {
-                    self.need_spin(&section, "kind", "a couple")?;
-                    SourceKind::Couple(section.required("amplitude")?)
+                    self.check_spin(&section, "kind", "a couple")?;
+                    SourceKind::Couple(section.read_required("amplitude")?)
                 }
-                "moment" => SourceKind::Moment(section.required("amplitude")?),
-                _ => SourceKind::Explosion(section.required("amplitude")?),
+                "moment" => SourceKind::Moment(section.read_required("amplitude")?),
+                _ => SourceKind::Explosion(section.read_required("amplitude")?),
             };
-            let at = self.point_inside(&section)?;
+            let at = self.read_point(&section)?;
             let kernel = Kernel::read(&section)?.unwrap_or_default();
-            let time = self.function(&section)?;
+            let time = self.read_time_function(&section)?;
             section.finish()?;
-            sources.push(Source { action, at, kernel, time });
+            sources.push(PointSource { kind: action, position: at, kernel, time_function: time });
         }
         Ok(sources)
     }
 
     /// Checks that the solid has spins; `what` names the refused quantity in the message.
-    pub(super) fn need_spin(
+    pub(super) fn check_spin(
         &self,
-        section: &Section,
+        section: &SectionReader,
         key: &str,
         what: &str,
     ) -> Result<(), CaseError> {
@@ -269,6 +271,6 @@ impl Reader<'_> {
         }
         let found = format!("found {what} in a solid without spin");
         let allowed = "a Cosserat solid in model.kind, or another kind here";
-        Err(section.error(key, found, allowed))
+        Err(section.error_at(key, found, allowed))
     }
 }

@@ -1,48 +1,48 @@
 //! The sections `[initial_stress]` and `[gravity]`.
 
-use super::component::{Component, names};
-use super::reader::Reader;
+use super::component::{StateComponent, component_names};
+use super::reader::SolidReader;
 use crate::error::CaseError;
-use crate::schema::{Form, Group, Item, Length, Range, Type};
-use crate::section::{Resolved, Section};
-use crate::value::number;
+use crate::schema::{AllowedRange, KeyGroup, KeySchema, ListLength, TableSchema, ValueType};
+use crate::section::{SectionReader, TableWriter};
+use crate::value::parse_number;
 use models::solid::parameters::Theory;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// Schema of the section `[initial_stress]`, whose keys are the names of the stress components of the solid.
-pub(super) const INITIAL_STRESS: Form = Form::section(
+pub(super) const INITIAL_STRESS_SCHEMA: TableSchema = TableSchema::new_section(
     "initial_stress",
     "a uniform initial stress: components of stress, Pa, and of couple stress, N/m, by name; what is not named is 0",
     &[],
 );
 
 /// Schema of the section `[gravity]`.
-pub(super) const GRAVITY: Form = Form::section(
+pub(super) const GRAVITY_SCHEMA: TableSchema = TableSchema::new_section(
     "gravity",
     "weight",
-    &[Group::always(&[
-        Item::required(
+    &[KeyGroup::new(&[
+        KeySchema::new_required(
             "acceleration",
-            Type::Numbers(Length::Axes),
+            ValueType::Numbers(ListLength::GridAxes),
             "m/s²",
             "[0.0, -9.81]",
             "acceleration by components",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "balanced",
-            Type::Truth,
+            ValueType::Boolean,
             "",
             "true",
             "whether an initial stress rests in it, along one axis then; false: it acts from the start",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "lateral_ratio",
-            Type::Number(Range::NotNegative),
+            ValueType::Number(AllowedRange::NotNegative),
             "",
             "1.0",
             "ratio of the normal stresses across the weight to that along it in the initial stress",
         )
-        .note("stress across the weight over that along it"),
+        .with_note("stress across the weight over that along it"),
     ])],
 );
 
@@ -59,74 +59,82 @@ pub struct Gravity {
 
 impl Gravity {
     /// Reads the section `[gravity]`; `None` if absent.
-    pub(super) fn read(root: &Section) -> Result<Option<Self>, CaseError> {
-        let Some(section) = root.section(&GRAVITY)? else { return Ok(None) };
-        let acceleration: Vec<f64> = section.required("acceleration")?;
-        let is_balanced = section.or_default("balanced")?;
+    pub(super) fn read(root: &SectionReader) -> Result<Option<Self>, CaseError> {
+        let Some(section) = root.open_section(&GRAVITY_SCHEMA)? else { return Ok(None) };
+        let acceleration: Vec<f64> = section.read_required("acceleration")?;
+        let is_balanced = section.read_or_default("balanced")?;
         let axes = acceleration.iter().filter(|a| **a != 0.0).count();
         if is_balanced && axes != 1 {
-            let stated = if section.has("balanced") { "" } else { ", the default," };
+            let stated = if section.has_key("balanced") { "" } else { ", the default," };
             let found = format!("found true{stated} with the acceleration {acceleration:?}");
             let allowed = "give an acceleration along one axis, or set balanced = false";
-            return Err(section.error("balanced", found, allowed));
+            return Err(section.error_at("balanced", found, allowed));
         }
-        let lateral_ratio = section.or_default("lateral_ratio")?;
+        let lateral_ratio = section.read_or_default("lateral_ratio")?;
         section.finish()?;
         Ok(Some(Self { acceleration, is_balanced, lateral_ratio }))
     }
 
     /// Formats the section `[gravity]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
-        Resolved::default()
-            .number("acceleration", &self.acceleration)
-            .literal("balanced", self.is_balanced)
-            .number("lateral_ratio", self.lateral_ratio)
-            .under(&GRAVITY)
+        TableWriter::default()
+            .with_number("acceleration", &self.acceleration)
+            .with_toml("balanced", self.is_balanced)
+            .with_number("lateral_ratio", self.lateral_ratio)
+            .to_section_toml(&GRAVITY_SCHEMA)
     }
 }
 
 /// Returns all stress and couple stress components of a Cosserat solid in space.
-pub(crate) fn all() -> impl Iterator<Item = Component> {
-    Component::all(Theory::Cosserat, 3).into_iter().filter(|component| !component.is_velocity())
+pub(crate) fn stress_components() -> impl Iterator<Item = StateComponent> {
+    StateComponent::all_components(Theory::Cosserat, 3)
+        .into_iter()
+        .filter(|component| !component.is_velocity())
 }
 
 /// Returns the unit of a stress or couple stress component.
-pub(crate) fn unit(component: Component) -> &'static str {
-    if let Field::Couple(..) = component.0 { "N/m" } else { "Pa" }
+pub(crate) fn stress_unit(component: StateComponent) -> &'static str {
+    if let SolidField::Couple(..) = component.0 { "N/m" } else { "Pa" }
 }
 
 /// Formats the section `[initial_stress]` as TOML.
-pub(super) fn to_toml(stresses: &[(Component, f64)]) -> String {
-    let stress = |all: Resolved, (component, value): &(Component, f64)| {
-        all.number(component.to_string(), value)
+pub(super) fn to_toml(stresses: &[(StateComponent, f64)]) -> String {
+    let stress = |all: TableWriter, (component, value): &(StateComponent, f64)| {
+        all.with_number(component.to_string(), value)
     };
-    stresses.iter().fold(Resolved::default(), stress).under(&INITIAL_STRESS)
+    stresses.iter().fold(TableWriter::default(), stress).to_section_toml(&INITIAL_STRESS_SCHEMA)
 }
 
-impl Reader<'_> {
+impl SolidReader<'_> {
     /// Reads the section `[initial_stress]`: all stress components of the solid, 0 where not given.
-    pub(super) fn initial_stress(
+    pub(super) fn read_initial_stress(
         &self,
-        root: &Section,
-    ) -> Result<Vec<(Component, f64)>, CaseError> {
-        let is_stress = |component: &&Component| !component.is_velocity();
-        let stresses: Vec<Component> = self.components.iter().filter(is_stress).copied().collect();
-        let mut values: Vec<(Component, Option<f64>)> =
+        root: &SectionReader,
+    ) -> Result<Vec<(StateComponent, f64)>, CaseError> {
+        let is_stress = |component: &&StateComponent| !component.is_velocity();
+        let stresses: Vec<StateComponent> =
+            self.state_components.iter().filter(is_stress).copied().collect();
+        let mut values: Vec<(StateComponent, Option<f64>)> =
             stresses.iter().map(|&component| (component, None)).collect();
-        if let Some(section) = root.section(&INITIAL_STRESS)? {
+        if let Some(section) = root.open_section(&INITIAL_STRESS_SCHEMA)? {
             for (name, node) in section.entries() {
-                let Some(component) = Component::find(name, self.theory, &stresses) else {
-                    return Err(section.unknown(name, &names(&stresses)));
+                let Some(component) = StateComponent::find_by_name(name, self.theory, &stresses)
+                else {
+                    return Err(section.unknown_key_error(name, &component_names(&stresses)));
                 };
-                let Some(value) = node.value().and_then(number) else {
-                    let allowed = format!("expected a finite number in {}", unit(component));
-                    return Err(section.error(name, format!("found {}", node.words()), allowed));
+                let Some(value) = node.as_value().and_then(parse_number) else {
+                    let allowed = format!("expected a finite number in {}", stress_unit(component));
+                    return Err(section.error_at(
+                        name,
+                        format!("found {}", node.describe()),
+                        allowed,
+                    ));
                 };
                 for (_, slot) in values.iter_mut().filter(|(own, _)| *own == component) {
                     if slot.replace(value).is_some() {
                         let found = format!("a second value of {component}");
                         let allowed = "give one: shear stresses of a classical solid are equal";
-                        return Err(section.error(name, found, allowed));
+                        return Err(section.error_at(name, found, allowed));
                     }
                 }
             }

@@ -2,78 +2,82 @@
 
 use crate::error::CaseError;
 use crate::named_enum::named_enum;
-use crate::schema::{Form, Group, Item, Range, Type};
-use crate::section::{Resolved, Section};
+use crate::schema::{AllowedRange, KeyGroup, KeySchema, TableSchema, ValueType};
+use crate::section::{SectionReader, TableWriter};
 
 /// Schema of the section `[time]`.
-pub(super) const TIME: Form = Form::section(
+pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
     "time",
     "how long the run lasts, and in which steps",
-    &[Group::always(&[
-        Item::required(
+    &[KeyGroup::new(&[
+        KeySchema::new_required(
             "duration",
-            Type::Number(Range::Positive),
+            ValueType::Number(AllowedRange::Positive),
             "s",
             "0.05",
             "how long the run lasts",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "courant",
-            Type::Number(Range::UpTo(1.0)),
+            ValueType::Number(AllowedRange::PositiveUpTo(1.0)),
             "",
             "0.9",
             "Courant number c(Δt/2)/h of the fastest wave in a sweep; at 1 it moves by whole cells",
         )
-        .note("Courant number")
-        .remark(": a sweep is unstable above 1"),
-        Item::with_default(
+        .with_note("Courant number")
+        .with_remark(": a sweep is unstable above 1"),
+        KeySchema::new_with_default(
             "rotation_deg",
-            Type::Number(Range::UpTo(180.0)),
+            ValueType::Number(AllowedRange::PositiveUpTo(180.0)),
             "deg",
             "30.0",
             "by which a step turns spins against antisymmetric stress, at most",
         )
-        .remark(": by how much a step may turn spins against antisymmetric stress"),
+        .with_remark(": by how much a step may turn spins against antisymmetric stress"),
     ])],
 )
-.required("a section [time] with duration in s");
+.with_remedy("a section [time] with duration in s");
 
 /// Schema of the section `[scheme]`.
-pub(super) const SCHEME: Form = Form::section(
+pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
     "scheme",
     "the choices of the scheme",
-    &[Group::always(&[
-        Item::optional(
+    &[KeyGroup::new(&[
+        KeySchema::new_optional(
             "order",
-            Type::OneOf(|_| names(Order::ALL, Order::name)),
+            ValueType::OneOf(|_| {
+                variant_names(ReconstructionScheme::ALL, ReconstructionScheme::name)
+            }),
             "",
             "\"fourth-order\"",
             "reconstruction of waves: linear; eno2 is limited, for fronts, and the default where something yields",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "correction",
-            Type::OneOf(|_| names(Correction::ALL, Correction::name)),
+            ValueType::OneOf(|_| variant_names(ReturnMappingOrder::ALL, ReturnMappingOrder::name)),
             "",
             "\"first-order\"",
             "accuracy in time of plastic flow; second-order is for smooth flow alone",
         ),
-        Item::optional(
+        KeySchema::new_optional(
             "splitting",
-            Type::OneOf(|_| names(Splitting::ALL, Splitting::name)),
+            ValueType::OneOf(|_| {
+                variant_names(DimensionalSplitting::ALL, DimensionalSplitting::name)
+            }),
             "",
             "\"alternating\"",
             "order of the sweeps; default two-cyclic with courant = 1 or second-order correction",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "precision",
-            Type::OneOf(|_| names(Precision::ALL, Precision::name)),
+            ValueType::OneOf(|_| variant_names(Precision::ALL, Precision::name)),
             "",
             "\"f64\"",
             "numbers of the state; f32 takes half the memory",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "ledger",
-            Type::OneOf(|_| names(Ledger::ALL, Ledger::name)),
+            ValueType::OneOf(|_| variant_names(LedgerDetail::ALL, LedgerDetail::name)),
             "",
             "\"light\"",
             "what is kept of the energy; full counts what the scheme dissipates, many times slower",
@@ -82,39 +86,39 @@ pub(super) const SCHEME: Form = Form::section(
 );
 
 /// Returns the names of enumeration variants in case files.
-pub(super) fn names<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> Vec<String> {
+pub(super) fn variant_names<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str) -> Vec<String> {
     all.iter().map(|&own| name(own).to_owned()).collect()
 }
 
 /// Duration and time step.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Time {
+pub struct SolidTime {
     /// Duration, s; positive.
     pub duration: f64,
     /// Maximum Courant number (CFL number) c(Δt/2)/Δx of a sweep along an axis; in (0, 1].
-    pub courant: f64,
+    pub courant_number: f64,
     /// Maximum angle per step of the rotation between spins and antisymmetric stress, degrees; in (0, 180].
-    pub rotation_deg: f64,
+    pub max_rotation_deg: f64,
 }
 
 /// Options of the numerical scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Scheme {
+pub struct SchemeOptions {
     /// Reconstruction of the Riemann invariants.
-    pub order: Order,
+    pub reconstruction: ReconstructionScheme,
     /// Temporal order of accuracy of the return mapping.
-    pub correction: Correction,
+    pub return_mapping_order: ReturnMappingOrder,
     /// Dimensional splitting: order of the sweeps along the axes.
-    pub splitting: Splitting,
+    pub splitting: DimensionalSplitting,
     /// Floating-point precision of the state.
     pub precision: Precision,
     /// Level of detail of the energy ledger.
-    pub ledger: Ledger,
+    pub ledger_detail: LedgerDetail,
 }
 
 named_enum! {
     /// Reconstruction of the Riemann invariants.
-    Order {
+    ReconstructionScheme {
         /// Fourth-order linear reconstruction, for smooth waves.
         FourthOrder = "fourth-order",
         /// Second-order reconstruction with a TVD limiter, for fronts.
@@ -126,7 +130,7 @@ named_enum! {
 
 named_enum! {
     /// Dimensional splitting (Strang 1968): order of the sweeps along the axes.
-    Splitting {
+    DimensionalSplitting {
         /// Alternating: sweeps along one axis x alternate with sweeps along the others (x, y z, x, z y).
         Alternating = "alternating",
         /// Two-cyclic: sweeps along all axes forward and then backward (x y z, z y x).
@@ -136,7 +140,7 @@ named_enum! {
 
 named_enum! {
     /// Temporal order of accuracy of the return mapping.
-    Correction {
+    ReturnMappingOrder {
         /// First order: return mapping after each step.
         FirstOrder = "first-order",
         /// Second order: midpoint reflection in the middle of each step.
@@ -156,73 +160,84 @@ named_enum! {
 
 named_enum! {
     /// Level of detail of the energy ledger.
-    Ledger {
+    LedgerDetail {
         /// Light: total energies only.
-        Light = "light",
+        Totals = "light",
         /// Full: also numerical and plastic dissipation.
-        Full = "full"
+        TotalsAndDissipation = "full"
     }
 }
 
 /// Default Courant number (CFL number). At 1 two-cell waves along an axis are undamped; below 0.87 a run costs over 15
 /// % more.
-pub const COURANT: f64 = 0.9;
+pub const DEFAULT_COURANT_NUMBER: f64 = 0.9;
 
-impl Time {
+impl SolidTime {
     /// Reads the section `[time]`.
-    pub(super) fn read(root: &Section) -> Result<Self, CaseError> {
-        let section = root.required_section(&TIME)?;
-        let duration = section.required("duration")?;
-        let courant = section.or_default("courant")?;
-        let rotation_deg = section.or_default("rotation_deg")?;
+    pub(super) fn read(root: &SectionReader) -> Result<Self, CaseError> {
+        let section = root.open_required_section(&TIME_SCHEMA)?;
+        let duration = section.read_required("duration")?;
+        let courant = section.read_or_default("courant")?;
+        let rotation_deg = section.read_or_default("rotation_deg")?;
         section.finish()?;
-        Ok(Self { duration, courant, rotation_deg })
+        Ok(Self { duration, courant_number: courant, max_rotation_deg: rotation_deg })
     }
 
     /// Formats the section `[time]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
-        Resolved::default()
-            .number("duration", self.duration)
-            .number("courant", self.courant)
-            .number("rotation_deg", self.rotation_deg)
-            .under(&TIME)
+        TableWriter::default()
+            .with_number("duration", self.duration)
+            .with_number("courant", self.courant_number)
+            .with_number("rotation_deg", self.max_rotation_deg)
+            .to_section_toml(&TIME_SCHEMA)
     }
 }
 
-impl Scheme {
+impl SchemeOptions {
     /// Reads the section `[scheme]`.
     ///
     /// Defaults: fourth-order reconstruction for elastic media; limited second-order reconstruction if a medium yields,
     /// since plastic fronts are discontinuous. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a
     /// second-order return mapping.
-    pub(super) fn read(root: &Section, courant: f64, yields: bool) -> Result<Self, CaseError> {
-        let order = if yields { Order::Eno2 } else { Order::FourthOrder };
-        let default = |correction: Correction| match correction {
-            Correction::FirstOrder if courant < 1.0 => Splitting::Alternating,
-            _ => Splitting::TwoCyclic,
+    pub(super) fn read(
+        root: &SectionReader,
+        courant: f64,
+        yields: bool,
+    ) -> Result<Self, CaseError> {
+        let order =
+            if yields { ReconstructionScheme::Eno2 } else { ReconstructionScheme::FourthOrder };
+        let default = |correction: ReturnMappingOrder| match correction {
+            ReturnMappingOrder::FirstOrder if courant < 1.0 => DimensionalSplitting::Alternating,
+            _ => DimensionalSplitting::TwoCyclic,
         };
-        let Some(section) = root.section(&SCHEME)? else {
-            let splitting = default(Correction::default());
-            return Ok(Self { order, splitting, ..Self::default() });
+        let Some(section) = root.open_section(&SCHEME_SCHEMA)? else {
+            let splitting = default(ReturnMappingOrder::default());
+            return Ok(Self { reconstruction: order, splitting, ..Self::default() });
         };
         let correction = section
-            .optional_choice("correction", Correction::ALL, Correction::name)?
+            .read_optional_choice("correction", ReturnMappingOrder::ALL, ReturnMappingOrder::name)?
             .unwrap_or_default();
-        let splittings: &[Splitting] = match correction {
-            Correction::FirstOrder => Splitting::ALL,
-            Correction::SecondOrder => &[Splitting::TwoCyclic],
+        let splittings: &[DimensionalSplitting] = match correction {
+            ReturnMappingOrder::FirstOrder => DimensionalSplitting::ALL,
+            ReturnMappingOrder::SecondOrder => &[DimensionalSplitting::TwoCyclic],
         };
         let scheme = Self {
-            order: section.optional_choice("order", Order::ALL, Order::name)?.unwrap_or(order),
-            correction,
+            reconstruction: section
+                .read_optional_choice(
+                    "order",
+                    ReconstructionScheme::ALL,
+                    ReconstructionScheme::name,
+                )?
+                .unwrap_or(order),
+            return_mapping_order: correction,
             splitting: section
-                .optional_choice("splitting", splittings, Splitting::name)?
+                .read_optional_choice("splitting", splittings, DimensionalSplitting::name)?
                 .unwrap_or(default(correction)),
             precision: section
-                .optional_choice("precision", Precision::ALL, Precision::name)?
+                .read_optional_choice("precision", Precision::ALL, Precision::name)?
                 .unwrap_or_default(),
-            ledger: section
-                .optional_choice("ledger", Ledger::ALL, Ledger::name)?
+            ledger_detail: section
+                .read_optional_choice("ledger", LedgerDetail::ALL, LedgerDetail::name)?
                 .unwrap_or_default(),
         };
         section.finish()?;
@@ -231,12 +246,12 @@ impl Scheme {
 
     /// Formats the section `[scheme]` as TOML with all values.
     pub(super) fn to_toml(self) -> String {
-        Resolved::default()
-            .text("order", self.order.name())
-            .text("correction", self.correction.name())
-            .text("splitting", self.splitting.name())
-            .text("precision", self.precision.name())
-            .text("ledger", self.ledger.name())
-            .under(&SCHEME)
+        TableWriter::default()
+            .with_text("order", self.reconstruction.name())
+            .with_text("correction", self.return_mapping_order.name())
+            .with_text("splitting", self.splitting.name())
+            .with_text("precision", self.precision.name())
+            .with_text("ledger", self.ledger_detail.name())
+            .to_section_toml(&SCHEME_SCHEMA)
     }
 }

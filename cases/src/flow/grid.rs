@@ -1,151 +1,163 @@
 //! The sections `[grid]`, `[time]` and `[limits]` of a flow.
 
 use crate::error::CaseError;
-use crate::schema::{Form, Group, Item, Length, Order, Range, Type};
-use crate::section::{Resolved, Section};
-use models::common::fourier::greatest_modes;
+use crate::schema::{
+    AllowedRange, CountConstraint, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
+};
+use crate::section::{SectionReader, TableWriter};
+use models::common::fourier::max_dealiased_modes;
 
 /// Maximum number of grid points of a box.
-pub const MAX_POINTS: usize = 1 << 28;
+pub const MAX_GRID_POINTS: usize = 1 << 28;
 
 /// Minimum number of grid points along an axis.
-pub const MIN_POINTS: usize = 8;
+pub const MIN_POINTS_PER_AXIS: usize = 8;
 
 /// Schema of the section `[grid]`.
-pub(super) const GRID: Form = Form::section(
+pub(super) const GRID_SCHEMA: TableSchema = TableSchema::new_section(
     "grid",
     "a periodic box that moves with the mean flow, and its points",
-    &[Group::always(&[
-        Item::required(
+    &[KeyGroup::new(&[
+        KeySchema::new_required(
             "cells",
-            Type::Counts { length: [2, 2], least: MIN_POINTS, order: Order::Even },
+            ValueType::CountList {
+                length: [2, 2],
+                minimum: MIN_POINTS_PER_AXIS,
+                order: CountConstraint::Even,
+            },
             "",
             "[64, 64]",
             "points along each axis: even, at least 8",
         )
-        .note("points along each axis"),
-        Item::required(
+        .with_note("points along each axis"),
+        KeySchema::new_required(
             "length",
-            Type::PerAxis(Length::Two),
+            ValueType::PerAxis(ListLength::Two),
             "m",
             "0.1",
             "edges of the box at the beginning; one number, or one for each axis",
         )
-        .note("edges of the box at the beginning"),
+        .with_note("edges of the box at the beginning"),
     ])],
 )
-.required("a section [grid] with cells and length");
+.with_remedy("a section [grid] with cells and length");
 
 /// Schema of the section `[time]`.
-pub(super) const TIME: Form = Form::section(
+pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
     "time",
     "how long the run lasts, and how accurate its steps are",
-    &[Group::always(&[
-        Item::required(
+    &[KeyGroup::new(&[
+        KeySchema::new_required(
             "duration",
-            Type::Number(Range::Positive),
+            ValueType::Number(AllowedRange::Positive),
             "s",
             "1e-3",
             "how long the run lasts",
         ),
-        Item::with_default(
+        KeySchema::new_with_default(
             "tolerance",
-            Type::Number(Range::Below(1.0)),
+            ValueType::Number(AllowedRange::PositiveBelow(1.0)),
             "",
             "1e-5",
             "error of a step relative to the perturbation",
         )
-        .note("error of a step relative to the perturbation"),
-        Item::with_default(
+        .with_note("error of a step relative to the perturbation"),
+        KeySchema::new_with_default(
             "pressure_tolerance",
-            Type::Number(Range::Below(1.0)),
+            ValueType::Number(AllowedRange::PositiveBelow(1.0)),
             "",
             "1e-9",
             "residual of the equation of the pressure relative to its right-hand side",
         )
-        .note("residual of the equation of the pressure relative to its right-hand side"),
+        .with_note("residual of the equation of the pressure relative to its right-hand side"),
     ])],
 )
-.required("a section [time] with duration in s");
+.with_remedy("a section [time] with duration in s");
 
 /// Schema of the section `[limits]`, allowed for coaxial flows only.
-pub(super) const LIMITS: Form = Form::section(
+pub(super) const LIMITS_SCHEMA: TableSchema = TableSchema::new_section(
     "limits",
     "where a run stops",
-    &[Group::always(&[Item::with_default(
+    &[KeyGroup::new(&[KeySchema::new_with_default(
         "shear_rate",
-        Type::Number(Range::Below(1.0)),
+        ValueType::Number(AllowedRange::PositiveBelow(1.0)),
         "",
         "1e-3",
         "least Q_D relative to that of the mean flow: the run stops there",
     )
-    .note("least Q_D relative to that of the mean flow")])],
+    .with_note("least Q_D relative to that of the mean flow")])],
 );
 
 /// Grid of a periodic box that is convected with the mean flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// Grid points along each axis; even, at least [`MIN_POINTS`].
-    pub cells: [usize; 2],
+pub struct FlowGrid {
+    /// Grid points along each axis; even, at least [`MIN_POINTS_PER_AXIS`].
+    pub points: [usize; 2],
     /// Initial edge lengths, m; positive.
     pub lengths: [f64; 2],
 }
 
-impl Grid {
+impl FlowGrid {
     /// Returns the number of grid points.
-    pub fn count(&self) -> usize {
-        self.cells[0] * self.cells[1]
+    pub fn point_count(&self) -> usize {
+        self.points[0] * self.points[1]
     }
 
     /// Computes the largest mode numbers m₁ and m₂ of the Fourier modes exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) whose products are
     /// free of aliasing (two-thirds rule).
-    pub fn greatest_modes(&self) -> [usize; 2] {
-        greatest_modes(self.cells)
+    pub fn max_mode_numbers(&self) -> [usize; 2] {
+        max_dealiased_modes(self.points)
     }
 
     /// Returns the initial coordinate along `axis` of grid point `index`, m.
-    pub fn position(&self, axis: usize, index: usize) -> f64 {
-        (index as f64 + 0.5) * self.lengths[axis] / self.cells[axis] as f64
+    pub fn point_coordinate(&self, axis: usize, index: usize) -> f64 {
+        (index as f64 + 0.5) * self.lengths[axis] / self.points[axis] as f64
     }
 
     /// Computes the linear index, first axis fastest, of the grid point nearest to a position in the box.
-    pub fn nearest(&self, at: &[f64]) -> usize {
+    pub fn nearest_point(&self, at: &[f64]) -> usize {
         let index = |axis: usize| {
-            let index = (at[axis] / self.lengths[axis] * self.cells[axis] as f64).floor();
-            (index.max(0.0) as usize).min(self.cells[axis] - 1)
+            let index = (at[axis] / self.lengths[axis] * self.points[axis] as f64).floor();
+            (index.max(0.0) as usize).min(self.points[axis] - 1)
         };
-        index(1) * self.cells[0] + index(0)
+        index(1) * self.points[0] + index(0)
     }
 
     /// Reads the section `[grid]`.
-    pub(super) fn read(root: &Section) -> Result<Self, CaseError> {
-        let section = root.required_section(&GRID)?;
-        if section.has("spacing") {
+    pub(super) fn read(root: &SectionReader) -> Result<Self, CaseError> {
+        let section = root.open_required_section(&GRID_SCHEMA)?;
+        if section.has_key("spacing") {
             let allowed = "give length, the edges of the box at the beginning in m, in its place";
-            return Err(section.error("spacing", "found for a flow", allowed));
+            return Err(section.error_at("spacing", "found for a flow", allowed));
         }
-        let cells: Vec<usize> = section.required("cells")?;
-        let Ok(cells) = <[usize; 2]>::try_from(cells) else { return Err(section.wrong("cells")) };
-        if cells[0].checked_mul(cells[1]).is_none_or(|count| count > MAX_POINTS) {
+        let cells: Vec<usize> = section.read_required("cells")?;
+        let Ok(cells) = <[usize; 2]>::try_from(cells) else {
+            return Err(section.invalid_value_error("cells"));
+        };
+        if cells[0].checked_mul(cells[1]).is_none_or(|count| count > MAX_GRID_POINTS) {
             let found = format!("{} × {} points", cells[0], cells[1]);
-            let allowed = format!("expected at most {MAX_POINTS} in all");
-            return Err(section.error("cells", found, allowed));
+            let allowed = format!("expected at most {MAX_GRID_POINTS} in all");
+            return Err(section.error_at("cells", found, allowed));
         }
-        let lengths: Vec<f64> = section.required("length")?;
-        let lengths = <[f64; 2]>::try_from(lengths).map_err(|_| section.wrong("length"))?;
+        let lengths: Vec<f64> = section.read_required("length")?;
+        let lengths =
+            <[f64; 2]>::try_from(lengths).map_err(|_| section.invalid_value_error("length"))?;
         section.finish()?;
-        Ok(Self { cells, lengths })
+        Ok(Self { points: cells, lengths })
     }
 
     /// Formats the section `[grid]` as TOML with all values.
     pub(super) fn to_toml(self) -> String {
-        Resolved::default().number("cells", self.cells).number("length", self.lengths).under(&GRID)
+        TableWriter::default()
+            .with_number("cells", self.points)
+            .with_number("length", self.lengths)
+            .to_section_toml(&GRID_SCHEMA)
     }
 }
 
 /// Duration and tolerances of a flow simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Time {
+pub struct FlowTime {
     /// Duration, s; positive.
     pub duration: f64,
     /// Tolerance of the error per step relative to the perturbation; in (0, 1).
@@ -154,37 +166,41 @@ pub struct Time {
     pub pressure_tolerance: f64,
 }
 
-impl Time {
+impl FlowTime {
     /// Reads the section `[time]`.
-    pub(super) fn read(root: &Section) -> Result<Self, CaseError> {
-        let section = root.required_section(&TIME)?;
-        let duration = section.required("duration")?;
-        let tolerance = section.or_default("tolerance")?;
-        let pressure_tolerance = section.or_default("pressure_tolerance")?;
+    pub(super) fn read(root: &SectionReader) -> Result<Self, CaseError> {
+        let section = root.open_required_section(&TIME_SCHEMA)?;
+        let duration = section.read_required("duration")?;
+        let tolerance = section.read_or_default("tolerance")?;
+        let pressure_tolerance = section.read_or_default("pressure_tolerance")?;
         section.finish()?;
         Ok(Self { duration, tolerance, pressure_tolerance })
     }
 
     /// Formats the section `[time]` as TOML with all values.
     pub(super) fn to_toml(self) -> String {
-        Resolved::default()
-            .number("duration", self.duration)
-            .number("tolerance", self.tolerance)
-            .number("pressure_tolerance", self.pressure_tolerance)
-            .under(&TIME)
+        TableWriter::default()
+            .with_number("duration", self.duration)
+            .with_number("tolerance", self.tolerance)
+            .with_number("pressure_tolerance", self.pressure_tolerance)
+            .to_section_toml(&TIME_SCHEMA)
     }
 }
 
 /// Reads the lower limit of the shear rate from `[limits]`; 10⁻³ if absent.
-pub(super) fn least_shear_rate(root: &Section) -> Result<f64, CaseError> {
-    const DEFAULT: f64 = 1e-3;
-    let Some(section) = root.section(&LIMITS)? else { return Ok(DEFAULT) };
-    let least = section.or_default("shear_rate")?;
+pub(super) fn read_min_shear_rate(root: &SectionReader) -> Result<f64, CaseError> {
+    const DEFAULT_MIN_SHEAR_RATE: f64 = 1e-3;
+    let Some(section) = root.open_section(&LIMITS_SCHEMA)? else {
+        return Ok(DEFAULT_MIN_SHEAR_RATE);
+    };
+    let least = section.read_or_default("shear_rate")?;
     section.finish()?;
     Ok(least)
 }
 
 /// Formats the section `[limits]` as TOML.
 pub(super) fn limits_to_toml(least_shear_rate: f64) -> String {
-    Resolved::default().number("shear_rate", least_shear_rate).under(&LIMITS)
+    TableWriter::default()
+        .with_number("shear_rate", least_shear_rate)
+        .to_section_toml(&LIMITS_SCHEMA)
 }

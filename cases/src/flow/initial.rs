@@ -1,113 +1,118 @@
 //! The sections `[[initial]]` of a flow: parts of its initial perturbation.
 
-use super::reader::Reader;
+use super::reader::FlowReader;
 use crate::error::{CaseError, escape};
-use crate::kind::Kind;
-use crate::position::check_inside;
-use crate::schema::{Condition, Form, Group, Item, Length, Range, Type};
-use crate::section::{Resolved, Section};
-use crate::value::number;
-use files::Written;
+use crate::kind::ModelKind;
+use crate::position_checks::check_position;
+use crate::schema::{
+    AllowedRange, KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema, ValueType,
+};
+use crate::section::{SectionReader, TableWriter};
+use crate::value::parse_number;
+use files::FileDigest;
 use models::flow::RotationKind;
 use std::path::Path;
 
-const NUMBER: Type = Type::Number(Range::Finite);
-const POSITIVE: Type = Type::Number(Range::Positive);
-const UNIT_OF_FIELD: &str = "the unit of the field";
+const NUMBER_TYPE: ValueType = ValueType::Number(AllowedRange::Finite);
+const POSITIVE_TYPE: ValueType = ValueType::Number(AllowedRange::Positive);
+const FIELD_UNIT: &str = "the unit of the field";
 
 /// Error text for an invalid archive.
-const NEEDS: &str =
+const ARCHIVE_REQUIREMENT: &str =
     "name an archive (NPZ) such as fields.npz of a run, in a folder as seen from that of the case";
 
-const FIELD: Item = Item::required(
+const FIELD_KEY: KeySchema = KeySchema::new_required(
     "field",
-    Type::OneOf(|scope| Disturbed::words(scope.kind.and_then(Kind::rotation_in_time))),
+    ValueType::OneOf(|scope| {
+        PerturbedField::allowed_names(scope.kind.and_then(ModelKind::simulation_rotation))
+    }),
     "",
     "\"v\"",
     "v: the velocity across the wave vector, m/s; w: the spin, rad/s; psi_deg: the stress angle, deg",
 );
 
-const AMPLITUDE: Item = Item::required("amplitude", NUMBER, UNIT_OF_FIELD, "1e-6", "amplitude");
+const AMPLITUDE_KEY: KeySchema =
+    KeySchema::new_required("amplitude", NUMBER_TYPE, FIELD_UNIT, "1e-6", "amplitude");
 
 /// Schema of the sections `[[initial]]`.
-pub(super) const FORM: Form = Form::list(
+pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "initial",
     "a part of the perturbation; the parts add up, and there is at least one",
     &[
-        Group::always(&[Item::required(
+        KeyGroup::new(&[KeySchema::new_required(
             "kind",
-            Type::OneOf(|_| Initial::NAMES.map(str::to_owned).to_vec()),
+            ValueType::OneOf(|_| FlowPerturbation::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"noise\"",
             "mode: a wave A cos(k·x + phase) with k = 2π(m₁/L₁, m₂/L₂); packet: the same under a bell exp(−(r/radius)²); noise: all waves of a band, of equal amplitude and with random phases; uniform: one value of what evolves beside the velocity; file: fields of an archive",
         )]),
-        Group::when(
-            &[Condition::Is("kind", &["mode", "packet"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["mode", "packet"])],
             &[
-                Item::required("mode", Type::Mode, "", "[2, 1]", "wavelengths along each axis; may be negative")
-                    .note("wavelengths along each axis"),
-                FIELD,
-                AMPLITUDE,
-                Item::with_default("phase_deg", NUMBER, "deg", "0.0", "phase at the corner of the box"),
+                KeySchema::new_required("mode", ValueType::ModeNumbers, "", "[2, 1]", "wavelengths along each axis; may be negative")
+                    .with_note("wavelengths along each axis"),
+                FIELD_KEY,
+                AMPLITUDE_KEY,
+                KeySchema::new_with_default("phase_deg", NUMBER_TYPE, "deg", "0.0", "phase at the corner of the box"),
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["packet"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["packet"])],
             &[
-                Item::required("at", Type::Numbers(Length::Two), "m", "[0.05, 0.05]", "the middle of the bell")
-                    .note("the middle of the bell"),
-                Item::required("radius", POSITIVE, "m", "0.02", "radius of the bell"),
+                KeySchema::new_required("at", ValueType::Numbers(ListLength::Two), "m", "[0.05, 0.05]", "the middle of the bell")
+                    .with_note("the middle of the bell"),
+                KeySchema::new_required("radius", POSITIVE_TYPE, "m", "0.02", "radius of the bell"),
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["noise"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["noise"])],
             &[
-                FIELD,
-                Item::required("from", POSITIVE, "", "1", "least number of wavelengths in the box, √(m₁² + m₂²)")
-                    .note("least √(m₁² + m₂²)"),
-                Item::required("to", POSITIVE, "", "16", "greatest number of wavelengths in the box")
-                    .note("greatest √(m₁² + m₂²)"),
-                Item::required("amplitude", NUMBER, UNIT_OF_FIELD, "1e-6", "root mean square"),
-                Item::required("seed", Type::Whole(0), "", "1", "of the random phases, which are the same on all grids")
-                    .note("what the random phases follow from"),
+                FIELD_KEY,
+                KeySchema::new_required("from", POSITIVE_TYPE, "", "1", "least number of wavelengths in the box, √(m₁² + m₂²)")
+                    .with_note("least √(m₁² + m₂²)"),
+                KeySchema::new_required("to", POSITIVE_TYPE, "", "16", "greatest number of wavelengths in the box")
+                    .with_note("greatest √(m₁² + m₂²)"),
+                KeySchema::new_required("amplitude", NUMBER_TYPE, FIELD_UNIT, "1e-6", "root mean square"),
+                KeySchema::new_required("seed", ValueType::WholeNumber(0), "", "1", "of the random phases, which are the same on all grids")
+                    .with_note("what the random phases follow from"),
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["uniform"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["uniform"])],
             &[
-                Item::required(
+                KeySchema::new_required(
                     "field",
-                    Type::OneOf(|scope| {
-                        let rotation = scope.kind.and_then(Kind::rotation_in_time);
-                        Disturbed::words(rotation).into_iter().skip(1).collect()
+                    ValueType::OneOf(|scope| {
+                        let rotation = scope.kind.and_then(ModelKind::simulation_rotation);
+                        PerturbedField::allowed_names(rotation).into_iter().skip(1).collect()
                     }),
                     "",
                     "\"w\"",
                     "w: the spin, rad/s; psi_deg: the stress angle, deg",
                 ),
-                Item::required("amplitude", NUMBER, UNIT_OF_FIELD, "1e-3", "the value"),
+                KeySchema::new_required("amplitude", NUMBER_TYPE, FIELD_UNIT, "1e-3", "the value"),
             ],
         ),
-        Group::when(
-            &[Condition::Is("kind", &["file"])],
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["file"])],
             &[
-                Item::required(
+                KeySchema::new_required(
                     "path",
-                    Type::Text,
+                    ValueType::Text,
                     "",
                     "\"fields.npz\"",
                     "an archive with v1, v2 and what evolves beside them on the same points, such as that of an earlier run; from a folder beside this file",
                 )
-                .note(NEEDS),
-                Item::optional(
+                .with_note(ARCHIVE_REQUIREMENT),
+                KeySchema::new_optional(
                     "checksum",
-                    Type::Hexadecimal,
+                    ValueType::Hexadecimal,
                     "",
                     "\"00000000\"",
                     "of the file, where it must be a certain one",
                 )
-                .note("of the file's bytes")
-                .remark("; leave it out"),
+                .with_note("of the file's bytes")
+                .with_remark("; leave it out"),
             ],
         ),
     ],
@@ -115,7 +120,7 @@ pub(super) const FORM: Form = Form::list(
 
 /// Perturbed field of a flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Disturbed {
+pub enum PerturbedField {
     /// Velocity component normal to the wave vector, m/s.
     Velocity,
     /// Spin ω, rad/s (Harris–Grekova only).
@@ -124,9 +129,9 @@ pub enum Disturbed {
     StressAngle,
 }
 
-impl Disturbed {
+impl PerturbedField {
     /// Returns the evolving fields of a flow with the material rotation `rotation`.
-    pub const fn all(rotation: RotationKind) -> &'static [Self] {
+    pub const fn evolving_fields(rotation: RotationKind) -> &'static [Self] {
         match rotation {
             RotationKind::IntrinsicSpin => &[Self::Velocity, Self::Spin],
             RotationKind::StressAxes => &[Self::Velocity, Self::StressAngle],
@@ -153,9 +158,9 @@ impl Disturbed {
     }
 
     /// Returns the names of the evolving fields of a flow with this material rotation; of all flows for `None`.
-    pub(crate) fn words(rotation: Option<RotationKind>) -> Vec<String> {
+    pub(crate) fn allowed_names(rotation: Option<RotationKind>) -> Vec<String> {
         let all: &[Self] = match rotation {
-            Some(rotation) => Self::all(rotation),
+            Some(rotation) => Self::evolving_fields(rotation),
             None => &[Self::Velocity, Self::Spin, Self::StressAngle],
         };
         all.iter().map(|own| own.name().to_owned()).collect()
@@ -164,11 +169,11 @@ impl Disturbed {
 
 /// A Fourier mode A cos(k·y + phase) with k = 2π(m₁/L₁, m₂/L₂).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wave {
+pub struct HarmonicPerturbation {
     /// Mode numbers m₁ and m₂ (wavelengths per edge); not both 0.
     pub mode: [i64; 2],
     /// Perturbed field.
-    pub field: Disturbed,
+    pub field: PerturbedField,
     /// Amplitude A, in the unit of the field.
     pub amplitude: f64,
     /// Phase at the corner of the box, degrees.
@@ -177,15 +182,15 @@ pub struct Wave {
 
 /// A part of the initial perturbation; parts are summed.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Initial {
+pub enum FlowPerturbation {
     /// A single Fourier mode.
-    Mode(Wave),
+    Mode(HarmonicPerturbation),
     /// A wave packet with a Gaussian envelope exp(−(r/radius)²).
     Packet {
         /// Carrier wave.
-        wave: Wave,
+        carrier: HarmonicPerturbation,
         /// Centre of the envelope, m.
-        at: [f64; 2],
+        centre: [f64; 2],
         /// Radius of the envelope, m; positive.
         radius: f64,
     },
@@ -193,11 +198,11 @@ pub enum Initial {
     /// not on the grid.
     Noise {
         /// Perturbed field.
-        field: Disturbed,
+        field: PerturbedField,
         /// Smallest √(m₁² + m₂²) of the band.
-        from: f64,
+        min_wave_number: f64,
         /// Largest √(m₁² + m₂²) of the band.
-        to: f64,
+        max_wave_number: f64,
         /// Root mean square of the noise, in the unit of the field.
         amplitude: f64,
         /// Seed of the random phases.
@@ -206,7 +211,7 @@ pub enum Initial {
     /// Uniform value of one field.
     Uniform {
         /// Perturbed field; not the velocity.
-        field: Disturbed,
+        field: PerturbedField,
         /// Value, in the unit of the field.
         amplitude: f64,
     },
@@ -219,7 +224,7 @@ pub enum Initial {
     },
 }
 
-impl Initial {
+impl FlowPerturbation {
     /// Names of all kinds of perturbation in case files.
     pub const NAMES: [&str; 5] = ["mode", "packet", "noise", "uniform", "file"];
 
@@ -235,29 +240,32 @@ impl Initial {
     }
 }
 
-impl Reader<'_> {
+impl FlowReader<'_> {
     /// Reads the point `at` and checks that it is in the box.
-    fn at(&self, section: &Section) -> Result<[f64; 2], CaseError> {
-        let at: Vec<f64> = section.required("at")?;
+    fn read_position(&self, section: &SectionReader) -> Result<[f64; 2], CaseError> {
+        let at: Vec<f64> = section.read_required("at")?;
         let extents = self.grid.lengths.map(|length| [0.0, length]);
-        check_inside(section, "at", &at, &[0, 1], &extents, "box")?;
-        <[f64; 2]>::try_from(at).map_err(|_| section.wrong("at"))
+        check_position(section, "at", &at, &[0, 1], &extents, "box")?;
+        <[f64; 2]>::try_from(at).map_err(|_| section.invalid_value_error("at"))
     }
 
     /// Reads all sections `[[initial]]`; at least one is required.
-    pub(super) fn initial(&self, root: &Section) -> Result<Vec<Initial>, CaseError> {
+    pub(super) fn read_perturbations(
+        &self,
+        root: &SectionReader,
+    ) -> Result<Vec<FlowPerturbation>, CaseError> {
         let mut parts = Vec::new();
-        for section in root.list(&FORM)? {
-            let part = match section.choice("kind", &Initial::NAMES, |name| name)? {
-                "mode" => Initial::Mode(self.wave(&section)?),
-                "packet" => Initial::Packet {
-                    wave: self.wave(&section)?,
-                    at: self.at(&section)?,
-                    radius: section.required("radius")?,
+        for section in root.open_list(&SCHEMA)? {
+            let part = match section.read_choice("kind", &FlowPerturbation::NAMES, |name| name)? {
+                "mode" => FlowPerturbation::Mode(self.read_harmonic(&section)?),
+                "packet" => FlowPerturbation::Packet {
+                    carrier: self.read_harmonic(&section)?,
+                    centre: self.read_position(&section)?,
+                    radius: section.read_required("radius")?,
                 },
-                "noise" => self.noise(&section)?,
-                "uniform" => self.uniform(&section)?,
-                _ => self.file(&section)?,
+                "noise" => self.read_noise(&section)?,
+                "uniform" => self.read_uniform(&section)?,
+                _ => self.read_archive_entry(&section)?,
             };
             section.finish()?;
             parts.push(part);
@@ -265,128 +273,152 @@ impl Reader<'_> {
         if parts.is_empty() {
             let allowed = "add [[initial]] with kind = \"noise\", field = \"v\", from, to, amplitude \
                            and seed: an unperturbed flow stays as it is";
-            return Err(root.error("initial", "missing", allowed));
+            return Err(root.error_at("initial", "missing", allowed));
         }
         Ok(parts)
     }
 
-    fn field(&self, section: &Section) -> Result<Disturbed, CaseError> {
-        section.choice("field", Disturbed::all(self.rotation), Disturbed::name)
+    fn read_field(&self, section: &SectionReader) -> Result<PerturbedField, CaseError> {
+        section.read_choice(
+            "field",
+            PerturbedField::evolving_fields(self.rotation),
+            PerturbedField::name,
+        )
     }
 
-    fn amplitude(section: &Section, field: Disturbed) -> Result<f64, CaseError> {
+    fn read_amplitude(section: &SectionReader, field: PerturbedField) -> Result<f64, CaseError> {
         let expected = format!("a finite number in {}", field.unit());
-        section.required_as("amplitude", &expected, number)
+        section.read_required_with("amplitude", &expected, parse_number)
     }
 
-    fn wave(&self, section: &Section) -> Result<Wave, CaseError> {
-        let mode: [i64; 2] = section.required("mode")?;
-        let greatest = self.grid.greatest_modes().map(|most| most as u64);
+    fn read_harmonic(&self, section: &SectionReader) -> Result<HarmonicPerturbation, CaseError> {
+        let mode: [i64; 2] = section.read_required("mode")?;
+        let greatest = self.grid.max_mode_numbers().map(|most| most as u64);
         if mode.iter().zip(greatest).any(|(m, greatest)| m.unsigned_abs() > greatest) {
             let found = format!(
                 "found {mode:?} with {} × {} points",
-                self.grid.cells[0], self.grid.cells[1]
+                self.grid.points[0], self.grid.points[1]
             );
             let allowed = format!(
                 "at most {} and {}: add points, or a longer wave",
                 greatest[0], greatest[1]
             );
-            return Err(section.error("mode", found, allowed));
+            return Err(section.error_at("mode", found, allowed));
         }
-        let field = self.field(section)?;
-        let amplitude = Self::amplitude(section, field)?;
-        Ok(Wave { mode, field, amplitude, phase_deg: section.or_default("phase_deg")? })
+        let field = self.read_field(section)?;
+        let amplitude = Self::read_amplitude(section, field)?;
+        Ok(HarmonicPerturbation {
+            mode,
+            field,
+            amplitude,
+            phase_deg: section.read_or_default("phase_deg")?,
+        })
     }
 
-    fn noise(&self, section: &Section) -> Result<Initial, CaseError> {
-        let field = self.field(section)?;
-        let (from, to): (f64, f64) = (section.required("from")?, section.required("to")?);
+    fn read_noise(&self, section: &SectionReader) -> Result<FlowPerturbation, CaseError> {
+        let field = self.read_field(section)?;
+        let (from, to): (f64, f64) = (section.read_required("from")?, section.read_required("to")?);
         if to < from {
             let found = format!("found {to:?} with from = {from:?}");
-            return Err(section.error("to", found, "to must be at least from"));
+            return Err(section.error_at("to", found, "to must be at least from"));
         }
-        let [first, second] = self.grid.greatest_modes();
+        let [first, second] = self.grid.max_mode_numbers();
         let greatest = first.min(second) as f64;
         if to > greatest {
-            let found =
-                format!("found {to:?} with {} × {} points", self.grid.cells[0], self.grid.cells[1]);
+            let found = format!(
+                "found {to:?} with {} × {} points",
+                self.grid.points[0], self.grid.points[1]
+            );
             let allowed = format!("at most {greatest:?}: add points, or take longer waves");
-            return Err(section.error("to", found, allowed));
+            return Err(section.error_at("to", found, allowed));
         }
         let first = |m1: i64| (from * from - (m1 * m1) as f64).max(0.0).sqrt().ceil();
         let holds = |m1: i64| first(m1).powi(2) + (m1 * m1) as f64 <= to * to;
         if !(0..=to as i64).any(holds) {
             let found = format!("no whole numbers m₁, m₂ between {from:?} and {to:?}");
-            return Err(section.error("to", found, "a wider band, such as from = 1 to = 8"));
+            return Err(section.error_at("to", found, "a wider band, such as from = 1 to = 8"));
         }
-        let amplitude = Self::amplitude(section, field)?;
-        let seed = section.required("seed")?;
-        Ok(Initial::Noise { field, from, to, amplitude, seed })
+        let amplitude = Self::read_amplitude(section, field)?;
+        let seed = section.read_required("seed")?;
+        Ok(FlowPerturbation::Noise {
+            field,
+            min_wave_number: from,
+            max_wave_number: to,
+            amplitude,
+            seed,
+        })
     }
 
-    fn uniform(&self, section: &Section) -> Result<Initial, CaseError> {
-        let fields = &Disturbed::all(self.rotation)[1..];
+    fn read_uniform(&self, section: &SectionReader) -> Result<FlowPerturbation, CaseError> {
+        let fields = &PerturbedField::evolving_fields(self.rotation)[1..];
         if fields.is_empty() {
             let found = "found 'uniform' for the model plastic-potential";
             let allowed =
                 "another kind: of a velocity that is uniform the mean flow takes the place";
-            return Err(section.error("kind", found, allowed));
+            return Err(section.error_at("kind", found, allowed));
         }
-        let field = section.choice("field", fields, Disturbed::name)?;
-        Ok(Initial::Uniform { field, amplitude: Self::amplitude(section, field)? })
+        let field = section.read_choice("field", fields, PerturbedField::name)?;
+        Ok(FlowPerturbation::Uniform { field, amplitude: Self::read_amplitude(section, field)? })
     }
 
     /// Reads the entry of an archive. Its content is read when the simulation starts; the checksum in the resolved case
     /// detects changes of the archive.
-    fn file(&self, section: &Section) -> Result<Initial, CaseError> {
-        let file: String = section.required("path")?;
-        let unreadable =
-            |cause: &str| section.error("path", format!("'{}': {cause}", escape(&file)), NEEDS);
-        let path = std::path::absolute(self.folder.join(&file))
+    fn read_archive_entry(&self, section: &SectionReader) -> Result<FlowPerturbation, CaseError> {
+        let file: String = section.read_required("path")?;
+        let unreadable = |cause: &str| {
+            section.error_at("path", format!("'{}': {cause}", escape(&file)), ARCHIVE_REQUIREMENT)
+        };
+        let path = std::path::absolute(self.case_folder.join(&file))
             .map_err(|error| unreadable(&error.to_string()))?;
         let path =
             path.to_str().ok_or_else(|| unreadable("its folder's name is not UTF-8 text"))?;
         let path = path.to_owned();
-        let checksum = match section.optional::<u64>("checksum")? {
+        let checksum = match section.read_optional::<u64>("checksum")? {
             // Eight hexadecimal digits: at most 32 bits.
             Some(checksum) => checksum as u32,
             None => {
-                let found = Written::of_file(Path::new(&path));
+                let found = FileDigest::from_file(Path::new(&path));
                 found.map_err(|error| unreadable(&error.to_string()))?.checksum
             }
         };
-        Ok(Initial::File { path, checksum })
+        Ok(FlowPerturbation::File { path, checksum })
     }
 }
 
-fn wave(resolved: Resolved, wave: &Wave) -> Resolved {
+fn write_harmonic_keys(resolved: TableWriter, wave: &HarmonicPerturbation) -> TableWriter {
     resolved
-        .number("mode", wave.mode)
-        .text("field", wave.field.name())
-        .number("amplitude", wave.amplitude)
-        .number("phase_deg", wave.phase_deg)
+        .with_number("mode", wave.mode)
+        .with_text("field", wave.field.name())
+        .with_number("amplitude", wave.amplitude)
+        .with_number("phase_deg", wave.phase_deg)
 }
 
 /// Formats the section `[[initial]]` as TOML with all values.
-pub(super) fn to_toml(part: &Initial) -> String {
-    let resolved = Resolved::default().text("kind", part.name());
+pub(super) fn to_toml(part: &FlowPerturbation) -> String {
+    let resolved = TableWriter::default().with_text("kind", part.name());
     let resolved = match part {
-        Initial::Mode(own) => wave(resolved, own),
-        Initial::Packet { wave: own, at, radius } => {
-            wave(resolved, own).number("at", at).number("radius", radius)
+        FlowPerturbation::Mode(own) => write_harmonic_keys(resolved, own),
+        FlowPerturbation::Packet { carrier: own, centre: at, radius } => {
+            write_harmonic_keys(resolved, own).with_number("at", at).with_number("radius", radius)
         }
-        Initial::Noise { field, from, to, amplitude, seed } => resolved
-            .text("field", field.name())
-            .number("from", from)
-            .number("to", to)
-            .number("amplitude", amplitude)
-            .number("seed", seed),
-        Initial::Uniform { field, amplitude } => {
-            resolved.text("field", field.name()).number("amplitude", amplitude)
+        FlowPerturbation::Noise {
+            field,
+            min_wave_number: from,
+            max_wave_number: to,
+            amplitude,
+            seed,
+        } => resolved
+            .with_text("field", field.name())
+            .with_number("from", from)
+            .with_number("to", to)
+            .with_number("amplitude", amplitude)
+            .with_number("seed", seed),
+        FlowPerturbation::Uniform { field, amplitude } => {
+            resolved.with_text("field", field.name()).with_number("amplitude", amplitude)
         }
-        Initial::File { path, checksum } => {
-            resolved.text("path", path).text("checksum", format!("{checksum:08x}"))
+        FlowPerturbation::File { path, checksum } => {
+            resolved.with_text("path", path).with_text("checksum", format!("{checksum:08x}"))
         }
     };
-    resolved.under(&FORM)
+    resolved.to_section_toml(&SCHEMA)
 }

@@ -1,35 +1,35 @@
 //! The sections `[output]` and `[[receiver]]` of a flow.
 
-use super::reader::Reader;
-use crate::dynamics::output::{CONTOURS, SNAPSHOT_INTERVAL, ledger_interval};
+use super::reader::FlowReader;
+use crate::dynamics::output::{CONTOURS_KEY, SNAPSHOT_INTERVAL_KEY, new_ledger_interval_key};
 use crate::error::CaseError;
-use crate::kind::Kind;
-use crate::receivers::{self, Domain, Receiver, receivers};
-use crate::schema::{Form, Group, Item, Scope, Type};
-use crate::section::{Resolved, Section};
+use crate::kind::ModelKind;
+use crate::receivers::{self, ReceiverDomain, ReceiverPoint, read_receivers};
+use crate::schema::{KeyGroup, KeySchema, SchemaScope, TableSchema, ValueType};
+use crate::section::{SectionReader, TableWriter};
 use models::flow::RotationKind;
 use std::fmt;
 
 /// Name of the picture that shows the magnitude of the velocity perturbation.
-const SPEED: &str = "speed";
+const SPEED_NAME: &str = "speed";
 
 /// Schema of the sections `[[receiver]]`.
-pub(super) const RECEIVER: Form = Form::list(
+pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
     "receiver",
     "a point, a line or a grid of points of the box at which fields are recorded",
-    &[Group::always(&[
-        receivers::NAME,
-        receivers::at(
+    &[KeyGroup::new(&[
+        receivers::NAME_KEY,
+        receivers::new_position_key(
             "a point of the box",
             "[0.05, 0.05]",
             "where it is at the beginning: the nearest point of the box, which moves with it",
         ),
-        receivers::FROM,
-        receivers::TO,
-        receivers::COUNT,
-        Item::optional(
+        receivers::FIRST_POINT_KEY,
+        receivers::LAST_POINT_KEY,
+        receivers::POINT_COUNT_KEY,
+        KeySchema::new_optional(
             "fields",
-            Type::AnyOf(words),
+            ValueType::AnyOf(field_names),
             "",
             "[\"v1\", \"v2\"]",
             "what is recorded; default all",
@@ -38,37 +38,39 @@ pub(super) const RECEIVER: Form = Form::list(
 );
 
 /// Schema of the section `[output]`.
-pub(super) const OUTPUT: Form = Form::section(
+pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
     "output",
     "what else is recorded, and what pictures show",
-    &[Group::always(&[
-        ledger_interval(
+    &[KeyGroup::new(&[
+        new_ledger_interval_key(
             "0: a two-hundredth of the duration",
             "time between two lines of the ledger; 0: a two-hundredth of the duration",
         ),
-        SNAPSHOT_INTERVAL,
-        Item::with_default(
+        SNAPSHOT_INTERVAL_KEY,
+        KeySchema::new_with_default(
             "picture",
-            Type::OneOf(|scope| [SPEED.to_owned()].into_iter().chain(words(scope)).collect()),
+            ValueType::OneOf(|scope| {
+                [SPEED_NAME.to_owned()].into_iter().chain(field_names(scope)).collect()
+            }),
             "",
             "\"speed\"",
             "what pictures show: the speed of the perturbation, or a field",
         ),
-        CONTOURS,
+        CONTOURS_KEY,
     ])],
 );
 
 /// Returns the names of the fields of a flow.
-fn words(scope: &Scope) -> Vec<String> {
+fn field_names(scope: &SchemaScope) -> Vec<String> {
     // Without a known kind: intrinsic spin, whose flows have all fields.
-    let rotation = scope.kind.and_then(Kind::rotation_in_time);
-    let all = Quantity::all(rotation.unwrap_or(RotationKind::IntrinsicSpin));
-    all.iter().map(Quantity::to_string).collect()
+    let rotation = scope.kind.and_then(ModelKind::simulation_rotation);
+    let all = FlowQuantity::all_fields(rotation.unwrap_or(RotationKind::IntrinsicSpin));
+    all.iter().map(FlowQuantity::to_string).collect()
 }
 
 /// A field of a flow, as recorded and plotted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum FlowQuantity {
     /// Velocity component, by axis 0 or 1.
     Velocity(usize),
     /// Spin ω.
@@ -81,9 +83,9 @@ pub enum Quantity {
     ShearRate,
 }
 
-impl Quantity {
+impl FlowQuantity {
     /// Returns all fields of a flow with the material rotation `rotation`, velocities first.
-    pub fn all(rotation: RotationKind) -> Vec<Self> {
+    pub fn all_fields(rotation: RotationKind) -> Vec<Self> {
         let spin = (rotation == RotationKind::IntrinsicSpin).then_some(Self::Spin);
         [Self::Velocity(0), Self::Velocity(1)]
             .into_iter()
@@ -96,12 +98,12 @@ impl Quantity {
     pub const fn name(self) -> &'static str {
         match self {
             Self::StressAngle => "psi_deg",
-            _ => self.array(),
+            _ => self.array_name(),
         }
     }
 
     /// Returns the name in archives and snapshots, in which angles are in radians.
-    pub const fn array(self) -> &'static str {
+    pub const fn array_name(self) -> &'static str {
         match self {
             Self::Velocity(0) => "v1",
             Self::Velocity(_) => "v2",
@@ -119,7 +121,7 @@ impl Quantity {
 }
 
 /// Formats the name in case files.
-impl fmt::Display for Quantity {
+impl fmt::Display for FlowQuantity {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.name())
     }
@@ -127,69 +129,81 @@ impl fmt::Display for Quantity {
 
 /// Output options of a flow.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Output {
+pub struct FlowOutput {
     /// Time between two rows of the ledger and of the spectrum, s; 0 for 1/200 of the duration.
     pub ledger_interval: f64,
     /// Time between two snapshots of all fields, s; 0 for none.
     pub snapshot_interval: f64,
     /// Field plotted in pictures; `None` for the magnitude of the velocity perturbation.
-    pub picture: Option<Quantity>,
+    pub plotted_field: Option<FlowQuantity>,
     /// Contour levels in the unit of the field; `None` for automatic levels.
-    pub contours: Option<Vec<f64>>,
+    pub contour_levels: Option<Vec<f64>>,
 }
 
-impl Output {
+impl FlowOutput {
     /// Formats the section `[output]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
-        let resolved = Resolved::default()
-            .number("ledger_interval", self.ledger_interval)
-            .number("snapshot_interval", self.snapshot_interval)
-            .text("picture", self.picture.map_or(SPEED, Quantity::name));
-        let resolved = match &self.contours {
-            Some(contours) => resolved.number("contours", contours),
+        let resolved = TableWriter::default()
+            .with_number("ledger_interval", self.ledger_interval)
+            .with_number("snapshot_interval", self.snapshot_interval)
+            .with_text("picture", self.plotted_field.map_or(SPEED_NAME, FlowQuantity::name));
+        let resolved = match &self.contour_levels {
+            Some(contours) => resolved.with_number("contours", contours),
             None => resolved,
         };
-        resolved.under(&OUTPUT)
+        resolved.to_section_toml(&OUTPUT_SCHEMA)
     }
 }
 
-impl Receiver<Quantity> {
+impl ReceiverPoint<FlowQuantity> {
     /// Formats the section `[[receiver]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
-        self.resolved().under(&RECEIVER)
+        self.to_table().to_section_toml(&RECEIVER_SCHEMA)
     }
 }
 
-fn named(among: &[Quantity], name: &str) -> Option<Quantity> {
+fn find_field(among: &[FlowQuantity], name: &str) -> Option<FlowQuantity> {
     among.iter().copied().find(|own| own.name() == name)
 }
 
-impl Reader<'_> {
+impl FlowReader<'_> {
     /// Reads the sections `[[receiver]]`.
-    pub(super) fn receivers(&self, root: &Section) -> Result<Vec<Receiver<Quantity>>, CaseError> {
-        let all = Quantity::all(self.rotation);
+    pub(super) fn read_receivers(
+        &self,
+        root: &SectionReader,
+    ) -> Result<Vec<ReceiverPoint<FlowQuantity>>, CaseError> {
+        let all = FlowQuantity::all_fields(self.rotation);
         let extents = self.grid.lengths.map(|length| [0.0, length]).to_vec();
-        let domain = Domain { form: &RECEIVER, extents, whole: "box", interpolates: false };
-        receivers(root, &all, |name| named(&all, name), &domain)
+        let domain = ReceiverDomain {
+            schema: &RECEIVER_SCHEMA,
+            bounds: extents,
+            name: "box",
+            has_interpolation: false,
+        };
+        read_receivers(root, &all, |name| find_field(&all, name), &domain)
     }
 
     /// Reads the section `[output]`.
-    pub(super) fn output(&self, root: &Section) -> Result<Output, CaseError> {
-        let mut output =
-            Output { ledger_interval: 0.0, snapshot_interval: 0.0, picture: None, contours: None };
-        let Some(section) = root.section(&OUTPUT)? else { return Ok(output) };
-        output.ledger_interval = section.or_default("ledger_interval")?;
-        output.snapshot_interval = section.or_default("snapshot_interval")?;
-        let all = Quantity::all(self.rotation);
+    pub(super) fn read_output(&self, root: &SectionReader) -> Result<FlowOutput, CaseError> {
+        let mut output = FlowOutput {
+            ledger_interval: 0.0,
+            snapshot_interval: 0.0,
+            plotted_field: None,
+            contour_levels: None,
+        };
+        let Some(section) = root.open_section(&OUTPUT_SCHEMA)? else { return Ok(output) };
+        output.ledger_interval = section.read_or_default("ledger_interval")?;
+        output.snapshot_interval = section.read_or_default("snapshot_interval")?;
+        let all = FlowQuantity::all_fields(self.rotation);
         let words: Vec<&str> =
-            [SPEED].into_iter().chain(all.iter().map(|own| own.name())).collect();
-        if let Some(name) = section.optional_text("picture", &words)? {
-            output.picture = named(&all, &name);
-            if output.picture.is_none() && name != SPEED {
-                return Err(section.no_such("picture", &name, &words));
+            [SPEED_NAME].into_iter().chain(all.iter().map(|own| own.name())).collect();
+        if let Some(name) = section.read_optional_text("picture", &words)? {
+            output.plotted_field = find_field(&all, &name);
+            if output.plotted_field.is_none() && name != SPEED_NAME {
+                return Err(section.unknown_name_error("picture", &name, &words));
             }
         }
-        output.contours = section.optional("contours")?;
+        output.contour_levels = section.read_optional("contours")?;
         section.finish()?;
         Ok(output)
     }

@@ -1,11 +1,11 @@
 //! A row of the key table: a key, the media that use the key, and the storage of its value.
 
-use crate::kind::{Kind, Medium, Solid, Yield};
-use crate::numbers::Numbers;
-use crate::schema::{Range, Type};
-use crate::value::Value;
+use crate::kind::{MediumKind, ModelKind, Solid, Yield};
+use crate::numbers::CaseNumbers;
+use crate::schema::{AllowedRange, ValueType};
+use crate::value::CaseValue;
 pub use models::common::parameter::Presence;
-use models::common::parameter::{ANGLE, Parameter as Constant};
+use models::common::parameter::{ANGLE_UNIT, Parameter as Constant};
 use models::flow::FlowKind as Flow;
 use models::registry;
 
@@ -20,91 +20,93 @@ pub struct Key {
     pub unit: &'static str,
     /// Meaning and allowed values, in one line.
     pub meaning: &'static str,
-    pub(super) users: Users,
+    pub(super) model_filter: ModelFilter,
     /// Yield sets that use the key; `None` if the key does not depend on the yield set.
-    pub(super) sets: Option<Sets>,
+    pub(super) yield_set_filter: Option<YieldSetFilter>,
     /// Whether the key is required or optional, and its default.
     pub presence: Presence,
     /// Allowed range of a number, independent of other keys. A case file may contain any finite number, since a map may
     /// sweep it; the range is checked when the model or state is built.
-    pub range: Range,
-    pub(crate) field: Field,
+    pub range: AllowedRange,
+    pub(crate) storage: KeyStorage,
 }
 
 /// Kinds of model that use a key.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Users {
-    All,
+pub(super) enum ModelFilter {
+    AllModels,
     Flows(fn(Flow) -> bool),
     Solids(fn(Solid) -> bool),
     /// Models with a constant of this name; flows and solids share a key if the units are equal.
-    With(&'static str),
+    HavingConstant(&'static str),
 }
 
 /// Yield sets that use a key.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Sets {
-    Any(fn(Yield) -> bool),
+pub(super) enum YieldSetFilter {
+    Predicate(fn(Yield) -> bool),
     /// Yield sets with a constant of this name.
-    With(&'static str),
+    HavingConstant(&'static str),
 }
 
-impl Sets {
+impl YieldSetFilter {
     /// Returns whether the yield set `set` uses the key in the solid `solid`.
-    fn contain(self, set: Yield, solid: Solid) -> bool {
-        set.admits(solid)
+    fn is_satisfied_by(self, set: Yield, solid: Solid) -> bool {
+        set.is_compatible(solid)
             && match self {
-                Self::Any(uses) => uses(set),
-                Self::With(name) => set.parameters_for(solid.theory).any(|own| own.name == name),
+                Self::Predicate(uses) => uses(set),
+                Self::HavingConstant(name) => {
+                    set.parameters_for(solid.theory).any(|own| own.name == name)
+                }
             }
     }
 }
 
-/// Type of a value and, for numbers, its storage in [`Numbers`].
+/// Type of a value and, for numbers, its storage in [`CaseNumbers`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Field {
+pub(crate) enum KeyStorage {
     Text,
-    Texts,
+    TextList,
     Count,
-    Plain,
-    Whole(fn(&mut Numbers) -> &mut usize),
+    UnstoredNumber,
+    StoredCount(fn(&mut CaseNumbers) -> &mut usize),
     /// Constant of the model, by name.
-    Constant(&'static str),
+    ModelConstant(&'static str),
     /// Constant of the yield set, by name.
     YieldConstant(&'static str),
-    Number(fn(&mut Numbers) -> &mut f64),
-    OptionalNumber(fn(&mut Numbers) -> &mut Option<f64>),
-    Pair(fn(&mut Numbers) -> &mut [f64; 2]),
-    OptionalPair(fn(&mut Numbers) -> &mut Option<[f64; 2]>),
-    OptionalMatrix(fn(&mut Numbers) -> &mut Option<[[f64; 2]; 2]>),
+    Number(fn(&mut CaseNumbers) -> &mut f64),
+    OptionalNumber(fn(&mut CaseNumbers) -> &mut Option<f64>),
+    Pair(fn(&mut CaseNumbers) -> &mut [f64; 2]),
+    OptionalPair(fn(&mut CaseNumbers) -> &mut Option<[f64; 2]>),
+    OptionalMatrix(fn(&mut CaseNumbers) -> &mut Option<[[f64; 2]; 2]>),
 }
 
-impl Field {
+impl KeyStorage {
     /// Returns the type of the values.
-    pub(crate) fn value_type(self) -> Type {
+    pub(crate) fn value_type(self) -> ValueType {
         match self {
-            Self::Text => Type::Text,
-            Self::Texts => Type::Texts,
-            Self::Count | Self::Whole(_) => Type::Whole(1),
-            Self::Plain
-            | Self::Constant(_)
+            Self::Text => ValueType::Text,
+            Self::TextList => ValueType::TextList,
+            Self::Count | Self::StoredCount(_) => ValueType::WholeNumber(1),
+            Self::UnstoredNumber
+            | Self::ModelConstant(_)
             | Self::YieldConstant(_)
             | Self::Number(_)
-            | Self::OptionalNumber(_) => Type::Number(Range::Finite),
-            Self::Pair(_) | Self::OptionalPair(_) => Type::Pair,
-            Self::OptionalMatrix(_) => Type::Matrix,
+            | Self::OptionalNumber(_) => ValueType::Number(AllowedRange::Finite),
+            Self::Pair(_) | Self::OptionalPair(_) => ValueType::Pair,
+            Self::OptionalMatrix(_) => ValueType::Matrix,
         }
     }
 
-    /// Returns whether the value is stored in [`Numbers`].
-    pub(crate) fn is_kept(self) -> bool {
-        !matches!(self, Self::Text | Self::Texts | Self::Count | Self::Plain)
+    /// Returns whether the value is stored in [`CaseNumbers`].
+    pub(crate) fn is_stored(self) -> bool {
+        !matches!(self, Self::Text | Self::TextList | Self::Count | Self::UnstoredNumber)
     }
 
     /// Returns the number of components that a map can sweep: 1 for scalars, 2 for pairs, otherwise 0.
-    pub(super) fn components(self) -> usize {
+    pub(super) fn component_count(self) -> usize {
         match self {
-            Self::Constant(_)
+            Self::ModelConstant(_)
             | Self::YieldConstant(_)
             | Self::Number(_)
             | Self::OptionalNumber(_) => 1,
@@ -114,105 +116,127 @@ impl Field {
     }
 
     /// Returns the stored value, if any.
-    pub(crate) fn load(self, numbers: &Numbers) -> Option<Value> {
+    pub(crate) fn load_value(self, numbers: &CaseNumbers) -> Option<CaseValue> {
         let numbers = &mut numbers.clone();
         match self {
-            Self::Whole(f) => Some(Value::Count(*f(numbers))),
-            Self::Constant(name) => numbers.model.get(name).map(Value::Number),
-            Self::YieldConstant(name) => numbers.yields.get(name).map(Value::Number),
-            Self::Number(f) => Some(Value::Number(*f(numbers))),
-            Self::OptionalNumber(f) => f(numbers).map(Value::Number),
-            Self::Pair(f) => Some(Value::Pair(*f(numbers))),
-            Self::OptionalPair(f) => f(numbers).map(Value::Pair),
-            Self::OptionalMatrix(f) => f(numbers).map(Value::Matrix),
+            Self::StoredCount(f) => Some(CaseValue::Count(*f(numbers))),
+            Self::ModelConstant(name) => numbers.model_constants.value(name).map(CaseValue::Number),
+            Self::YieldConstant(name) => numbers.yield_constants.value(name).map(CaseValue::Number),
+            Self::Number(f) => Some(CaseValue::Number(*f(numbers))),
+            Self::OptionalNumber(f) => f(numbers).map(CaseValue::Number),
+            Self::Pair(f) => Some(CaseValue::Pair(*f(numbers))),
+            Self::OptionalPair(f) => f(numbers).map(CaseValue::Pair),
+            Self::OptionalMatrix(f) => f(numbers).map(CaseValue::Matrix),
             _ => None,
         }
     }
 
     /// Stores a value of the type of this field.
-    pub(crate) fn store(self, numbers: &mut Numbers, value: &Value) {
+    pub(crate) fn store_value(self, numbers: &mut CaseNumbers, value: &CaseValue) {
         match (self, value) {
-            (Self::Whole(f), Value::Count(n)) => *f(numbers) = *n,
-            (Self::Constant(name), Value::Number(x)) => numbers.model.set(name, *x),
-            (Self::YieldConstant(name), Value::Number(x)) => numbers.yields.set(name, *x),
-            (Self::Number(f), Value::Number(x)) => *f(numbers) = *x,
-            (Self::OptionalNumber(f), Value::Number(x)) => *f(numbers) = Some(*x),
-            (Self::Pair(f), Value::Pair(x)) => *f(numbers) = *x,
-            (Self::OptionalPair(f), Value::Pair(x)) => *f(numbers) = Some(*x),
-            (Self::OptionalMatrix(f), Value::Matrix(x)) => *f(numbers) = Some(*x),
-            _ => debug_assert!(!self.is_kept(), "a value of another type than its key's"),
+            (Self::StoredCount(f), CaseValue::Count(n)) => *f(numbers) = *n,
+            (Self::ModelConstant(name), CaseValue::Number(x)) => {
+                numbers.model_constants.set_value(name, *x)
+            }
+            (Self::YieldConstant(name), CaseValue::Number(x)) => {
+                numbers.yield_constants.set_value(name, *x)
+            }
+            (Self::Number(f), CaseValue::Number(x)) => *f(numbers) = *x,
+            (Self::OptionalNumber(f), CaseValue::Number(x)) => *f(numbers) = Some(*x),
+            (Self::Pair(f), CaseValue::Pair(x)) => *f(numbers) = *x,
+            (Self::OptionalPair(f), CaseValue::Pair(x)) => *f(numbers) = Some(*x),
+            (Self::OptionalMatrix(f), CaseValue::Matrix(x)) => *f(numbers) = Some(*x),
+            _ => debug_assert!(!self.is_stored(), "a value of another type than its key's"),
         }
     }
 }
 
 impl Key {
     /// Builds the row of a constant of a model.
-    pub(super) fn of_model(constant: &'static Constant) -> Self {
+    pub(super) fn from_model_constant(constant: &'static Constant) -> Self {
         let name = constant.name;
-        Self::of_constant("model", constant, Users::With(name), None, Field::Constant(name))
-    }
-
-    /// Builds the row of a constant of a yield set.
-    pub(super) fn of_yield_set(constant: &'static Constant) -> Self {
-        let name = constant.name;
-        let sets = Some(Sets::With(name));
-        Self::of_constant(
-            "yield",
+        Self::from_constant(
+            "model",
             constant,
-            Users::Solids(|_| true),
-            sets,
-            Field::YieldConstant(name),
+            ModelFilter::HavingConstant(name),
+            None,
+            KeyStorage::ModelConstant(name),
         )
     }
 
-    fn of_constant(
+    /// Builds the row of a constant of a yield set.
+    pub(super) fn from_yield_constant(constant: &'static Constant) -> Self {
+        let name = constant.name;
+        let sets = Some(YieldSetFilter::HavingConstant(name));
+        Self::from_constant(
+            "yield",
+            constant,
+            ModelFilter::Solids(|_| true),
+            sets,
+            KeyStorage::YieldConstant(name),
+        )
+    }
+
+    fn from_constant(
         section: &str,
         constant: &'static Constant,
-        users: Users,
-        sets: Option<Sets>,
-        field: Field,
+        users: ModelFilter,
+        sets: Option<YieldSetFilter>,
+        field: KeyStorage,
     ) -> Self {
         let Constant { name, label, unit, meaning, presence, range } = *constant;
-        let suffix = if unit == ANGLE { "_deg" } else { "" };
+        let suffix = if unit == ANGLE_UNIT { "_deg" } else { "" };
         let name = format!("{section}.{name}{suffix}").leak();
-        Self { name, label, unit, meaning, users, sets, presence, range, field }
+        Self {
+            name,
+            label,
+            unit,
+            meaning,
+            model_filter: users,
+            yield_set_filter: sets,
+            presence,
+            range,
+            storage: field,
+        }
     }
 
     /// Returns the type of the values.
-    pub fn value_type(&self) -> Type {
-        self.field.value_type()
+    pub fn value_type(&self) -> ValueType {
+        self.storage.value_type()
     }
 
     /// Splits the name into the section and the name inside it.
-    pub fn split(&self) -> (&'static str, &'static str) {
+    pub fn split_section(&self) -> (&'static str, &'static str) {
         self.name.rsplit_once('.').unwrap_or(("", self.name))
     }
 
     /// Returns whether `medium` uses the key.
-    pub fn is_used_by(&self, medium: impl Into<Medium>) -> bool {
-        let Medium { kind, yields } = medium.into();
-        let Some(sets) = self.sets else { return self.is_for(kind) };
+    pub fn is_used_by(&self, medium: impl Into<MediumKind>) -> bool {
+        let MediumKind { kind, yield_set: yields } = medium.into();
+        let Some(sets) = self.yield_set_filter else { return self.is_used_by_kind(kind) };
         match (kind, yields) {
-            (Kind::Solid(solid), Some(set)) => self.is_for(kind) && sets.contain(set, solid),
+            (ModelKind::Solid(solid), Some(set)) => {
+                self.is_used_by_kind(kind) && sets.is_satisfied_by(set, solid)
+            }
             _ => false,
         }
     }
 
     /// Returns whether models of `kind` use the key, possibly with some yield set.
-    pub(crate) fn is_for(&self, kind: Kind) -> bool {
-        if let (Some(sets), Kind::Solid(solid)) = (self.sets, kind)
-            && !registry::yield_sets().iter().any(|set| sets.contain(*set, solid))
+    pub(crate) fn is_used_by_kind(&self, kind: ModelKind) -> bool {
+        if let (Some(sets), ModelKind::Solid(solid)) = (self.yield_set_filter, kind)
+            && !registry::yield_sets().iter().any(|set| sets.is_satisfied_by(*set, solid))
         {
             return false;
         }
-        match (self.users, kind) {
-            (Users::All, _) => true,
-            (Users::Flows(uses), Kind::Flow(flow)) => uses(flow),
-            (Users::Solids(uses), Kind::Solid(solid)) => uses(solid),
-            (Users::With(name), Kind::Flow(flow)) => {
+        match (self.model_filter, kind) {
+            (ModelFilter::AllModels, _) => true,
+            (ModelFilter::Flows(uses), ModelKind::Flow(flow)) => uses(flow),
+            (ModelFilter::Solids(uses), ModelKind::Solid(solid)) => uses(solid),
+            (ModelFilter::HavingConstant(name), ModelKind::Flow(flow)) => {
                 flow.parameters().iter().any(|own| own.name == name)
             }
-            (Users::With(name), Kind::Solid(solid)) => {
+            (ModelFilter::HavingConstant(name), ModelKind::Solid(solid)) => {
                 solid.parameters.iter().any(|own| own.name == name)
             }
             _ => false,
@@ -220,27 +244,32 @@ impl Key {
     }
 
     /// Returns the names of the models that use the key.
-    pub(crate) fn owners(&self) -> Vec<&'static str> {
-        Kind::all().into_iter().filter(|kind| self.is_for(*kind)).map(Kind::name).collect()
+    pub(crate) fn model_names(&self) -> Vec<&'static str> {
+        ModelKind::all_kinds()
+            .into_iter()
+            .filter(|kind| self.is_used_by_kind(*kind))
+            .map(ModelKind::name)
+            .collect()
     }
 
     /// Returns the names of the yield sets that use the key; empty if the key does not depend on the yield set.
-    pub(crate) fn set_names(&self) -> Vec<&'static str> {
-        let Some(sets) = self.sets else { return Vec::new() };
-        let uses = |set: &Yield| registry::solids().into_iter().any(|own| sets.contain(*set, own));
+    pub(crate) fn yield_set_names(&self) -> Vec<&'static str> {
+        let Some(sets) = self.yield_set_filter else { return Vec::new() };
+        let uses =
+            |set: &Yield| registry::solids().into_iter().any(|own| sets.is_satisfied_by(*set, own));
         registry::yield_sets().into_iter().filter(uses).map(|set| set.name).collect()
     }
 
     /// Returns the presence of the key for `medium`; for a constant the presence in the registry entry of the medium.
-    pub fn presence_for(&self, medium: Medium) -> Presence {
-        let constant = match (self.field, medium.kind, medium.yields) {
-            (Field::Constant(name), Kind::Flow(flow), _) => {
+    pub fn presence_for(&self, medium: MediumKind) -> Presence {
+        let constant = match (self.storage, medium.kind, medium.yield_set) {
+            (KeyStorage::ModelConstant(name), ModelKind::Flow(flow), _) => {
                 flow.parameters().iter().find(|own| own.name == name)
             }
-            (Field::Constant(name), Kind::Solid(solid), _) => {
+            (KeyStorage::ModelConstant(name), ModelKind::Solid(solid), _) => {
                 solid.parameters.iter().find(|own| own.name == name)
             }
-            (Field::YieldConstant(name), Kind::Solid(solid), Some(set)) => {
+            (KeyStorage::YieldConstant(name), ModelKind::Solid(solid), Some(set)) => {
                 set.parameters_for(solid.theory).find(|own| own.name == name)
             }
             _ => None,
@@ -249,52 +278,52 @@ impl Key {
     }
 
     /// Resets the value to the default of the key.
-    pub(crate) fn clear(&self, numbers: &mut Numbers) {
-        self.clear_to(self.presence, numbers);
+    pub(crate) fn reset_value(&self, numbers: &mut CaseNumbers) {
+        self.reset_value_to(self.presence, numbers);
     }
 
     /// Resets the value to the default of `presence`.
-    pub(crate) fn clear_to(&self, presence: Presence, numbers: &mut Numbers) {
+    pub(crate) fn reset_value_to(&self, presence: Presence, numbers: &mut CaseNumbers) {
         let absent = match presence {
             Presence::Default(value) => value,
             _ => 0.0,
         };
-        match self.field {
-            Field::Whole(f) => *f(numbers) = absent as usize,
-            Field::Constant(name) => numbers.model.reset(name, presence),
-            Field::YieldConstant(name) => numbers.yields.reset(name, presence),
-            Field::Number(f) => *f(numbers) = absent,
-            Field::OptionalNumber(f) => *f(numbers) = None,
-            Field::Pair(f) => *f(numbers) = [absent; 2],
-            Field::OptionalPair(f) => *f(numbers) = None,
-            Field::OptionalMatrix(f) => *f(numbers) = None,
+        match self.storage {
+            KeyStorage::StoredCount(f) => *f(numbers) = absent as usize,
+            KeyStorage::ModelConstant(name) => numbers.model_constants.reset(name, presence),
+            KeyStorage::YieldConstant(name) => numbers.yield_constants.reset(name, presence),
+            KeyStorage::Number(f) => *f(numbers) = absent,
+            KeyStorage::OptionalNumber(f) => *f(numbers) = None,
+            KeyStorage::Pair(f) => *f(numbers) = [absent; 2],
+            KeyStorage::OptionalPair(f) => *f(numbers) = None,
+            KeyStorage::OptionalMatrix(f) => *f(numbers) = None,
             _ => {}
         }
     }
 
     /// Returns the default or example value as TOML, as printed by `wellposed new`; `None` if the key is not a number.
-    pub fn example(&self) -> Option<String> {
-        self.example_of(self.presence)
+    pub fn example_value(&self) -> Option<String> {
+        self.example_value_from(self.presence)
     }
 
     /// Returns the default or example value for `medium` as TOML, by the registry entry of the medium.
-    pub fn example_for(&self, medium: Medium) -> Option<String> {
-        self.example_of(self.presence_for(medium))
+    pub fn example_value_for(&self, medium: MediumKind) -> Option<String> {
+        self.example_value_from(self.presence_for(medium))
     }
 
-    fn example_of(&self, presence: Presence) -> Option<String> {
+    fn example_value_from(&self, presence: Presence) -> Option<String> {
         let number = match presence {
             Presence::Required(value) | Presence::Default(value) => value,
             Presence::Optional => 0.0,
         };
-        let value = match self.field {
-            Field::Whole(_) => Value::Count(number as usize),
-            Field::Constant(_)
-            | Field::YieldConstant(_)
-            | Field::Number(_)
-            | Field::OptionalNumber(_) => Value::Number(number),
-            Field::Pair(_) | Field::OptionalPair(_) => Value::Pair([number; 2]),
-            Field::OptionalMatrix(_) => Value::Matrix([[number; 2]; 2]),
+        let value = match self.storage {
+            KeyStorage::StoredCount(_) => CaseValue::Count(number as usize),
+            KeyStorage::ModelConstant(_)
+            | KeyStorage::YieldConstant(_)
+            | KeyStorage::Number(_)
+            | KeyStorage::OptionalNumber(_) => CaseValue::Number(number),
+            KeyStorage::Pair(_) | KeyStorage::OptionalPair(_) => CaseValue::Pair([number; 2]),
+            KeyStorage::OptionalMatrix(_) => CaseValue::Matrix([[number; 2]; 2]),
             _ => return None,
         };
         Some(value.to_string())

@@ -24,22 +24,24 @@ impl<T, const D: usize> Default for Channels<T, D> {
 /// Channels to and from a neighbour, and received buffers for reuse.
 #[derive(Debug)]
 struct Neighbour<T> {
-    to: SyncSender<Vec<T>>,
-    from: Receiver<Vec<T>>,
-    spare: Vec<Vec<T>>,
+    sender: SyncSender<Vec<T>>,
+    receiver: Receiver<Vec<T>>,
+    spare_messages: Vec<Vec<T>>,
 }
 
 impl<T, const D: usize> Channels<T, D> {
     /// Connects the upper end of an axis of subdomain `lower` with the lower end of `upper` by channels with a capacity
-    /// of `room` messages. Two periodic subdomains are connected at both ends.
+    /// of `capacity` messages. Two periodic subdomains are connected at both ends.
     pub(super) fn connect(
         parts: &mut [Self],
         axis: usize,
         [lower, upper]: [usize; 2],
-        room: usize,
+        capacity: usize,
     ) {
-        let ((forth, from_below), (back, from_above)) = (sync_channel(room), sync_channel(room));
-        let neighbour = |to, from| Some(Neighbour { to, from, spare: Vec::new() });
+        let ((forth, from_below), (back, from_above)) =
+            (sync_channel(capacity), sync_channel(capacity));
+        let neighbour =
+            |sender, receiver| Some(Neighbour { sender, receiver, spare_messages: Vec::new() });
         parts[lower].neighbours[axis][1] = neighbour(forth, from_above);
         parts[upper].neighbours[axis][0] = neighbour(back, from_below);
     }
@@ -53,13 +55,13 @@ impl<T: Copy, const D: usize> HaloExchange<T> for Channels<T, D> {
         axis: usize,
         end: usize,
         data: &[T],
-        pieces: impl Iterator<Item = Range<usize>>,
+        ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Disconnected> {
         let Some(neighbour) = &mut self.neighbours[axis][end] else { return Ok(()) };
-        let mut message = neighbour.spare.pop().unwrap_or_default();
+        let mut message = neighbour.spare_messages.pop().unwrap_or_default();
         message.clear();
-        pieces.for_each(|piece| message.extend_from_slice(&data[piece]));
-        neighbour.to.send(message).map_err(|_| Disconnected)
+        ranges.for_each(|range| message.extend_from_slice(&data[range]));
+        neighbour.sender.send(message).map_err(|_| Disconnected)
     }
 
     fn receive(
@@ -67,18 +69,18 @@ impl<T: Copy, const D: usize> HaloExchange<T> for Channels<T, D> {
         axis: usize,
         end: usize,
         data: &mut [T],
-        pieces: impl Iterator<Item = Range<usize>>,
+        ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Disconnected> {
         let Some(neighbour) = &mut self.neighbours[axis][end] else { return Ok(()) };
-        let received = neighbour.from.recv().map_err(|_| Disconnected)?;
+        let received = neighbour.receiver.recv().map_err(|_| Disconnected)?;
         let mut rest = received.as_slice();
-        for piece in pieces {
-            let (own, others) = rest.split_at(piece.len());
-            data[piece].copy_from_slice(own);
+        for range in ranges {
+            let (own, others) = rest.split_at(range.len());
+            data[range].copy_from_slice(own);
             rest = others;
         }
         debug_assert!(rest.is_empty());
-        neighbour.spare.push(received);
+        neighbour.spare_messages.push(received);
         Ok(())
     }
 }

@@ -10,7 +10,7 @@
 mod channels;
 mod plan;
 
-use crate::simd::Instructions;
+use crate::simd::InstructionSet;
 use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::boundary::Boundary;
 use crate::solid::domain::{Domain, SolverReal};
@@ -19,7 +19,7 @@ use crate::solid::line::HALO;
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::region::Region;
 use channels::{Channels, Disconnected};
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 pub use crate::solid::snapshot::Snapshot;
 pub use plan::Decomposition;
@@ -28,36 +28,36 @@ pub use plan::Decomposition;
 struct Subdomain<T: SolverReal, const D: usize> {
     domain: Domain<T, D>,
     region: Region<D>,
-    halo: Channels<T::Lanes, D>,
+    channels: Channels<T::Lanes, D>,
     /// Cells recorded after each step: index in the list of all watched cells, index in the subdomain.
-    watched: Vec<(usize, usize)>,
+    watched_cells: Vec<(usize, usize)>,
     /// Records of these cells: all fields, by step and cell.
     records: Vec<f64>,
 }
 
 impl<T: SolverReal, const D: usize> Subdomain<T, D> {
     fn advance(&mut self, steps: usize) -> Result<(), Disconnected> {
-        let Self { domain, halo, records, .. } = self;
+        let Self { domain, channels, records, .. } = self;
         // A panic drops the channels, so that `recv` of the neighbours fails instead of blocking.
-        let mut own = std::mem::take(halo);
-        let mut left = steps;
-        while left > 0 {
-            let steps = left.min(domain.most_steps());
-            domain.pass(steps, &mut own)?;
+        let mut own = std::mem::take(channels);
+        let mut remaining = steps;
+        while remaining > 0 {
+            let steps = remaining.min(domain.max_pass_steps());
+            domain.advance_pass(steps, &mut own)?;
             domain.drain_records(records);
-            left -= steps;
+            remaining -= steps;
         }
-        *halo = own;
+        *channels = own;
         Ok(())
     }
 
-    /// Returns position and memory of the interlayers at the lower faces of owned cells. Position: layer, axis, global
+    /// Returns position and history variables of the interlayers at the lower faces of owned cells. Position: layer, axis, global
     /// cell above the face, wave pair.
     fn interlayers(&self, layer_cells: usize) -> Vec<([usize; 4], [T; 2])> {
-        let cells = self.region.own_global_cells();
-        let own = self.domain.interlayers().into_iter();
-        own.map(|([axis, cell, pair], memory)| {
-            ([cells[cell] / layer_cells, axis, cells[cell], pair], memory)
+        let cells = self.region.owned_global_cells();
+        let own = self.domain.located_history().into_iter();
+        own.map(|([axis, cell, pair], history)| {
+            ([cells[cell] / layer_cells, axis, cells[cell], pair], history)
         })
         .collect()
     }
@@ -65,13 +65,13 @@ impl<T: SolverReal, const D: usize> Subdomain<T, D> {
 
 /// A domain decomposed into subdomains.
 pub struct DecomposedDomain<T: SolverReal, const D: usize> {
-    parts: Vec<Subdomain<T, D>>,
+    subdomains: Vec<Subdomain<T, D>>,
     /// Permutation from the axes of the problem to those of the subdomains.
     permutation: AxisPermutation<D>,
     /// Number of cells of the whole grid along each permuted axis.
     cells: [usize; D],
     /// Number of watched cells.
-    watched: usize,
+    watched_count: usize,
 }
 
 impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
@@ -84,9 +84,9 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     }
 
     /// Returns the maximum number of subdomains along the last axis.
-    pub fn max_parts(first_axis: usize, problem: &Problem<D>) -> usize {
-        let permutation = AxisPermutation::with_first(first_axis, &problem.grid);
-        (permutation.grid(&problem.grid).cells[D - 1] / HALO).max(1)
+    pub fn max_subdomains(first_axis: usize, problem: &Problem<D>) -> usize {
+        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
+        (permutation.permute_grid(&problem.grid).cells[D - 1] / HALO).max(1)
     }
 
     /// A domain at rest in `count` subdomains, with `axis` swept first. The other axes keep their order; the domain is
@@ -99,39 +99,43 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         problem: &Problem<D>,
         count: usize,
     ) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_first(axis, &problem.grid);
+        let permutation = AxisPermutation::with_first_axis(axis, &problem.grid);
         let mut parts = [1; D];
         parts[D - 1] = count;
-        Self::in_parts(problem, permutation, parts)
+        Self::with_permuted_subdomains(problem, permutation, parts)
     }
 
     /// A domain at rest, in `parts` subdomains along each axis of the problem, with `first_axis` swept first.
     ///
     /// # Errors
     /// See [`DomainError`].
-    pub fn in_box(
+    pub fn with_subdomains(
         first_axis: usize,
         problem: &Problem<D>,
         parts: [usize; D],
     ) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_first(first_axis, &problem.grid);
-        Self::in_parts(problem, permutation, permutation.along(parts))
+        let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
+        Self::with_permuted_subdomains(problem, permutation, permutation.permute_axis_values(parts))
     }
 
     /// A domain at rest, in `parts` subdomains along each permuted axis.
-    fn in_parts(
+    fn with_permuted_subdomains(
         problem: &Problem<D>,
         permutation: AxisPermutation<D>,
         parts: [usize; D],
     ) -> Result<Self, DomainError> {
-        let problem = &permutation.checked(problem)?;
+        let problem = &permutation.check_and_permute(problem)?;
         let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
         let plan = Decomposition::new(&problem.grid, is_periodic, &problem.scheme, parts)?;
         let part = |region: &Region<D>| Subdomain {
-            domain: Domain::of_region(&problem.restricted(region), region, plan.most_steps()),
+            domain: Domain::new_unchecked(
+                &problem.restrict_to(region),
+                region,
+                plan.max_pass_steps(),
+            ),
             region: region.clone(),
-            halo: Channels::default(),
-            watched: Vec::new(),
+            channels: Channels::default(),
+            watched_cells: Vec::new(),
             records: Vec::new(),
         };
         let mut parts: Vec<_> = plan.regions().iter().map(part).collect();
@@ -139,101 +143,101 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         for (index, part) in parts.iter().enumerate() {
             for axis in 0..D {
                 if let Some(next) = plan.neighbour(index, axis, 1) {
-                    let room = part.domain.messages_ahead(axis);
-                    Channels::connect(&mut channels, axis, [index, next], room);
+                    let capacity = part.domain.message_capacity(axis);
+                    Channels::connect(&mut channels, axis, [index, next], capacity);
                 }
             }
         }
-        for (part, halo) in parts.iter_mut().zip(channels) {
-            part.halo = halo;
+        for (part, channels) in parts.iter_mut().zip(channels) {
+            part.channels = channels;
         }
-        Ok(Self { parts, permutation, cells: problem.grid.cells, watched: 0 })
+        Ok(Self { subdomains: parts, permutation, cells: problem.grid.cells, watched_count: 0 })
     }
 
     /// Selects the instruction set; results do not depend on it.
-    pub fn set_instructions(&mut self, instructions: Instructions) {
-        for part in &mut self.parts {
+    pub fn set_instructions(&mut self, instructions: InstructionSet) {
+        for part in &mut self.subdomains {
             part.domain.set_instructions(instructions);
         }
     }
 
-    /// See [`Domain::map_stresses_one_by_one`].
+    /// See [`Domain::use_scalar_mapping`].
     #[doc(hidden)]
-    pub fn map_stresses_one_by_one(&mut self) {
-        for part in &mut self.parts {
-            part.domain.map_stresses_one_by_one();
+    pub fn use_scalar_mapping(&mut self) {
+        for part in &mut self.subdomains {
+            part.domain.use_scalar_mapping();
         }
     }
 
     /// Advances all fields by `steps` time steps, each subdomain on its own thread.
     pub fn advance(&mut self, steps: usize) {
         // A neighbour's thread ends early only by a panic, which the scope propagates.
-        if let [part] = self.parts.as_mut_slice() {
+        if let [part] = self.subdomains.as_mut_slice() {
             let _ = part.advance(steps);
             return;
         }
         std::thread::scope(|scope| {
-            for part in &mut self.parts {
+            for part in &mut self.subdomains {
                 scope.spawn(move || part.advance(steps));
             }
         });
     }
 
     /// Returns the maximum number of steps per pass over memory; a pass reads and writes each field once.
-    pub fn most_steps(&self) -> usize {
-        self.parts.first().map_or(1, |part| part.domain.most_steps())
+    pub fn max_pass_steps(&self) -> usize {
+        self.subdomains.first().map_or(1, |part| part.domain.max_pass_steps())
     }
 
     /// Returns the time, s.
     pub fn time(&self) -> f64 {
-        self.parts.first().map_or(0.0, |part| part.domain.time())
+        self.subdomains.first().map_or(0.0, |part| part.domain.time())
     }
 
     /// Returns the fields of the state.
-    pub fn fields(&self) -> &[Field] {
-        self.parts.first().map_or(&[], |part| part.domain.fields())
+    pub fn fields(&self) -> &[SolidField] {
+        self.subdomains.first().map_or(&[], |part| part.domain.fields())
     }
 
     /// Returns the number of output quantities per cell: fields and time integrals.
-    pub fn width(&self) -> usize {
-        let integrals = self.parts.first().map_or(0, |part| part.domain.integral_count());
+    pub fn quantity_count(&self) -> usize {
+        let integrals = self.subdomains.first().map_or(0, |part| part.domain.integral_count());
         self.fields().len() + integrals
     }
 
     /// Records all fields of these cells after each step and discards earlier records; cells outside the grid give
     /// zeros.
-    pub fn watch(&mut self, cells: &[usize]) {
-        self.watched = cells.len();
-        for part in &mut self.parts {
+    pub fn watch_cells(&mut self, cells: &[usize]) {
+        self.watched_count = cells.len();
+        for part in &mut self.subdomains {
             part.records.clear();
             let all = cells.iter().enumerate();
-            part.watched = all
+            part.watched_cells = all
                 .filter_map(|(place, cell)| {
                     let cell = self.permutation.permuted_cell(*cell);
-                    Some((place, part.region.own_number(cell)?))
+                    Some((place, part.region.owned_index(cell)?))
                 })
                 .collect();
-            part.watched.sort_by_key(|(_, cell)| *cell);
-            part.domain.watch(part.watched.iter().map(|(_, cell)| *cell));
+            part.watched_cells.sort_by_key(|(_, cell)| *cell);
+            part.domain.watch_cells(part.watched_cells.iter().map(|(_, cell)| *cell));
         }
     }
 
     /// Returns the records since the last call, by step, watched cell and field; values as in [`Domain::output_cell`].
-    pub fn records(&mut self) -> Vec<f64> {
-        let width = self.width();
+    pub fn take_records(&mut self) -> Vec<f64> {
+        let width = self.quantity_count();
         let steps = self
-            .parts
+            .subdomains
             .iter()
-            .filter(|part| !part.watched.is_empty())
-            .map(|part| part.records.len() / (part.watched.len() * width))
+            .filter(|part| !part.watched_cells.is_empty())
+            .map(|part| part.records.len() / (part.watched_cells.len() * width))
             .max()
             .unwrap_or(0);
-        let mut all = vec![0.0; steps * self.watched * width];
-        for part in &mut self.parts {
-            let own = part.watched.len();
+        let mut all = vec![0.0; steps * self.watched_count * width];
+        for part in &mut self.subdomains {
+            let own = part.watched_cells.len();
             for (index, values) in part.records.chunks_exact(width).enumerate() {
-                let (step, place) = (index / own, part.watched[index % own].0);
-                let start = (step * self.watched + place) * width;
+                let (step, place) = (index / own, part.watched_cells[index % own].0);
+                let start = (step * self.watched_count + place) * width;
                 all[start..start + width].copy_from_slice(values);
             }
             part.records.clear();
@@ -245,30 +249,30 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     pub fn snapshot(&self) -> Snapshot<T> {
         let fields = self.fields().to_vec();
         Snapshot {
-            steps: self.parts.first().map_or(0, |part| part.domain.steps()),
-            fields: fields.into_iter().filter_map(|field| self.inner_values(field)).collect(),
-            work: self.work().parts(),
-            sums: self.sums(),
-            interlayers: self.interlayer_memory(),
+            steps: self.subdomains.first().map_or(0, |part| part.domain.steps()),
+            fields: fields.into_iter().filter_map(|field| self.permuted_values(field)).collect(),
+            work_sums: self.work_sums().to_partial_sums(),
+            cell_sums: self.cell_sums(),
+            interlayer_history: self.interlayer_history(),
         }
     }
 
     /// Returns the work sums of all subdomains.
-    fn work(&self) -> WorkSums {
+    fn work_sums(&self) -> WorkSums {
         let mut sums = WorkSums::default();
-        self.parts.iter().for_each(|part| sums.merge(part.domain.work()));
+        self.subdomains.iter().for_each(|part| sums.merge(part.domain.work()));
         sums
     }
 
     /// Returns to the state of rest before the first step.
     pub(crate) fn reset(&mut self) {
-        let mut sums = self.sums();
+        let mut sums = self.cell_sums();
         sums.iter_mut().for_each(|own| own.fill(0.0));
-        for part in &mut self.parts {
+        for part in &mut self.subdomains {
             part.domain.clear();
             part.domain.restore_work(0, WorkSums::default());
         }
-        self.set_sums(&sums);
+        self.set_cell_sums(&sums);
     }
 
     /// Restores a snapshot; `false` if it belongs to another problem.
@@ -277,61 +281,69 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let fields = self.fields().to_vec();
         if snapshot.fields.len() != fields.len()
             || snapshot.fields.iter().any(|values| values.len() != cells)
-            || snapshot.sums.iter().map(Vec::len).ne(self.sums().iter().map(Vec::len))
-            || snapshot.interlayers.len() != self.interlayer_memory().len()
+            || snapshot.cell_sums.iter().map(Vec::len).ne(self.cell_sums().iter().map(Vec::len))
+            || snapshot.interlayer_history.len() != self.interlayer_history().len()
         {
             return false;
         }
-        for part in &mut self.parts {
+        for part in &mut self.subdomains {
             part.domain.clear();
         }
         for (field, values) in fields.into_iter().zip(&snapshot.fields) {
-            self.set_inner(field, values);
+            self.set_permuted(field, values);
         }
         // The first subdomain holds the work sums of all; those of the others are zero.
-        let mut work = WorkSums::from_parts(&snapshot.work);
-        for part in &mut self.parts {
+        let mut work = WorkSums::from_partial_sums(&snapshot.work_sums);
+        for part in &mut self.subdomains {
             part.domain.restore_work(snapshot.steps, std::mem::take(&mut work));
         }
-        self.set_sums(&snapshot.sums);
-        self.set_interlayer_memory(&snapshot.interlayers);
+        self.set_cell_sums(&snapshot.cell_sums);
+        self.set_interlayer_history(&snapshot.interlayer_history);
         true
     }
 
     /// Returns the plastic dissipation by cell, J/m³; empty if no medium yields.
-    pub fn dissipated(&self) -> Vec<f64> {
-        self.permutation.unpermute(self.sums().swap_remove(0))
+    pub fn plastic_dissipation(&self) -> Vec<f64> {
+        self.permutation.unpermute(self.cell_sums().swap_remove(0))
     }
 
     /// Returns the sums stored per cell of the whole grid, by kind.
-    fn sums(&self) -> Vec<Vec<f64>> {
-        let of_parts: Vec<_> = self.parts.iter().map(|part| part.domain.sums()).collect();
-        let kinds = of_parts.first().map_or(0, Vec::len);
-        (0..kinds).map(|kind| self.gather(of_parts.iter().map(|sums| sums[kind].clone()))).collect()
+    fn cell_sums(&self) -> Vec<Vec<f64>> {
+        let by_subdomain: Vec<_> =
+            self.subdomains.iter().map(|part| part.domain.cell_sums()).collect();
+        let kinds = by_subdomain.first().map_or(0, Vec::len);
+        (0..kinds)
+            .map(|kind| {
+                self.assemble_grid_values(by_subdomain.iter().map(|sums| sums[kind].clone()))
+            })
+            .collect()
     }
 
-    fn set_sums(&mut self, sums: &[Vec<f64>]) {
-        for part in &mut self.parts {
-            let cells = part.region.own_global_cells();
+    fn set_cell_sums(&mut self, sums: &[Vec<f64>]) {
+        for part in &mut self.subdomains {
+            let cells = part.region.owned_global_cells();
             let of_part = |all: &Vec<f64>| {
                 let own = cells.iter().filter(|_| !all.is_empty());
                 own.map(|cell| all[*cell]).collect()
             };
-            part.domain.set_sums(&sums.iter().map(of_part).collect::<Vec<_>>());
+            part.domain.set_cell_sums(&sums.iter().map(of_part).collect::<Vec<_>>());
         }
     }
 
     /// Gathers values of the whole grid from those of the owned cells of all subdomains; empty if these are.
-    fn gather<V: Copy>(&self, mut of_parts: impl Iterator<Item = Vec<V>>) -> Vec<V> {
-        if self.parts.len() == 1 {
-            return of_parts.next().unwrap_or_default();
+    fn assemble_grid_values<V: Copy>(
+        &self,
+        mut by_subdomain: impl Iterator<Item = Vec<V>>,
+    ) -> Vec<V> {
+        if self.subdomains.len() == 1 {
+            return by_subdomain.next().unwrap_or_default();
         }
         let mut all = Vec::new();
-        for (part, values) in self.parts.iter().zip(of_parts) {
+        for (part, values) in self.subdomains.iter().zip(by_subdomain) {
             // Any value for initialisation: all cells are overwritten.
             let Some(first) = values.first() else { continue };
             all.resize(self.cells.iter().product(), *first);
-            for (cell, value) in part.region.own_global_cells().into_iter().zip(values) {
+            for (cell, value) in part.region.owned_global_cells().into_iter().zip(values) {
                 all[cell] = value;
             }
         }
@@ -341,53 +353,57 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// Returns work and dissipation of the steps so far, J.
     pub fn ledger(&self) -> Ledger {
         let mut sums = LedgerSums::default();
-        let of_parts = self.of_parts(|domain| domain.ledger_sums());
-        of_parts.iter().for_each(|own| sums.merge(own));
-        sums.ledger(self.volume())
+        let by_subdomain = self.map_subdomains(|domain| domain.ledger_sums());
+        by_subdomain.iter().for_each(|own| sums.merge(own));
+        sums.to_ledger(self.cell_volume())
     }
 
     /// Returns the energy of the deviation from the initial stress, J.
     pub fn energy(&self) -> Energy {
         let mut sums = EnergySums::default();
-        let of_parts = self.of_parts(|domain| domain.energy_sums());
-        of_parts.iter().for_each(|own| sums.merge(own));
-        sums.energy(self.volume())
+        let by_subdomain = self.map_subdomains(|domain| domain.energy_sums());
+        by_subdomain.iter().for_each(|own| sums.merge(own));
+        sums.to_energy(self.cell_volume())
     }
 
     /// Returns the volume of a cell, m³.
-    fn volume(&self) -> f64 {
-        self.parts.first().map_or(0.0, |part| part.domain.grid().volume())
+    fn cell_volume(&self) -> f64 {
+        self.subdomains.first().map_or(0.0, |part| part.domain.grid().volume())
     }
 
-    /// Evaluates `of` for each subdomain, each on its own thread.
-    fn of_parts<V: Send + Default>(&self, of: impl Fn(&Domain<T, D>) -> V + Sync) -> Vec<V> {
-        if let [part] = self.parts.as_slice() {
-            return vec![of(&part.domain)];
+    /// Calls `evaluate` for each subdomain, each on its own thread.
+    fn map_subdomains<V: Send + Default>(
+        &self,
+        evaluate: impl Fn(&Domain<T, D>) -> V + Sync,
+    ) -> Vec<V> {
+        if let [part] = self.subdomains.as_slice() {
+            return vec![evaluate(&part.domain)];
         }
-        let of = &of;
+        let evaluate = &evaluate;
         std::thread::scope(|scope| {
-            let domains = self.parts.iter().map(|part| &part.domain);
-            let threads: Vec<_> = domains.map(|domain| scope.spawn(move || of(domain))).collect();
+            let domains = self.subdomains.iter().map(|part| &part.domain);
+            let threads: Vec<_> =
+                domains.map(|domain| scope.spawn(move || evaluate(domain))).collect();
             threads.into_iter().map(|thread| thread.join().unwrap_or_default()).collect()
         })
     }
 
     /// Returns field and cell of the first non-finite value.
-    pub fn first_non_finite(&self) -> Option<(Field, usize)> {
+    pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
         let own = |part: &Subdomain<T, D>| {
             let (field, cell) = part.domain.first_non_finite()?;
-            Some((part.region.own_global_cell(cell), field))
+            Some((part.region.owned_global_cell(cell), field))
         };
-        let (cell, field) = self.parts.iter().filter_map(own).min_by_key(|own| own.0)?;
+        let (cell, field) = self.subdomains.iter().filter_map(own).min_by_key(|own| own.0)?;
         Some((field, self.permutation.original_cell(cell)))
     }
 
     /// Records all fields of the watched cells in the present state.
-    pub fn record(&mut self) {
-        for part in &mut self.parts {
-            let sides = part.domain.closing_boundaries();
-            for &(_, cell) in &part.watched {
-                part.domain.output_cell_between(cell, sides.as_ref(), &mut part.records);
+    pub fn record_watched(&mut self) {
+        for part in &mut self.subdomains {
+            let boundaries = part.domain.closing_boundaries();
+            for &(_, cell) in &part.watched_cells {
+                part.domain.output_cell_with(cell, boundaries.as_ref(), &mut part.records);
             }
         }
     }
@@ -395,104 +411,107 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     /// Returns the first cell whose stress is outside its yield set.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         let own = |part: &Subdomain<T, D>| {
-            Some(part.region.own_global_cell(part.domain.first_beyond_yield()?))
+            Some(part.region.owned_global_cell(part.domain.first_beyond_yield()?))
         };
-        let first = self.parts.iter().filter_map(own).min();
+        let first = self.subdomains.iter().filter_map(own).min();
         first.map(|cell| self.permutation.original_cell(cell))
     }
 
     /// Returns the output quantities by cell (first axis fastest), see [`Domain::output_cell`].
     pub fn output_fields(&self) -> Vec<Vec<f64>> {
         let of_part = |domain: &Domain<T, D>| {
-            let mut fields = vec![Vec::new(); self.width()];
-            let (sides, mut state) = (domain.closing_boundaries(), Vec::new());
+            let mut fields = vec![Vec::new(); self.quantity_count()];
+            let (boundaries, mut state) = (domain.closing_boundaries(), Vec::new());
             for cell in 0..domain.grid().count() {
                 state.clear();
-                domain.output_cell_between(cell, sides.as_ref(), &mut state);
+                domain.output_cell_with(cell, boundaries.as_ref(), &mut state);
                 for (values, value) in fields.iter_mut().zip(&state) {
                     values.push(*value);
                 }
             }
             fields
         };
-        let mut of_parts: Vec<_> = self.parts.iter().map(|part| of_part(&part.domain)).collect();
-        let fields = 0..self.width();
+        let mut by_subdomain: Vec<_> =
+            self.subdomains.iter().map(|part| of_part(&part.domain)).collect();
+        let fields = 0..self.quantity_count();
         let gathered = fields.map(|field| {
-            let own = of_parts.iter_mut().map(|fields| std::mem::take(&mut fields[field]));
-            self.permutation.unpermute(self.gather(own))
+            let own = by_subdomain.iter_mut().map(|fields| std::mem::take(&mut fields[field]));
+            self.permutation.unpermute(self.assemble_grid_values(own))
         });
         gathered.collect()
     }
 
     /// Returns the stored values of a field (first axis fastest), without completing the step; `None` if there is no
     /// such field.
-    pub fn values(&self, field: Field) -> Option<Vec<T>> {
-        self.inner_values(field).map(|values| self.permutation.unpermute(values))
+    pub fn values(&self, field: SolidField) -> Option<Vec<T>> {
+        self.permuted_values(field).map(|values| self.permutation.unpermute(values))
     }
 
     /// Returns the stored values of a field by cell of the whole grid, with permuted axes.
-    fn inner_values(&self, field: Field) -> Option<Vec<T>> {
-        let of_parts = self.parts.iter().map(|part| part.domain.values(field));
-        let of_parts = of_parts.collect::<Option<Vec<_>>>()?;
-        Some(self.gather(of_parts.into_iter()))
+    fn permuted_values(&self, field: SolidField) -> Option<Vec<T>> {
+        let by_subdomain = self.subdomains.iter().map(|part| part.domain.values(field));
+        let by_subdomain = by_subdomain.collect::<Option<Vec<_>>>()?;
+        Some(self.assemble_grid_values(by_subdomain.into_iter()))
     }
 
-    /// Returns position and memory of all interlayers, in the order of [`Domain::interlayer_memory`] of the whole grid.
+    /// Returns position and history variables of all interlayers, in the order of [`Domain::interlayer_history`] of the whole grid.
     fn interlayers(&self) -> Vec<([usize; 4], [T; 2])> {
         let layer: usize = self.cells[..D - 1].iter().product();
-        let mut all: Vec<_> = self.parts.iter().flat_map(|part| part.interlayers(layer)).collect();
+        let mut all: Vec<_> =
+            self.subdomains.iter().flat_map(|part| part.interlayers(layer)).collect();
         all.sort_unstable_by_key(|own| own.0);
         all
     }
 
-    /// Returns V and S of all interlayers, in the order of [`Domain::interlayer_memory`] of the whole grid.
-    pub fn interlayer_memory(&self) -> Vec<[T; 2]> {
+    /// Returns V and S of all interlayers, in the order of [`Domain::interlayer_history`] of the whole grid.
+    pub fn interlayer_history(&self) -> Vec<[T; 2]> {
         self.interlayers().into_iter().map(|own| own.1).collect()
     }
 
-    fn set_interlayer_memory(&mut self, memory: &[[T; 2]]) {
+    fn set_interlayer_history(&mut self, history: &[[T; 2]]) {
         let places: Vec<_> = self.interlayers().into_iter().map(|own| own.0).collect();
         let layer: usize = self.cells[..D - 1].iter().product();
-        for part in &mut self.parts {
+        for part in &mut self.subdomains {
             let own = part.interlayers(layer).into_iter();
-            let memory = own.map(|(place, _)| {
+            let history = own.map(|(place, _)| {
                 let index = places.partition_point(|other| *other < place);
-                memory.get(index).copied().unwrap_or([T::ZERO; 2])
+                history.get(index).copied().unwrap_or([T::ZERO; 2])
             });
-            part.domain.set_interlayer_memory(&mut memory.collect::<Vec<_>>().into_iter());
+            part.domain.set_interlayer_history(&mut history.collect::<Vec<_>>().into_iter());
         }
     }
 
     /// Initialises interlayers with the motion of the adjacent cells, see [`Domain::initialise_interlayers`].
     pub fn initialise_interlayers(&mut self) {
         let fields = self.fields().to_vec();
-        let values: Vec<_> = fields.iter().map(|&field| self.inner_values(field)).collect();
-        let value = |field: Field, cell: usize| {
+        let values: Vec<_> = fields.iter().map(|&field| self.permuted_values(field)).collect();
+        let value = |field: SolidField, cell: usize| {
             let index = fields.iter().position(|own| *own == field);
             let values = index.and_then(|index| values[index].as_ref());
             values.map_or(T::ZERO, |values| values[cell])
         };
-        for part in &mut self.parts {
-            let cells = part.region.own_global_cells();
-            let memory = part.domain.interlayers_at_start(&self.cells, |cell| cells[cell], value);
-            part.domain.set_interlayer_memory(&mut memory.into_iter());
+        for part in &mut self.subdomains {
+            let cells = part.region.owned_global_cells();
+            let history =
+                part.domain.initial_interlayer_history(&self.cells, |cell| cells[cell], value);
+            part.domain.set_interlayer_history(&mut history.into_iter());
         }
     }
 
     /// Sets the values of a field by cell (first axis fastest).
-    pub fn set(&mut self, field: Field, values: &[T]) {
-        self.set_inner(field, &self.permutation.permute(values));
+    pub fn set(&mut self, field: SolidField, values: &[T]) {
+        self.set_permuted(field, &self.permutation.permute(values));
     }
 
     /// Sets the values of a field by cell of the whole grid with permuted axes, halos included, since output may read
     /// them.
-    fn set_inner(&mut self, field: Field, values: &[T]) {
-        if let [part] = self.parts.as_mut_slice() {
+    fn set_permuted(&mut self, field: SolidField, values: &[T]) {
+        if let [part] = self.subdomains.as_mut_slice() {
             return part.domain.set(field, values);
         }
-        for part in &mut self.parts {
+        for part in &mut self.subdomains {
             let cells = part.region.global_cells();
-            part.domain.set_all(field, |cell| values.get(cells[cell]).copied());
+            part.domain.set_in_all_cells(field, |cell| values.get(cells[cell]).copied());
         }
     }
 }

@@ -3,7 +3,7 @@
 //! The numbers of parts along each axis are given. A run cuts along the last axis alone, into as many parts as threads:
 //! [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis).
 
-use crate::solid::domain::most_steps;
+use crate::solid::domain::max_pass_steps;
 use crate::solid::line::{GHOSTS, HALO};
 use crate::solid::problem::{DomainError, Grid, Scheme};
 use crate::solid::region::Region;
@@ -16,17 +16,17 @@ use std::ops::Range;
 /// by exchanging axis by axis.
 #[derive(Clone, Debug)]
 pub struct Decomposition<const D: usize> {
-    parts: [usize; D],
+    subdomain_counts: [usize; D],
     is_periodic: [bool; D],
     regions: Vec<Region<D>>,
-    most_steps: usize,
+    max_pass_steps: usize,
 }
 
 impl<const D: usize> Decomposition<D> {
     /// Plans `parts` subdomains along each axis of a grid with periodic axes `is_periodic`, for a scheme.
     ///
     /// # Errors
-    /// [`DomainError::Parts`] if an axis has no subdomain, or one of several has fewer cells than the halo of its
+    /// [`DomainError::SubdomainCount`] if an axis has no subdomain, or one of several has fewer cells than the halo of its
     /// neighbour.
     pub fn new(
         grid: &Grid<D>,
@@ -35,15 +35,20 @@ impl<const D: usize> Decomposition<D> {
         parts: [usize; D],
     ) -> Result<Self, DomainError> {
         // With alternating sweeps, output requires one more sweep along the first axis.
-        let beyond = |axis: usize| if axis == 0 && scheme.alternates() { GHOSTS } else { 0 };
-        let mut steps = most_steps::<D>(grid.cells[D - 1] / parts[D - 1].max(1));
+        let beyond = |axis: usize| if axis == 0 && scheme.is_alternating() { GHOSTS } else { 0 };
+        let mut steps = max_pass_steps::<D>(grid.cells[D - 1] / parts[D - 1].max(1));
         for (axis, (&found, &cells)) in parts.iter().zip(&grid.cells).enumerate() {
             let least = cells / found.max(1);
             if found == 0 || (found > 1 && least < HALO + beyond(axis)) {
-                return Err(DomainError::Parts { axis, found, cells, least: HALO + beyond(axis) });
+                return Err(DomainError::SubdomainCount {
+                    axis,
+                    actual: found,
+                    cells,
+                    min_cells: HALO + beyond(axis),
+                });
             }
             if found > 1 {
-                steps = steps.min(most_steps::<D>(least - beyond(axis)));
+                steps = steps.min(max_pass_steps::<D>(least - beyond(axis)));
             }
         }
         let own = |axis: usize, index: usize| -> Range<usize> {
@@ -51,7 +56,7 @@ impl<const D: usize> Decomposition<D> {
             index * cells / count..(index + 1) * cells / count
         };
         let region = |part: usize| {
-            let place = place_of(part, &parts);
+            let place = subdomain_position(part, &parts);
             let halo = std::array::from_fn(|axis| {
                 // On a periodic last axis that is not cut, the halo holds copies of the opposite layers.
                 let comes_round = is_periodic[axis] && (parts[axis] > 1 || axis + 1 == D);
@@ -62,10 +67,10 @@ impl<const D: usize> Decomposition<D> {
         };
         let count: usize = parts.iter().product();
         Ok(Self {
-            parts,
+            subdomain_counts: parts,
             is_periodic,
             regions: (0..count).map(region).collect(),
-            most_steps: steps,
+            max_pass_steps: steps,
         })
     }
 
@@ -77,8 +82,8 @@ impl<const D: usize> Decomposition<D> {
     /// Returns the subdomain beyond an end (0: lower, 1: upper) of an axis of subdomain `part`, if the grid is cut
     /// there.
     pub fn neighbour(&self, part: usize, axis: usize, end: usize) -> Option<usize> {
-        let count = self.parts[axis];
-        let stride: usize = self.parts[..axis].iter().product();
+        let count = self.subdomain_counts[axis];
+        let stride: usize = self.subdomain_counts[..axis].iter().product();
         let place = part / stride % count;
         let is_last = place == [0, count - 1][end];
         if count == 1 || (is_last && !self.is_periodic[axis]) {
@@ -89,13 +94,13 @@ impl<const D: usize> Decomposition<D> {
     }
 
     /// Returns the maximum number of steps per pass: one halo exchange suffices for them.
-    pub fn most_steps(&self) -> usize {
-        self.most_steps
+    pub fn max_pass_steps(&self) -> usize {
+        self.max_pass_steps
     }
 }
 
 /// Returns the position of a subdomain along each axis.
-fn place_of<const D: usize>(mut part: usize, parts: &[usize; D]) -> [usize; D] {
+fn subdomain_position<const D: usize>(mut part: usize, parts: &[usize; D]) -> [usize; D] {
     parts.map(|count| {
         let place = part % count;
         part /= count;
@@ -110,14 +115,14 @@ mod tests {
     use crate::solid::problem::{DomainError, Grid, PlasticStep, Scheme};
 
     #[test]
-    fn parts_tile_the_grid() {
+    fn regions_tile_the_grid() {
         let grid = Grid { cells: [23, 9, 17], spacing: [1.0; 3] };
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
         let plan =
             Decomposition::new(&grid, [true, false, false], &scheme, [3, 2, 4]).expect("sound");
         let mut owners = vec![0; grid.count()];
         for region in plan.regions() {
-            region.own_global_cells().into_iter().for_each(|cell| owners[cell] += 1);
+            region.owned_global_cells().into_iter().for_each(|cell| owners[cell] += 1);
         }
         assert!(owners.iter().all(|count| *count == 1));
         // The neighbour relation is symmetric.
@@ -135,7 +140,7 @@ mod tests {
         let refused = Decomposition::new(&grid, [false; 3], &scheme, [1, 3, 1]);
         assert!(matches!(
             refused,
-            Err(DomainError::Parts { axis: 1, found: 3, cells: 9, least: 4 })
+            Err(DomainError::SubdomainCount { axis: 1, actual: 3, cells: 9, min_cells: 4 })
         ));
     }
 }

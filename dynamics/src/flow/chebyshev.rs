@@ -11,25 +11,25 @@ pub(super) fn stability_limit(stages: usize) -> f64 {
 }
 
 /// Smallest number of stages for a product of decay rate and step size.
-pub(super) fn stages(product: f64) -> usize {
+pub(super) fn required_stages(product: f64) -> usize {
     let estimate = (1.0 + 1.5 * product / (1.0 - 2.0 * DAMPING / 15.0)).sqrt();
     (estimate.ceil() as usize).max(2)
 }
 
 /// Coefficients of a stage:
-/// Yⱼ = (1 − μ − ν) Y₀ + μ Yⱼ₋₁ + ν Yⱼ₋₂ + h (rate F(Yⱼ₋₁) + first F(Y₀)).
+/// Yⱼ = (1 − μ − ν) Y₀ + μ Yⱼ₋₁ + ν Yⱼ₋₂ + h (μ̃ F(Yⱼ₋₁) + γ̃ F(Y₀)).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stage {
+pub(super) struct StageCoefficients {
     pub(super) mu: f64,
     pub(super) nu: f64,
-    pub(super) rate: f64,
-    pub(super) first: f64,
+    pub(super) mu_tilde: f64,
+    pub(super) gamma_tilde: f64,
     /// Time of Yⱼ, in units of the step size.
     pub(super) time: f64,
 }
 
 /// Computes the coefficients of stages 1 … s.
-pub(super) fn scheme(stages: usize) -> Vec<Stage> {
+pub(super) fn compute_coefficients(stages: usize) -> Vec<StageCoefficients> {
     let s = stages as f64;
     let w0 = 1.0 + DAMPING / (s * s);
     // Chebyshev polynomials Tⱼ, Tⱼ′ and Tⱼ″ at w₀.
@@ -52,14 +52,20 @@ pub(super) fn scheme(stages: usize) -> Vec<Stage> {
         1 => w1 * chebyshev[2][2] / chebyshev[2][1] / chebyshev[2][1],
         _ => w1 * chebyshev[j][2] / chebyshev[j][1],
     };
-    let first = Stage { mu: 1.0, nu: 0.0, rate: b(1) * w1, first: 0.0, time: time(1) };
+    let first = StageCoefficients {
+        mu: 1.0,
+        nu: 0.0,
+        mu_tilde: b(1) * w1,
+        gamma_tilde: 0.0,
+        time: time(1),
+    };
     let later = (2..=stages).map(|j| {
         let rate = 2.0 * b(j) * w1 / b(j - 1);
-        Stage {
+        StageCoefficients {
             mu: 2.0 * b(j) * w0 / b(j - 1),
             nu: -b(j) / b(j - 2),
-            rate,
-            first: -(1.0 - b(j - 1) * chebyshev[j - 1][0]) * rate,
+            mu_tilde: rate,
+            gamma_tilde: -(1.0 - b(j - 1) * chebyshev[j - 1][0]) * rate,
             time: time(j),
         }
     });

@@ -1,6 +1,6 @@
 //! Equations for the stress angle ψ at a point (ν = 0).
 
-use super::Field;
+use super::FlowField;
 use models::flow::{FlowKind, RotationKind};
 
 /// Equation for the stress angle.
@@ -16,7 +16,7 @@ pub enum Closure {
 
 impl Closure {
     /// Returns the closure of a model, if it has one.
-    pub fn of(kind: FlowKind) -> Option<Self> {
+    pub fn from_kind(kind: FlowKind) -> Option<Self> {
         Self::from_rotation(kind.rotation())
     }
 
@@ -31,21 +31,21 @@ impl Closure {
     }
 
     /// Returns the field that evolves in addition to the velocity.
-    pub fn internal_variable(self) -> Option<Field> {
+    pub fn internal_variable(self) -> Option<FlowField> {
         match self {
-            Self::HarrisGrekova => Some(Field::Spin),
-            Self::DoubleShearing => Some(Field::StressAngle),
+            Self::HarrisGrekova => Some(FlowField::Spin),
+            Self::DoubleShearing => Some(FlowField::StressAngle),
             Self::PlasticPotential => None,
         }
     }
 
     /// Returns the output fields, velocities first.
-    pub fn fields(self) -> Vec<Field> {
-        let spin = (self == Self::HarrisGrekova).then_some(Field::Spin);
-        [Field::Velocity(0), Field::Velocity(1)]
+    pub fn output_fields(self) -> Vec<FlowField> {
+        let spin = (self == Self::HarrisGrekova).then_some(FlowField::Spin);
+        [FlowField::Velocity(0), FlowField::Velocity(1)]
             .into_iter()
             .chain(spin)
-            .chain([Field::StressAngle, Field::Pressure, Field::ShearRate])
+            .chain([FlowField::StressAngle, FlowField::Pressure, FlowField::ShearRate])
             .collect()
     }
 }
@@ -75,37 +75,41 @@ impl Deformation {
 
     /// Computes cos 2ψ_D and sin 2ψ_D.
     #[inline(always)]
-    fn direction(&self) -> [f64; 2] {
+    fn double_angle(&self) -> [f64; 2] {
         let twice = 2.0 * self.shear_rate();
         self.deviator.map(|part| part / twice)
     }
 }
 
 /// Computes cos 2ψ and sin 2ψ of Harris & Grekova at spin `spin`, rad/s; `branch`: sign of cos 2(ψ − ψ_D).
-/// `None` if `ratio` |ω − s₂₁| > Q_D, or if the result is NaN.
+/// `None` if `rotation_ratio` |ω − s₂₁| > Q_D, or if the result is NaN.
 #[inline(always)]
-pub(super) fn harris_grekova(
+pub(super) fn harris_grekova_double_angle(
     deformation: &Deformation,
-    ratio: f64,
+    rotation_ratio: f64,
     branch: f64,
     spin: f64,
 ) -> Option<[f64; 2]> {
-    let sine = ratio * (spin - deformation.half_vorticity) / deformation.shear_rate();
+    let sine = rotation_ratio * (spin - deformation.half_vorticity) / deformation.shear_rate();
     let square = 1.0 - sine * sine;
     let cosine = branch * square.sqrt();
-    let [cos, sin] = deformation.direction();
+    let [cos, sin] = deformation.double_angle();
     (square >= 0.0).then_some([cos * cosine - sin * sine, sin * cosine + cos * sine])
 }
 
 /// Returns cos 2ψ_D and sin 2ψ_D; `None` if Q_D < `least`, 1/s.
 #[inline(always)]
-pub(super) fn plastic_potential(deformation: &Deformation, least: f64) -> Option<[f64; 2]> {
-    (deformation.shear_rate() >= least).then(|| deformation.direction())
+pub(super) fn coaxial_double_angle(deformation: &Deformation, least: f64) -> Option<[f64; 2]> {
+    (deformation.shear_rate() >= least).then(|| deformation.double_angle())
 }
 
 /// Computes Dψ/Dt of double shearing, rad/s, from cos 2ψ and sin 2ψ; `ratio`: e_r/c_r.
 #[inline(always)]
-pub(super) fn double_shearing(deformation: &Deformation, ratio: f64, [cos, sin]: [f64; 2]) -> f64 {
+pub(super) fn double_shearing_rate(
+    deformation: &Deformation,
+    ratio: f64,
+    [cos, sin]: [f64; 2],
+) -> f64 {
     let [one, other] = deformation.deviator;
     deformation.half_vorticity + 0.5 * (one * sin - other * cos) / ratio
 }

@@ -9,19 +9,21 @@
 //! in coordinates that move with Γx. Advection by Γ and the force that maintains Γ do not contribute, since the
 //! vorticity of an incompressible plane flow is neither stretched nor rotated.
 
-use super::closure::{Closure, Deformation, double_shearing, harris_grekova, plastic_potential};
-use super::pressure::{Equation, Solved, Solver, right_hand_side};
-use super::spectral::{Series, Wave, Waves};
-use super::{Left, Problem};
+use super::closure::{
+    Closure, Deformation, coaxial_double_angle, double_shearing_rate, harris_grekova_double_angle,
+};
+use super::pressure::{Convergence, PressureEquation, PressureSolver, assemble_right_hand_side};
+use super::spectral::{FourierSeries, ModeWaveVector, ModeWaveVectors};
+use super::{FlowProblem, LeftDomain};
 use models::common::elementary::Elementary;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 /// Number of points per parallel task.
-const PART: usize = 4096;
+const POINTS_PER_TASK: usize = 4096;
 
 /// Computes exp(Γt) of a traceless Γ, with Γ² = −det Γ I.
-pub(super) fn exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2]; 2] {
+pub(super) fn matrix_exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2]; 2] {
     let [[a, b], [c, d]] = gradient;
     let square = b * c - a * d;
     let turn = square.abs().sqrt() * time;
@@ -39,48 +41,48 @@ pub(super) fn exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2]; 2] {
 }
 
 /// Fields at the points, from the last evaluation, and constants.
-pub(super) struct Points {
-    pub(super) problem: Problem,
+pub(super) struct PointValues {
+    pub(super) problem: FlowProblem,
     sin_phi: f64,
     /// c cos φ, Pa.
-    cohesion: f64,
+    cohesion_term: f64,
     /// Sign of cos 2(ψ − ψ_D) in the background.
     branch: f64,
     /// Minimum of Q_D, 1/s (plastic potential).
-    least: f64,
+    min_shear_rate: f64,
     /// v′, m/s.
     pub(super) velocity: [Vec<f64>; 2],
     /// ∂₁v′₁ = −∂₂v′₂, ∂₁v′₂ and ∂₂v′₁, 1/s.
-    gradient: [Vec<f64>; 3],
+    perturbation_gradient: [Vec<f64>; 3],
     /// ω, rad/s, or ψ, rad, background included.
     pub(super) internal_variable: Vec<f64>,
     /// cos 2ψ and sin 2ψ.
-    pub(super) direction: [Vec<f64>; 2],
+    pub(super) stress_double_angle: [Vec<f64>; 2],
     /// p − P₀, Pa.
     pub(super) pressure: Vec<f64>,
 }
 
 /// Point index and description of the failure.
-type Fault = (usize, String);
+type PointFailure = (usize, String);
 
-impl Points {
-    fn new(problem: Problem) -> Self {
+impl PointValues {
+    fn new(problem: FlowProblem) -> Self {
         let count: usize = problem.points.iter().product();
         let values = || vec![0.0; count];
         let background = Deformation::new(problem.velocity_gradient);
-        let [cos, sin] = cos_sin(problem.stress_angle);
+        let [cos, sin] = to_double_angle(problem.stress_angle);
         let [one, other] = background.deviator;
         let internal_variable =
             if problem.closure.internal_variable().is_some() { values() } else { Vec::new() };
         Self {
             sin_phi: problem.friction_angle.cr_sin(),
-            cohesion: problem.cohesion * problem.friction_angle.cr_cos(),
+            cohesion_term: problem.cohesion * problem.friction_angle.cr_cos(),
             branch: (one * cos + other * sin).signum(),
-            least: problem.least_shear_rate * background.shear_rate(),
+            min_shear_rate: problem.min_shear_rate * background.shear_rate(),
             velocity: [values(), values()],
-            gradient: [values(), values(), values()],
+            perturbation_gradient: [values(), values(), values()],
             internal_variable,
-            direction: [values(), values()],
+            stress_double_angle: [values(), values()],
             pressure: values(),
             problem,
         }
@@ -90,7 +92,7 @@ impl Points {
     #[inline(always)]
     fn deformation(&self, point: usize) -> Deformation {
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
-        let [a, b, c] = self.gradient.each_ref().map(|own| own[point]);
+        let [a, b, c] = self.perturbation_gradient.each_ref().map(|own| own[point]);
         Deformation::new([[g11 + a, g12 + c], [g21 + b, g22 - a]])
     }
 
@@ -101,54 +103,58 @@ impl Points {
 
     /// Computes q = p sin φ + c cos φ, Pa.
     #[inline(always)]
-    fn deviator(&self, point: usize) -> f64 {
-        (self.problem.pressure + self.pressure[point]) * self.sin_phi + self.cohesion
+    fn deviatoric_stress(&self, point: usize) -> f64 {
+        (self.problem.pressure + self.pressure[point]) * self.sin_phi + self.cohesion_term
     }
 
     /// Computes the source of the pressure equation, −ρ ∂ᵢvⱼ∂ⱼvᵢ without its background part, Pa/m².
     #[inline(always)]
-    fn source(&self, point: usize) -> f64 {
+    fn pressure_source(&self, point: usize) -> f64 {
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
-        let [a, b, c] = self.gradient.each_ref().map(|own| own[point]);
+        let [a, b, c] = self.perturbation_gradient.each_ref().map(|own| own[point]);
         let mixed = (g11 - g22) * a + g12 * b + g21 * c;
         -2.0 * self.problem.density * (mixed + a * a + b * c)
     }
 
     /// Computes T₁₂, m²/s².
     #[inline(always)]
-    fn shear(&self, point: usize) -> f64 {
+    fn shear_momentum_flux(&self, point: usize) -> f64 {
         let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
-        self.deviator(point) * self.direction[1][point] / self.problem.density - v1 * v2
+        self.deviatoric_stress(point) * self.stress_double_angle[1][point] / self.problem.density
+            - v1 * v2
     }
 
     /// Computes T₁₁ − T₂₂, m²/s².
     #[inline(always)]
-    fn difference(&self, point: usize) -> f64 {
+    fn normal_momentum_flux_difference(&self, point: usize) -> f64 {
         let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
-        2.0 * self.deviator(point) * self.direction[0][point] / self.problem.density
+        2.0 * self.deviatoric_stress(point) * self.stress_double_angle[0][point]
+            / self.problem.density
             - (v1 * v1 - v2 * v2)
     }
 
     /// Computes Dψ/Dt of double shearing, rad/s.
     #[inline(always)]
-    fn turning(&self, point: usize) -> f64 {
-        let direction = self.direction.each_ref().map(|own| own[point]);
-        double_shearing(&self.deformation(point), self.problem.rotation_ratio, direction)
+    fn stress_angle_rate(&self, point: usize) -> f64 {
+        let direction = self.stress_double_angle.each_ref().map(|own| own[point]);
+        double_shearing_rate(&self.deformation(point), self.problem.rotation_ratio, direction)
     }
 
     /// Computes cos 2ψ and sin 2ψ at all points.
-    fn direct(&mut self) -> Result<(), Fault> {
-        let mut direction = std::mem::take(&mut self.direction);
+    fn update_double_angles(&mut self) -> Result<(), PointFailure> {
+        let mut direction = std::mem::take(&mut self.stress_double_angle);
         let [cosines, sines] = &mut direction;
         let own = &*self;
         let first = cosines
-            .par_chunks_mut(PART)
-            .zip(sines.par_chunks_mut(PART))
+            .par_chunks_mut(POINTS_PER_TASK)
+            .zip(sines.par_chunks_mut(POINTS_PER_TASK))
             .enumerate()
             .filter_map(|(part, (cosines, sines))| {
                 let mut first = None;
-                for (point, (cos, sin)) in (PART * part..).zip(cosines.iter_mut().zip(sines)) {
-                    match own.direction(point) {
+                for (point, (cos, sin)) in
+                    (POINTS_PER_TASK * part..).zip(cosines.iter_mut().zip(sines))
+                {
+                    match own.double_angle(point) {
                         Some(found) => [*cos, *sin] = found,
                         None => first = first.or(Some(point)),
                     }
@@ -156,30 +162,30 @@ impl Points {
                 first
             })
             .min();
-        self.direction = direction;
-        first.map_or(Ok(()), |point| Err((point, self.undirected(point))))
+        self.stress_double_angle = direction;
+        first.map_or(Ok(()), |point| Err((point, self.describe_undetermined_angle(point))))
     }
 
     #[inline(always)]
-    fn direction(&self, point: usize) -> Option<[f64; 2]> {
+    fn double_angle(&self, point: usize) -> Option<[f64; 2]> {
         let deformation = self.deformation(point);
         match self.problem.closure {
-            Closure::HarrisGrekova => harris_grekova(
+            Closure::HarrisGrekova => harris_grekova_double_angle(
                 &deformation,
                 self.problem.rotation_ratio,
                 self.branch,
                 self.internal_variable[point],
             ),
             Closure::DoubleShearing => {
-                let found = cos_sin(self.internal_variable[point]);
+                let found = to_double_angle(self.internal_variable[point]);
                 found[0].is_finite().then_some(found)
             }
-            Closure::PlasticPotential => plastic_potential(&deformation, self.least),
+            Closure::PlasticPotential => coaxial_double_angle(&deformation, self.min_shear_rate),
         }
     }
 
     /// Describes why the stress angle of a point is undetermined.
-    fn undirected(&self, point: usize) -> String {
+    fn describe_undetermined_angle(&self, point: usize) -> String {
         let deformation = self.deformation(point);
         let rate = deformation.shear_rate();
         match self.problem.closure {
@@ -193,24 +199,24 @@ impl Points {
             }
             Closure::DoubleShearing => "the stress angle is not finite".to_owned(),
             Closure::PlasticPotential => {
-                format!("Q_D = {rate:.6e} 1/s is below {:.6e}: nearly rigid", self.least)
+                format!("Q_D = {rate:.6e} 1/s is below {:.6e}: nearly rigid", self.min_shear_rate)
             }
         }
     }
 
     /// Computes the mean powers; checks that q > 0 at all points.
-    fn weigh(&self) -> Result<Powers, Fault> {
+    fn compute_powers(&self) -> Result<MeanPowers, PointFailure> {
         let (density, count) = (self.problem.density, self.pressure.len());
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
-        let parts: Vec<(Option<usize>, [f64; 3])> = (0..count.div_ceil(PART))
+        let parts: Vec<(Option<usize>, [f64; 3])> = (0..count.div_ceil(POINTS_PER_TASK))
             .into_par_iter()
             .map(|part| {
                 let (mut first, mut sums) = (None, [0.0; 3]);
-                for point in PART * part..count.min(PART * (part + 1)) {
-                    let [cos, sin] = self.direction.each_ref().map(|own| own[point]);
+                for point in POINTS_PER_TASK * part..count.min(POINTS_PER_TASK * (part + 1)) {
+                    let [cos, sin] = self.stress_double_angle.each_ref().map(|own| own[point]);
                     let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
-                    let [a, b, c] = self.gradient.each_ref().map(|own| own[point]);
-                    let q = self.deviator(point);
+                    let [a, b, c] = self.perturbation_gradient.each_ref().map(|own| own[point]);
+                    let q = self.deviatoric_stress(point);
                     // Also catches NaN.
                     if !matches!(q.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater)) {
                         first = first.or(Some(point));
@@ -224,20 +230,21 @@ impl Points {
             })
             .collect();
         if let Some(point) = parts.iter().find_map(|part| part.0) {
-            let (p, q) = (self.problem.pressure + self.pressure[point], self.deviator(point));
+            let (p, q) =
+                (self.problem.pressure + self.pressure[point], self.deviatoric_stress(point));
             return Err((point, format!("p = {p:.6e} Pa, so that q = {q:.6e} Pa is not positive")));
         }
         // Fixed order of the partial sums: the same bits for any number of threads.
         let [background, stress, internal] = parts.iter().fold([0.0; 3], |all, (_, own)| {
             std::array::from_fn(|i| all[i] + own[i] / count as f64)
         });
-        Ok(Powers { background, stress, internal })
+        Ok(MeanPowers { background, stress, internal })
     }
 }
 
 /// Mean powers of the last evaluated state, W/m³.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Powers {
+pub(super) struct MeanPowers {
     /// Power of the background flow, −ρ⟨v′·Γv′⟩.
     pub(super) background: f64,
     /// Power of the stress, −⟨qN : ∇v′⟩.
@@ -247,194 +254,238 @@ pub(super) struct Powers {
 }
 
 /// Right-hand side with its buffers.
-pub(super) struct Equations {
-    pub(super) points: Points,
-    pub(super) series: Series,
+pub(super) struct FlowEquations {
+    pub(super) points: PointValues,
+    pub(super) series: FourierSeries,
     /// Wave vectors at the time of the last evaluation.
-    waves: Waves,
-    solver: Solver,
-    pub(super) powers: Powers,
+    waves: ModeWaveVectors,
+    pressure_solver: PressureSolver,
+    pub(super) powers: MeanPowers,
     /// Modes of p − P₀; initial guess of the next solution.
     pub(super) pressure: Vec<Complex64>,
     /// Buffers for transforms.
-    modes: [Vec<Complex64>; 3],
-    right: Vec<Complex64>,
+    mode_buffers: [Vec<Complex64>; 3],
+    pressure_right_hand_side: Vec<Complex64>,
     /// Numbers of evaluations and of pressure iterations.
-    pub(super) effort: [usize; 2],
+    pub(super) evaluation_counts: [usize; 2],
     /// Relative residual of the last pressure solution.
-    pub(super) residual: f64,
+    pub(super) pressure_residual: f64,
 }
 
-impl Equations {
-    pub(super) fn new(problem: Problem) -> Self {
-        let series = Series::new(problem.points);
-        let modes = || vec![Complex64::ZERO; series.count()];
+impl FlowEquations {
+    pub(super) fn new(problem: FlowProblem) -> Self {
+        let series = FourierSeries::new(problem.points);
+        let modes = || vec![Complex64::ZERO; series.mode_count()];
         Self {
-            waves: Waves::new(
+            waves: ModeWaveVectors::new(
                 &series,
                 problem.lengths,
-                exponential(problem.velocity_gradient, 0.0),
+                matrix_exponential(problem.velocity_gradient, 0.0),
             ),
-            points: Points::new(problem),
-            powers: Powers::default(),
+            points: PointValues::new(problem),
+            powers: MeanPowers::default(),
             pressure: modes(),
-            modes: [modes(), modes(), modes()],
-            right: modes(),
-            solver: Solver::new(&series),
+            mode_buffers: [modes(), modes(), modes()],
+            pressure_right_hand_side: modes(),
+            pressure_solver: PressureSolver::new(&series),
             series,
-            effort: [0; 2],
-            residual: 0.0,
+            evaluation_counts: [0; 2],
+            pressure_residual: 0.0,
         }
     }
 
-    pub(super) fn problem(&self) -> &Problem {
+    pub(super) fn problem(&self) -> &FlowProblem {
         &self.points.problem
     }
 
     /// Length of the state: modes of ζ, then of ω or ψ; then works of background and stress; then ω or ψ of the
     /// background.
-    pub(super) fn size(&self) -> usize {
-        self.series.count()
+    pub(super) fn state_length(&self) -> usize {
+        self.series.mode_count()
             * (1 + usize::from(self.problem().closure.internal_variable().is_some()))
             + 2
     }
 
     /// Computes the time derivative of ω or ψ of the background, which is independent of perturbations.
     fn background_rate(&self, internal_variable: f64) -> f64 {
-        let Problem { closure, velocity_gradient, spin_acceleration, rotation_ratio, .. } =
+        let FlowProblem { closure, velocity_gradient, spin_acceleration, rotation_ratio, .. } =
             self.problem();
         match closure {
             Closure::HarrisGrekova => *spin_acceleration,
             Closure::DoubleShearing => {
                 let deformation = Deformation::new(*velocity_gradient);
-                double_shearing(&deformation, *rotation_ratio, cos_sin(internal_variable))
+                double_shearing_rate(
+                    &deformation,
+                    *rotation_ratio,
+                    to_double_angle(internal_variable),
+                )
             }
             Closure::PlasticPotential => 0.0,
         }
     }
 
     /// Computes the wave vectors at a time, s.
-    pub(super) fn waves(&self, time: f64) -> Waves {
-        let deformation = exponential(self.problem().velocity_gradient, time);
-        Waves::new(&self.series, self.problem().lengths, deformation)
+    pub(super) fn compute_wave_vectors(&self, time: f64) -> ModeWaveVectors {
+        let deformation = matrix_exponential(self.problem().velocity_gradient, time);
+        ModeWaveVectors::new(&self.series, self.problem().lengths, deformation)
     }
 
     /// Computes the time derivative of a state.
     ///
     /// # Errors
     /// The stress is undetermined at a point, or the pressure solution does not converge.
-    pub(super) fn rates(
+    pub(super) fn compute_rates(
         &mut self,
         time: f64,
         state: &[Complex64],
         rates: &mut [Complex64],
-    ) -> Result<(), Left> {
-        let (count, size) = (self.series.count(), self.size());
+    ) -> Result<(), LeftDomain> {
+        let (count, size) = (self.series.mode_count(), self.state_length());
         let (vorticity, rest) = state.split_at(count);
         let (vorticity_rates, rest_rates) = rates.split_at_mut(count);
-        let deformation = exponential(self.problem().velocity_gradient, time);
+        let deformation = matrix_exponential(self.problem().velocity_gradient, time);
         self.waves.deform(&self.series, self.points.problem.lengths, deformation);
-        self.evaluate(vorticity, rest);
-        self.points.direct().map_err(|fault| self.left(fault, time))?;
-        self.press(time)?;
-        self.powers = self.points.weigh().map_err(|fault| self.left(fault, time))?;
-        self.drive(vorticity_rates);
+        self.evaluate_fields(vorticity, rest);
+        self.points.update_double_angles().map_err(|fault| self.locate_failure(fault, time))?;
+        self.solve_pressure(time)?;
+        self.powers =
+            self.points.compute_powers().map_err(|fault| self.locate_failure(fault, time))?;
+        self.compute_vorticity_rates(vorticity_rates);
         if self.problem().closure.internal_variable().is_some() {
-            self.advect(rest[0].re, &mut rest_rates[..count]);
+            self.compute_internal_variable_rates(rest[0].re, &mut rest_rates[..count]);
         }
-        let Powers { background, stress, .. } = self.powers;
+        let MeanPowers { background, stress, .. } = self.powers;
         rest_rates[size - count - 2] = Complex64::new(background, stress);
         rest_rates[size - count - 1] = self.background_rate(state[size - 1].re).into();
         Ok(())
     }
 
-    fn left(&self, (point, what): Fault, time: f64) -> Left {
-        let Problem { points, lengths, .. } = self.problem();
+    fn locate_failure(&self, (point, what): PointFailure, time: f64) -> LeftDomain {
+        let FlowProblem { points, lengths, .. } = self.problem();
         let index = [point % points[0], point / points[0]];
         let place = |axis: usize| (index[axis] as f64 + 0.5) * lengths[axis] / points[axis] as f64;
-        Left { what, at: Some([place(0), place(1)]), time }
+        LeftDomain { description: what, position: Some([place(0), place(1)]), time }
     }
 
     /// Evaluates velocity, velocity gradient, and ω or ψ at the points.
-    fn evaluate(&mut self, vorticity: &[Complex64], rest: &[Complex64]) {
-        let Points { velocity: [v1, v2], gradient: [g11, g21, g12], internal_variable, .. } =
-            &mut self.points;
+    fn evaluate_fields(&mut self, vorticity: &[Complex64], rest: &[Complex64]) {
+        let PointValues {
+            velocity: [v1, v2],
+            perturbation_gradient: [g11, g21, g12],
+            internal_variable,
+            ..
+        } = &mut self.points;
         let (series, waves) = (&mut self.series, &self.waves);
         // v̂ = iζ̂ (k₂, −k₁)/k².
         let i = Complex64::I;
-        series.inverse(vorticity, waves, |w| i * (w.vector[1] * w.inverse_square), v1);
-        series.inverse(vorticity, waves, |w| -i * (w.vector[0] * w.inverse_square), v2);
-        let second = |w: &Wave, a: usize, b: usize| {
-            Complex64::from(w.vector[a] * w.vector[b] * w.inverse_square)
+        series.transform_inverse(
+            vorticity,
+            waves,
+            |w| i * (w.components[1] * w.inverse_square),
+            v1,
+        );
+        series.transform_inverse(
+            vorticity,
+            waves,
+            |w| -i * (w.components[0] * w.inverse_square),
+            v2,
+        );
+        let second = |w: &ModeWaveVector, a: usize, b: usize| {
+            Complex64::from(w.components[a] * w.components[b] * w.inverse_square)
         };
-        series.inverse(vorticity, waves, |w| -second(w, 0, 1), g11);
-        series.inverse(vorticity, waves, |w| second(w, 0, 0), g21);
-        series.inverse(vorticity, waves, |w| -second(w, 1, 1), g12);
+        series.transform_inverse(vorticity, waves, |w| -second(w, 0, 1), g11);
+        series.transform_inverse(vorticity, waves, |w| second(w, 0, 0), g21);
+        series.transform_inverse(vorticity, waves, |w| -second(w, 1, 1), g12);
         if !internal_variable.is_empty() {
-            series.inverse(&rest[..series.count()], waves, |_| Complex64::ONE, internal_variable);
+            series.transform_inverse(
+                &rest[..series.mode_count()],
+                waves,
+                |_| Complex64::ONE,
+                internal_variable,
+            );
         }
     }
 
     /// Solves for the pressure, as modes and at the points.
-    fn press(&mut self, time: f64) -> Result<(), Left> {
+    fn solve_pressure(&mut self, time: f64) -> Result<(), LeftDomain> {
         let (series, waves, points) = (&mut self.series, &self.waves, &self.points);
-        let [cosines, sines] = points.direction.each_ref().map(Vec::as_slice);
-        let [cos, sin, source] = &mut self.modes;
-        series.forward(|point| cosines[point], cos);
-        series.forward(|point| sines[point], sin);
-        series.forward(|point| points.source(point), source);
-        let stress = points.problem.pressure * points.sin_phi + points.cohesion;
-        right_hand_side(series, waves, source, [cos, sin], stress, &mut self.right);
-        let equation = Equation {
+        let [cosines, sines] = points.stress_double_angle.each_ref().map(Vec::as_slice);
+        let [cos, sin, source] = &mut self.mode_buffers;
+        series.transform_forward(|point| cosines[point], cos);
+        series.transform_forward(|point| sines[point], sin);
+        series.transform_forward(|point| points.pressure_source(point), source);
+        let stress = points.problem.pressure * points.sin_phi + points.cohesion_term;
+        assemble_right_hand_side(
+            series,
+            waves,
+            source,
+            [cos, sin],
+            stress,
+            &mut self.pressure_right_hand_side,
+        );
+        let equation = PressureEquation {
             waves,
             sin_phi: points.sin_phi,
-            direction: [cosines, sines],
-            mean: [cos[0].re, sin[0].re],
+            stress_double_angle: [cosines, sines],
+            mean_double_angle: [cos[0].re, sin[0].re],
         };
         let tolerance = points.problem.pressure_tolerance;
         let pressure = &mut self.pressure;
-        let solved = self.solver.solve(series, &equation, &self.right, tolerance, pressure);
-        let Solved { iterations, residual } = solved.map_err(|solved| {
+        let solved = self.pressure_solver.solve(
+            series,
+            &equation,
+            &self.pressure_right_hand_side,
+            tolerance,
+            pressure,
+        );
+        let Convergence { iterations, residual } = solved.map_err(|solved| {
             // The failed solution may be non-finite: not an initial guess.
             pressure.fill(Complex64::ZERO);
             let (residual, count) = (solved.residual, solved.iterations);
             let what = format!("no pressure: residual {residual:.1e} after {count} iterations");
-            Left { what, at: None, time }
+            LeftDomain { description: what, position: None, time }
         })?;
-        self.effort = [self.effort[0] + 1, self.effort[1] + iterations];
-        self.residual = residual;
-        series.inverse(&self.pressure, waves, |_| Complex64::ONE, &mut self.points.pressure);
+        self.evaluation_counts =
+            [self.evaluation_counts[0] + 1, self.evaluation_counts[1] + iterations];
+        self.pressure_residual = residual;
+        series.transform_inverse(
+            &self.pressure,
+            waves,
+            |_| Complex64::ONE,
+            &mut self.points.pressure,
+        );
         Ok(())
     }
 
     /// Computes the time derivative of the vorticity.
-    fn drive(&mut self, rates: &mut [Complex64]) {
+    fn compute_vorticity_rates(&mut self, rates: &mut [Complex64]) {
         let (series, points) = (&mut self.series, &self.points);
-        let [shear, difference, _] = &mut self.modes;
-        series.forward(|point| points.shear(point), shear);
-        series.forward(|point| points.difference(point), difference);
-        series.fill(rates, &self.waves, |wave, i| {
-            let [k1, k2] = wave.vector;
+        let [shear, difference, _] = &mut self.mode_buffers;
+        series.transform_forward(|point| points.shear_momentum_flux(point), shear);
+        series.transform_forward(|point| points.normal_momentum_flux_difference(point), difference);
+        series.fill_modes(rates, &self.waves, |wave, i| {
+            let [k1, k2] = wave.components;
             k1 * k2 * difference[i] - (k1 * k1 - k2 * k2) * shear[i]
         });
     }
 
     /// Computes the time derivative of ω or ψ; `mean` is their mean.
-    fn advect(&mut self, mean: f64, rates: &mut [Complex64]) {
+    fn compute_internal_variable_rates(&mut self, mean: f64, rates: &mut [Complex64]) {
         let (series, points) = (&mut self.series, &self.points);
-        let [one, other, source] = &mut self.modes;
+        let [one, other, source] = &mut self.mode_buffers;
         let [v1, v2] = &points.velocity;
-        series.forward(|point| v1[point] * (points.internal_variable[point] - mean), one);
-        series.forward(|point| v2[point] * (points.internal_variable[point] - mean), other);
+        series.transform_forward(|point| v1[point] * (points.internal_variable[point] - mean), one);
+        series
+            .transform_forward(|point| v2[point] * (points.internal_variable[point] - mean), other);
         if points.problem.closure == Closure::DoubleShearing {
-            series.forward(|point| points.turning(point), source);
+            series.transform_forward(|point| points.stress_angle_rate(point), source);
         } else {
             source.fill(Complex64::ZERO);
             source[0].re = points.problem.spin_acceleration;
         }
         let i = Complex64::I;
-        series.fill(rates, &self.waves, |wave, index| {
-            let [k1, k2] = wave.vector;
+        series.fill_modes(rates, &self.waves, |wave, index| {
+            let [k1, k2] = wave.components;
             source[index] - i * (k1 * one[index] + k2 * other[index])
         });
     }
@@ -442,7 +493,7 @@ impl Equations {
 
 /// Computes cos 2ψ and sin 2ψ.
 #[inline(always)]
-pub(super) fn cos_sin(angle: f64) -> [f64; 2] {
+pub(super) fn to_double_angle(angle: f64) -> [f64; 2] {
     let (sin, cos) = (2.0 * angle).cr_sin_cos();
     [cos, sin]
 }

@@ -1,31 +1,31 @@
 //! Initial perturbations of a flow at the points of its box: waves, wave packets and random Fourier series.
 
-use super::spectral::greatest_modes;
+use super::spectral::max_dealiased_modes;
 use models::common::elementary::{Elementary, cr_cis, cr_from_polar};
 use num_complex::Complex64;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Mode m and amplitude c of the wave Re c exp(ik·y), k = 2π(m₁/L₁, m₂/L₂).
-pub type PlaneWave = ([i64; 2], Complex64);
+pub type FourierMode = ([i64; 2], Complex64);
 
 /// Points of the initial box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// Number of points along each axis.
-    pub count: [usize; 2],
+    pub points: [usize; 2],
     /// Edge lengths of the box, m.
     pub lengths: [f64; 2],
 }
 
 /// The wave A cos(k·y + phase), phase in rad.
-pub fn wave(mode: [i64; 2], amplitude: f64, phase: f64) -> PlaneWave {
+pub fn plane_wave(mode: [i64; 2], amplitude: f64, phase: f64) -> FourierMode {
     (mode, cr_from_polar(amplitude, phase))
 }
 
 /// Random series of all modes with `from` ≤ |m| ≤ `to` (one of each pair ±m), of equal amplitudes, with root mean
 /// square `amplitude`. The phase of a mode depends only on the seed and the mode.
-pub fn noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<PlaneWave> {
+pub fn generate_noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<FourierMode> {
     let most = to as i64;
     let in_band = |[m1, m2]: &[i64; 2]| {
         let square = (m1 * m1 + m2 * m2) as f64;
@@ -37,14 +37,15 @@ pub fn noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<PlaneWave> {
         .collect();
     let each = amplitude * (2.0 / modes.len() as f64).sqrt();
     let phase = |mode: [i64; 2]| {
-        let hash = mode.iter().fold(mix(seed), |hash, m| mix(hash ^ m.cast_unsigned()));
+        let hash =
+            mode.iter().fold(splitmix64(seed), |hash, m| splitmix64(hash ^ m.cast_unsigned()));
         2.0 * PI * (hash >> 11) as f64 / (1u64 << 53) as f64
     };
     modes.into_iter().map(|mode| (mode, cr_from_polar(each, phase(mode)))).collect()
 }
 
 /// One step of the SplitMix64 generator (Steele, Lea & Flood 2014).
-fn mix(state: u64) -> u64 {
+fn splitmix64(state: u64) -> u64 {
     let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -52,63 +53,72 @@ fn mix(state: u64) -> u64 {
 }
 
 /// Tabulates exp(iπh/n), h = 0 … 2n − 1.
-fn turn(points: usize) -> Vec<Complex64> {
+fn tabulate_roots_of_unity(points: usize) -> Vec<Complex64> {
     (0..2 * points).map(|half| cr_cis(PI * half as f64 / points as f64)).collect()
 }
 
-/// Iterates over exp(2πimy/L) at the points of an axis, from the table of [`turn`]; the index is reduced modulo 2n.
-fn along(mode: i64, turn: &[Complex64]) -> impl Iterator<Item = Complex64> {
-    let count = turn.len() as i64;
-    (0..count / 2).map(move |i| turn[(mode * (2 * i + 1)).rem_euclid(count) as usize])
+/// Iterates over exp(2πimy/L) at the points of an axis, from the table of [`tabulate_roots_of_unity`]; the index is
+/// reduced modulo 2n.
+fn iterate_phases(mode: i64, table: &[Complex64]) -> impl Iterator<Item = Complex64> {
+    let count = table.len() as i64;
+    (0..count / 2).map(move |i| table[(mode * (2 * i + 1)).rem_euclid(count) as usize])
 }
 
 impl Lattice {
     /// Returns the coordinate of a point along an axis, m.
     fn position(&self, axis: usize, index: usize) -> f64 {
-        (index as f64 + 0.5) * self.lengths[axis] / self.count[axis] as f64
+        (index as f64 + 0.5) * self.lengths[axis] / self.points[axis] as f64
     }
 
     /// Evaluates a scalar field at the points (x₁ fastest), multiplied by an optional envelope. Unresolved modes are
     /// omitted, since they would be aliased.
-    pub fn scalar(&self, waves: &[PlaneWave], envelope: Option<&[f64]>) -> Vec<f64> {
-        under(envelope, self.sum(self.held(waves)))
+    pub fn evaluate_scalar(&self, waves: &[FourierMode], envelope: Option<&[f64]>) -> Vec<f64> {
+        apply_envelope(envelope, self.sum_modes(self.select_resolved_modes(waves)))
     }
 
-    /// Evaluates a transverse velocity, along (−k₂, k₁)/|k|, by axis; see [`scalar`](Self::scalar).
-    pub fn transverse(&self, waves: &[PlaneWave], envelope: Option<&[f64]>) -> [Vec<f64>; 2] {
+    /// Evaluates a transverse velocity, along (−k₂, k₁)/|k|, by axis; see [`evaluate_scalar`](Self::evaluate_scalar).
+    pub fn evaluate_transverse(
+        &self,
+        waves: &[FourierMode],
+        envelope: Option<&[f64]>,
+    ) -> [Vec<f64>; 2] {
         let across = |mode: [i64; 2], axis: usize| {
             let k = [0, 1].map(|axis| mode[axis] as f64 / self.lengths[axis]);
             [-k[1], k[0]][axis] / k[0].root_sum_square(k[1])
         };
         [0, 1].map(|axis| {
-            let waves = self.held(waves).map(|(mode, c)| (mode, c * across(mode, axis)));
-            under(envelope, self.sum(waves))
+            let waves =
+                self.select_resolved_modes(waves).map(|(mode, c)| (mode, c * across(mode, axis)));
+            apply_envelope(envelope, self.sum_modes(waves))
         })
     }
 
     /// Selects the resolved modes.
-    fn held<'a>(&self, waves: &'a [PlaneWave]) -> impl Iterator<Item = PlaneWave> + use<'a> {
-        let greatest = greatest_modes(self.count);
-        let is_held = move |wave: &PlaneWave| {
+    fn select_resolved_modes<'a>(
+        &self,
+        waves: &'a [FourierMode],
+    ) -> impl Iterator<Item = FourierMode> + use<'a> {
+        let greatest = max_dealiased_modes(self.points);
+        let is_held = move |wave: &FourierMode| {
             wave.0.iter().zip(greatest).all(|(m, most)| m.unsigned_abs() <= most as u64)
         };
         waves.iter().copied().filter(is_held)
     }
 
     /// Evaluates Σ Re c exp(ik·y) at the points, by partial sums along the second axis.
-    fn sum(&self, waves: impl IntoIterator<Item = PlaneWave>) -> Vec<f64> {
-        let [columns, rows] = self.count;
-        let [column_turn, row_turn] = self.count.map(turn);
+    fn sum_modes(&self, waves: impl IntoIterator<Item = FourierMode>) -> Vec<f64> {
+        let [columns, rows] = self.points;
+        let [column_turn, row_turn] = self.points.map(tabulate_roots_of_unity);
         let mut by_first: BTreeMap<i64, Vec<Complex64>> = BTreeMap::new();
         for ([m1, m2], amplitude) in waves {
             let sums = by_first.entry(m1).or_insert_with(|| vec![Complex64::ZERO; rows]);
-            for (sum, wave) in sums.iter_mut().zip(along(m2, &row_turn)) {
+            for (sum, wave) in sums.iter_mut().zip(iterate_phases(m2, &row_turn)) {
                 *sum += amplitude * wave;
             }
         }
         let mut values = vec![0.0; columns * rows];
         for (m1, sums) in by_first {
-            let waves: Vec<Complex64> = along(m1, &column_turn).collect();
+            let waves: Vec<Complex64> = iterate_phases(m1, &column_turn).collect();
             for (row, sum) in values.chunks_exact_mut(columns).zip(sums) {
                 for (value, wave) in row.iter_mut().zip(&waves) {
                     *value += sum.re * wave.re - sum.im * wave.im;
@@ -119,21 +129,21 @@ impl Lattice {
     }
 
     /// Evaluates the Gaussian exp(−(r/radius)²) at the points; r, m: distance from the nearest periodic image of `at`.
-    pub fn bell(&self, at: [f64; 2], radius: f64) -> Vec<f64> {
+    pub fn evaluate_gaussian(&self, at: [f64; 2], radius: f64) -> Vec<f64> {
         let [first, second] = [0, 1].map(|axis| -> Vec<f64> {
             let length = self.lengths[axis];
             let distance = |i: usize| {
                 let distance = (self.position(axis, i) - at[axis]).abs();
                 distance.min(length - distance)
             };
-            (0..self.count[axis]).map(|i| (-(distance(i) / radius).powi(2)).cr_exp()).collect()
+            (0..self.points[axis]).map(|i| (-(distance(i) / radius).powi(2)).cr_exp()).collect()
         });
         second.iter().flat_map(|b| first.iter().map(move |a| a * b)).collect()
     }
 }
 
 /// Multiplies values by an envelope.
-fn under(envelope: Option<&[f64]>, mut values: Vec<f64>) -> Vec<f64> {
+fn apply_envelope(envelope: Option<&[f64]>, mut values: Vec<f64>) -> Vec<f64> {
     if let Some(bell) = envelope {
         values.iter_mut().zip(bell).for_each(|(value, bell)| *value *= bell);
     }
@@ -144,16 +154,16 @@ fn under(envelope: Option<&[f64]>, mut values: Vec<f64>) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    fn lattice(count: [usize; 2]) -> Lattice {
-        Lattice { count, lengths: [0.1, 0.3] }
+    fn small_lattice(count: [usize; 2]) -> Lattice {
+        Lattice { points: count, lengths: [0.1, 0.3] }
     }
 
     /// Verifies the values of a wave against the formula, and that its velocity is normal to the wave vector.
     #[test]
     fn waves_are_transverse() {
-        let grid = lattice([16, 24]);
-        let wave = wave([2, -3], 0.7, 25f64.to_radians());
-        let velocity = grid.transverse(&[wave], None);
+        let grid = small_lattice([16, 24]);
+        let wave = plane_wave([2, -3], 0.7, 25f64.to_radians());
+        let velocity = grid.evaluate_transverse(&[wave], None);
         let k = [2.0 * PI * 2.0 / 0.1, -2.0 * PI * 3.0 / 0.3];
         let size = k[0].hypot(k[1]);
         for j in 0..24 {
@@ -171,34 +181,35 @@ mod tests {
     /// Verifies the root mean square of noise, its independence of the grid, and that it depends on the seed.
     #[test]
     fn noise_does_not_depend_on_the_grid() {
-        let modes = noise(2.0, 5.0, 0.3, 7);
+        let modes = generate_noise(2.0, 5.0, 0.3, 7);
         let mean_square = |values: &[f64]| {
             values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
         };
-        let coarse = lattice([16, 16]).scalar(&modes, None);
+        let coarse = small_lattice([16, 16]).evaluate_scalar(&modes, None);
         assert!((mean_square(&coarse).sqrt() - 0.3).abs() < 1e-13);
         // On a grid three times as fine, every third point is a point of the coarse grid.
-        let fine = lattice([48, 48]).scalar(&modes, None);
+        let fine = small_lattice([48, 48]).evaluate_scalar(&modes, None);
         for j in 0..16 {
             for i in 0..16 {
                 let (one, other) = (coarse[j * 16 + i], fine[(3 * j + 1) * 48 + 3 * i + 1]);
                 assert!((one - other).abs() < 1e-12);
             }
         }
-        let other = lattice([16, 16]).scalar(&noise(2.0, 5.0, 0.3, 8), None);
+        let other =
+            small_lattice([16, 16]).evaluate_scalar(&generate_noise(2.0, 5.0, 0.3, 8), None);
         let product: f64 = coarse.iter().zip(&other).map(|(a, b)| a * b).sum();
         assert!(product.abs() < 0.5 * 256.0 * 0.09, "{product}");
         // A wider band has the same phases in common modes.
         let wider: BTreeMap<[i64; 2], f64> =
-            noise(1.0, 9.0, 1.0, 7).iter().map(|(mode, c)| (*mode, c.arg())).collect();
+            generate_noise(1.0, 9.0, 1.0, 7).iter().map(|(mode, c)| (*mode, c.arg())).collect();
         assert!(modes.iter().all(|(mode, c)| (wider[mode] - c.arg()).abs() < 1e-14));
-        assert_eq!(noise(1.0, 1.0, 1.0, 0).len(), 2);
+        assert_eq!(generate_noise(1.0, 1.0, 1.0, 0).len(), 2);
     }
 
     /// Verifies that a Gaussian has its maximum at its centre and is periodic.
     #[test]
-    fn bells_are_periodic() {
-        let bell = lattice([20, 20]).bell([0.0025, 0.15], 0.02);
+    fn gaussians_are_periodic() {
+        let bell = small_lattice([20, 20]).evaluate_gaussian([0.0025, 0.15], 0.02);
         // The point with indices 0 and 10 is the centre.
         let middle = 200;
         let greatest = bell.iter().fold(0.0f64, |a, b| a.max(*b));

@@ -11,40 +11,40 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Number of columns or rows per task: reads across them use whole cache lines.
-const BLOCK: usize = 8;
+const LINES_PER_TASK: usize = 8;
 
 /// A mode number along each axis.
-pub type Mode = [i32; 2];
+pub type ModeNumbers = [i32; 2];
 
 /// Resolved modes and their transforms.
-pub struct Series {
+pub struct FourierSeries {
     points: [usize; 2],
     /// Largest mode numbers K₁, K₂.
-    greatest: [usize; 2],
+    max_modes: [usize; 2],
     rows_forward: Arc<dyn RealToComplex<f64>>,
     rows_inverse: Arc<dyn ComplexToReal<f64>>,
     columns_forward: Arc<dyn Fft<f64>>,
     columns_inverse: Arc<dyn Fft<f64>>,
     /// Buffer: data transformed along one axis.
-    half: Vec<Complex64>,
+    half_transformed: Vec<Complex64>,
 }
 
-pub use models::common::fourier::greatest_modes;
+pub use models::common::fourier::max_dealiased_modes;
 
-impl Series {
+impl FourierSeries {
     /// Series on `points` points along each axis: even, at least 4.
     pub fn new(points: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
-        let greatest = greatest_modes(points);
+        let greatest = max_dealiased_modes(points);
         Self {
             points,
-            greatest,
+            max_modes: greatest,
             rows_forward: real.plan_fft_forward(points[0]),
             rows_inverse: real.plan_fft_inverse(points[0]),
             columns_forward: complex.plan_fft_forward(points[1]),
             columns_inverse: complex.plan_fft_inverse(points[1]),
-            half: vec![Complex64::ZERO; (greatest[0] + 1) * points[1]],
+            half_transformed: vec![Complex64::ZERO; (greatest[0] + 1) * points[1]],
         }
     }
 
@@ -54,32 +54,32 @@ impl Series {
     }
 
     /// Largest mode number along each axis.
-    pub fn greatest(&self) -> [usize; 2] {
-        self.greatest
+    pub fn max_modes(&self) -> [usize; 2] {
+        self.max_modes
     }
 
     /// Number of stored modes for each m₁.
-    pub fn column(&self) -> usize {
-        2 * self.greatest[1] + 1
+    pub fn column_length(&self) -> usize {
+        2 * self.max_modes[1] + 1
     }
 
     /// Number of stored modes.
-    pub fn count(&self) -> usize {
-        (self.greatest[0] + 1) * self.column()
+    pub fn mode_count(&self) -> usize {
+        (self.max_modes[0] + 1) * self.column_length()
     }
 
     /// Returns the mode with a storage index.
-    pub fn mode(&self, index: usize) -> Mode {
-        let (column, place) = (index / self.column(), index % self.column());
-        let wraps = place > self.greatest[1];
-        [column as i32, place as i32 - if wraps { self.column() as i32 } else { 0 }]
+    pub fn mode(&self, index: usize) -> ModeNumbers {
+        let (column, place) = (index / self.column_length(), index % self.column_length());
+        let wraps = place > self.max_modes[1];
+        [column as i32, place as i32 - if wraps { self.column_length() as i32 } else { 0 }]
     }
 
     /// Returns the storage index of a mode: `None` if it is unresolved or only its conjugate, −m, is stored.
-    pub fn index(&self, [first, second]: Mode) -> Option<usize> {
-        let [most, across] = self.greatest.map(|greatest| greatest as i32);
+    pub fn mode_index(&self, [first, second]: ModeNumbers) -> Option<usize> {
+        let [most, across] = self.max_modes.map(|greatest| greatest as i32);
         let is_kept = (0..=most).contains(&first) && second.abs() <= across;
-        let column = self.column();
+        let column = self.column_length();
         is_kept.then(|| first as usize * column + second.rem_euclid(column as i32) as usize)
     }
 
@@ -87,28 +87,35 @@ impl Series {
     ///
     /// # Panics
     /// Never: buffers have the lengths of their plans.
-    pub fn forward(&mut self, value: impl Fn(usize) -> f64 + Sync, modes: &mut [Complex64]) {
+    pub fn transform_forward(
+        &mut self,
+        value: impl Fn(usize) -> f64 + Sync,
+        modes: &mut [Complex64],
+    ) {
         let [columns, rows] = self.points;
-        let (stored, height, greatest) = (self.greatest[0] + 1, self.column(), self.greatest[1]);
+        let (stored, height, greatest) =
+            (self.max_modes[0] + 1, self.column_length(), self.max_modes[1]);
         let scale = 1.0 / (columns * rows) as f64;
-        self.half.par_chunks_mut(BLOCK * stored).enumerate().for_each(|(block, half)| {
-            let plan = &self.rows_forward;
-            let (mut row, mut spectrum) = (plan.make_input_vec(), plan.make_output_vec());
-            let mut scratch = plan.make_scratch_vec();
-            for (index, half) in half.chunks_mut(stored).enumerate() {
-                let first = (BLOCK * block + index) * columns;
-                for (point, own) in (first..).zip(&mut row) {
-                    *own = value(point);
+        self.half_transformed.par_chunks_mut(LINES_PER_TASK * stored).enumerate().for_each(
+            |(block, half)| {
+                let plan = &self.rows_forward;
+                let (mut row, mut spectrum) = (plan.make_input_vec(), plan.make_output_vec());
+                let mut scratch = plan.make_scratch_vec();
+                for (index, half) in half.chunks_mut(stored).enumerate() {
+                    let first = (LINES_PER_TASK * block + index) * columns;
+                    for (point, own) in (first..).zip(&mut row) {
+                        *own = value(point);
+                    }
+                    plan.process_with_scratch(&mut row, &mut spectrum, &mut scratch)
+                        .expect("lengths of the plan");
+                    half.copy_from_slice(&spectrum[..stored]);
                 }
-                plan.process_with_scratch(&mut row, &mut spectrum, &mut scratch)
-                    .expect("lengths of the plan");
-                half.copy_from_slice(&spectrum[..stored]);
-            }
-        });
-        let half = &self.half;
-        modes.par_chunks_mut(BLOCK * height).enumerate().for_each(|(block, modes)| {
+            },
+        );
+        let half = &self.half_transformed;
+        modes.par_chunks_mut(LINES_PER_TASK * height).enumerate().for_each(|(block, modes)| {
             let plan = &self.columns_forward;
-            let first = BLOCK * block;
+            let first = LINES_PER_TASK * block;
             let width = modes.len() / height;
             let mut buffer = vec![Complex64::ZERO; width * rows];
             let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
@@ -129,17 +136,18 @@ impl Series {
     ///
     /// # Panics
     /// Never: buffers have the lengths of their plans.
-    pub fn inverse(
+    pub fn transform_inverse(
         &mut self,
         modes: &[Complex64],
-        waves: &Waves,
-        factor: impl Fn(&Wave) -> Complex64 + Sync,
+        waves: &ModeWaveVectors,
+        factor: impl Fn(&ModeWaveVector) -> Complex64 + Sync,
         values: &mut [f64],
     ) {
         let [columns, rows] = self.points;
-        let (stored, height, greatest) = (self.greatest[0] + 1, self.column(), self.greatest[1]);
-        let given = modes.par_chunks(height).zip(waves.all.par_chunks(height));
-        self.half.par_chunks_mut(rows).zip(given).for_each(|(half, (modes, waves))| {
+        let (stored, height, greatest) =
+            (self.max_modes[0] + 1, self.column_length(), self.max_modes[1]);
+        let given = modes.par_chunks(height).zip(waves.by_mode.par_chunks(height));
+        self.half_transformed.par_chunks_mut(rows).zip(given).for_each(|(half, (modes, waves))| {
             let plan = &self.columns_inverse;
             half.fill(Complex64::ZERO);
             let given = modes.iter().zip(waves).map(|(value, wave)| factor(wave) * value);
@@ -149,10 +157,10 @@ impl Series {
             let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
             plan.process_with_scratch(half, &mut scratch);
         });
-        let half = &self.half;
-        values.par_chunks_mut(BLOCK * columns).enumerate().for_each(|(block, values)| {
+        let half = &self.half_transformed;
+        values.par_chunks_mut(LINES_PER_TASK * columns).enumerate().for_each(|(block, values)| {
             let plan = &self.rows_inverse;
-            let first = BLOCK * block;
+            let first = LINES_PER_TASK * block;
             let width = values.len() / columns;
             let mut scratch = plan.make_scratch_vec();
             // Unresolved modes are zero. The transform overwrites its input.
@@ -174,14 +182,14 @@ impl Series {
     }
 
     /// Sets each mode to `value` of its wave vector and storage index.
-    pub fn fill(
+    pub fn fill_modes(
         &self,
         modes: &mut [Complex64],
-        waves: &Waves,
-        value: impl Fn(&Wave, usize) -> Complex64 + Sync,
+        waves: &ModeWaveVectors,
+        value: impl Fn(&ModeWaveVector, usize) -> Complex64 + Sync,
     ) {
-        let height = self.column();
-        modes.par_chunks_mut(height).zip(waves.all.par_chunks(height)).enumerate().for_each(
+        let height = self.column_length();
+        modes.par_chunks_mut(height).zip(waves.by_mode.par_chunks(height)).enumerate().for_each(
             |(column, (modes, waves))| {
                 for (place, (own, wave)) in modes.iter_mut().zip(waves).enumerate() {
                     *own = value(wave, column * height + place);
@@ -191,8 +199,8 @@ impl Series {
     }
 
     /// Computes the mean of the product of two real series from their modes.
-    pub fn product(&self, one: &[Complex64], other: &[Complex64]) -> f64 {
-        let height = self.column();
+    pub fn mean_product(&self, one: &[Complex64], other: &[Complex64]) -> f64 {
+        let height = self.column_length();
         // Fixed order of the column sums: the same bits for any number of threads.
         let of_column = |(one, other): (&[Complex64], &[Complex64])| -> f64 {
             one.iter().zip(other).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
@@ -206,57 +214,63 @@ impl Series {
 
 /// Wave vector of a mode and functions of it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wave {
+pub struct ModeWaveVector {
     /// k = k(cos θ, sin θ), 1/m.
-    pub vector: [f64; 2],
+    pub components: [f64; 2],
     /// 1/k², m²; 0 for k = 0.
     pub inverse_square: f64,
     /// cos 2θ and sin 2θ; 0 for k = 0.
-    pub doubled: [f64; 2],
+    pub double_angle: [f64; 2],
 }
 
 /// Wave vectors of all resolved modes in a deformed box.
 #[derive(Clone, Debug)]
-pub struct Waves {
+pub struct ModeWaveVectors {
     /// Wave vectors of the modes (1, 0) and (0, 1), 1/m.
     basis: [[f64; 2]; 2],
-    all: Vec<Wave>,
+    by_mode: Vec<ModeWaveVector>,
 }
 
-impl Waves {
+impl ModeWaveVectors {
     /// Computes k = F⁻ᵀ(2πm/L) for a box of initial edges L, m, with deformation gradient F, det F = 1.
-    pub fn new(series: &Series, lengths: [f64; 2], deformation: [[f64; 2]; 2]) -> Self {
-        let mut waves = Self { basis: [[0.0; 2]; 2], all: vec![Wave::default(); series.count()] };
+    pub fn new(series: &FourierSeries, lengths: [f64; 2], deformation: [[f64; 2]; 2]) -> Self {
+        let mut waves = Self {
+            basis: [[0.0; 2]; 2],
+            by_mode: vec![ModeWaveVector::default(); series.mode_count()],
+        };
         waves.deform(series, lengths, deformation);
         waves
     }
 
     /// Recomputes the wave vectors for another deformation gradient.
-    pub fn deform(&mut self, series: &Series, lengths: [f64; 2], f: [[f64; 2]; 2]) {
+    pub fn deform(&mut self, series: &FourierSeries, lengths: [f64; 2], f: [[f64; 2]; 2]) {
         let [k1, k2] = lengths.map(|length| TAU / length);
         let [[f11, f12], [f21, f22]] = f;
         self.basis = [[f22 * k1, -f12 * k1], [-f21 * k2, f11 * k2]];
         let basis = self.basis;
-        self.all.par_chunks_mut(series.column()).enumerate().for_each(|(column, waves)| {
-            for (place, wave) in waves.iter_mut().enumerate() {
-                let vector = vector(basis, series.mode(column * series.column() + place));
-                let [k1, k2] = vector;
-                let square = k1 * k1 + k2 * k2;
-                let inverse_square = if square == 0.0 { 0.0 } else { 1.0 / square };
-                let doubled =
-                    [(k1 * k1 - k2 * k2) * inverse_square, 2.0 * k1 * k2 * inverse_square];
-                *wave = Wave { vector, inverse_square, doubled };
-            }
-        });
+        self.by_mode.par_chunks_mut(series.column_length()).enumerate().for_each(
+            |(column, waves)| {
+                for (place, wave) in waves.iter_mut().enumerate() {
+                    let components =
+                        combine_basis(basis, series.mode(column * series.column_length() + place));
+                    let [k1, k2] = components;
+                    let square = k1 * k1 + k2 * k2;
+                    let inverse_square = if square == 0.0 { 0.0 } else { 1.0 / square };
+                    let double_angle =
+                        [(k1 * k1 - k2 * k2) * inverse_square, 2.0 * k1 * k2 * inverse_square];
+                    *wave = ModeWaveVector { components, inverse_square, double_angle };
+                }
+            },
+        );
     }
 
     /// Computes the wave vector of a mode, 1/m.
-    pub fn vector(&self, mode: Mode) -> [f64; 2] {
-        vector(self.basis, mode)
+    pub fn wave_vector(&self, mode: ModeNumbers) -> [f64; 2] {
+        combine_basis(self.basis, mode)
     }
 }
 
-fn vector([one, other]: [[f64; 2]; 2], mode: Mode) -> [f64; 2] {
+fn combine_basis([one, other]: [[f64; 2]; 2], mode: ModeNumbers) -> [f64; 2] {
     let [first, second] = mode.map(f64::from);
     [first * one[0] + second * other[0], first * one[1] + second * other[1]]
 }

@@ -4,7 +4,7 @@ use super::real::{Real, SimdKernel};
 
 /// Instruction set of a processor. Results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Instructions {
+pub enum InstructionSet {
     /// Instructions of every processor of the architecture.
     Baseline,
     /// Registers of 256 bits.
@@ -13,7 +13,7 @@ pub enum Instructions {
     Avx512,
 }
 
-impl Instructions {
+impl InstructionSet {
     /// Whether this processor has the instruction set.
     pub fn is_available(self) -> bool {
         #[cfg(target_arch = "x86_64")]
@@ -31,23 +31,23 @@ impl Instructions {
     }
 
     /// Returns the instruction sets of this processor, the widest last.
-    pub fn available() -> impl Iterator<Item = Self> {
+    pub fn available_sets() -> impl Iterator<Item = Self> {
         [Self::Baseline, Self::Avx2, Self::Avx512].into_iter().filter(|set| set.is_available())
     }
 
     /// Returns the widest instruction set of this processor.
-    pub fn best() -> Self {
-        Self::available().last().unwrap_or(Self::Baseline)
+    pub fn widest() -> Self {
+        Self::available_sets().last().unwrap_or(Self::Baseline)
     }
 
     /// Runs a kernel with this instruction set, or with the baseline if the processor does not have it.
-    pub(crate) fn run<T: Real>(self, work: impl SimdKernel<T>) {
+    pub(crate) fn run_kernel<T: Real>(self, kernel: impl SimdKernel<T>) {
         match self {
             // SAFETY: the processor has AVX2, as `is_available` has checked.
-            Self::Avx2 if self.is_available() => unsafe { T::avx2(work) },
+            Self::Avx2 if self.is_available() => unsafe { T::run_avx2(kernel) },
             // SAFETY: the processor has AVX-512F, DQ and VL, as `is_available` has checked.
-            Self::Avx512 if self.is_available() => unsafe { T::avx512(work) },
-            _ => work.run::<T::Lanes>(),
+            Self::Avx512 if self.is_available() => unsafe { T::run_avx512(kernel) },
+            _ => kernel.run::<T::Lanes>(),
         }
     }
 }

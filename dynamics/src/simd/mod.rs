@@ -8,6 +8,6 @@ mod vector;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use instructions::Instructions;
+pub use instructions::InstructionSet;
 pub(crate) use real::MAX_LANES;
-pub use real::{Group, Lanes, Number, Real, SimdKernel, Vector};
+pub use real::{LaneGroup, Lanes, Number, Real, SimdKernel, Vector};

@@ -7,13 +7,13 @@ pub use models::common::number::Number;
 /// Floating-point scalar: `f32` or `f64`.
 pub trait Real: Number + PartialOrd {
     /// Group of numbers that fills a cache line of 64 bytes.
-    type Lanes: Group<Self> + Vector<Self>;
+    type Lanes: LaneGroup<Self> + Vector<Self>;
 
     /// Converts to double precision, exactly.
     fn to_f64(self) -> f64;
 
     /// Returns the bytes of the number in little-endian order.
-    fn bytes(self) -> impl Iterator<Item = u8>;
+    fn to_bytes(self) -> impl Iterator<Item = u8>;
 
     /// Converts little-endian bytes to numbers; `None` if their count is not a multiple of the size of a number.
     fn from_bytes(bytes: &[u8]) -> Option<Vec<Self>>;
@@ -23,29 +23,29 @@ pub trait Real: Number + PartialOrd {
     /// # Safety
     /// The processor has AVX2.
     #[doc(hidden)]
-    unsafe fn avx2(work: impl SimdKernel<Self>);
+    unsafe fn run_avx2(kernel: impl SimdKernel<Self>);
 
     /// Runs a kernel in registers of 512 bits.
     ///
     /// # Safety
     /// The processor has AVX-512F, DQ and VL.
     #[doc(hidden)]
-    unsafe fn avx512(work: impl SimdKernel<Self>);
+    unsafe fn run_avx512(kernel: impl SimdKernel<Self>);
 }
 
 /// Largest number of lanes of a group: that of `f32`.
 pub(crate) const MAX_LANES: usize = 16;
 
 /// Group of numbers, one per lane, in memory.
-pub trait Group<T>: Number {
+pub trait LaneGroup<T>: Number {
     /// Number of lanes.
     const COUNT: usize;
 
     /// Returns a group with `value` in all lanes.
-    fn all(value: T) -> Self;
+    fn splat(value: T) -> Self;
 
     /// Returns a group with the number `value(lane)` in each lane.
-    fn by_lane(value: impl FnMut(usize) -> T) -> Self;
+    fn from_lanes(value: impl FnMut(usize) -> T) -> Self;
 
     /// Returns the numbers of the lanes.
     fn lanes(&self) -> &[T];
@@ -54,7 +54,7 @@ pub trait Group<T>: Number {
     fn lanes_mut(&mut self) -> &mut [T];
 }
 
-/// `COUNT numbers in lanes, aligned to a cache line.
+/// `COUNT` numbers in lanes, aligned to a cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Lanes<T, const COUNT: usize>(pub(crate) [T; COUNT]);
@@ -145,15 +145,15 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
     }
 }
 
-impl<T: Number, const COUNT: usize> Group<T> for Lanes<T, COUNT> {
+impl<T: Number, const COUNT: usize> LaneGroup<T> for Lanes<T, COUNT> {
     const COUNT: usize = COUNT;
 
     #[inline(always)]
-    fn all(value: T) -> Self {
+    fn splat(value: T) -> Self {
         Self([value; COUNT])
     }
 
-    fn by_lane(value: impl FnMut(usize) -> T) -> Self {
+    fn from_lanes(value: impl FnMut(usize) -> T) -> Self {
         Self(std::array::from_fn(value))
     }
 
@@ -177,7 +177,7 @@ pub trait Vector<T: Real>: Number {
     fn store(self, to: &mut T::Lanes);
 
     /// Returns `value` in all lanes.
-    fn all(value: T) -> Self;
+    fn splat(value: T) -> Self;
 
     /// Shifts lanes up by one: lane i becomes lane i − 1, lane 0 the last lane of `previous`.
     fn shift_in_low(self, previous: Self) -> Self;
@@ -186,7 +186,7 @@ pub trait Vector<T: Real>: Number {
     fn shift_in_high(self, next: Self) -> Self;
 
     /// Blends two groups: lanes whose bit is set in `lanes` from `other`, all others from `self`.
-    fn with_lanes(self, lanes: u16, other: Self) -> Self;
+    fn blend_lanes(self, lanes: u16, other: Self) -> Self;
 
     /// Compares lane by lane: bit i is set if lane i is greater than lane i of `other`.
     fn greater_lanes(self, other: Self) -> u16;

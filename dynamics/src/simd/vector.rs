@@ -5,7 +5,7 @@ use crate::simd::{Lanes, Real, SimdKernel, Vector};
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2Double, Avx2Single, Avx512Double, Avx512Single};
 
-macro_rules! real {
+macro_rules! impl_real {
     ($kind:ty, $lanes:literal, $avx2:ident, $avx512:ident) => {
         impl Vector<$kind> for Lanes<$kind, $lanes> {
             #[inline(always)]
@@ -19,7 +19,7 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            fn all(value: $kind) -> Self {
+            fn splat(value: $kind) -> Self {
                 Self([value; $lanes])
             }
 
@@ -38,7 +38,7 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            fn with_lanes(mut self, lanes: u16, other: Self) -> Self {
+            fn blend_lanes(mut self, lanes: u16, other: Self) -> Self {
                 for lane in 0..$lanes {
                     if lanes >> lane & 1 == 1 {
                         self.0[lane] = other.0[lane];
@@ -61,40 +61,40 @@ macro_rules! real {
             type Lanes = Lanes<Self, $lanes>;
 
             #[cfg(target_arch = "x86_64")]
-            unsafe fn avx2(work: impl SimdKernel<Self>) {
+            unsafe fn run_avx2(kernel: impl SimdKernel<Self>) {
                 #[target_feature(enable = "avx2")]
-                fn run(work: impl SimdKernel<$kind>) {
-                    work.run::<$avx2>();
+                fn run(kernel: impl SimdKernel<$kind>) {
+                    kernel.run::<$avx2>();
                 }
                 // SAFETY: the caller guarantees AVX2.
-                unsafe { run(work) }
+                unsafe { run(kernel) }
             }
 
             #[cfg(target_arch = "x86_64")]
-            unsafe fn avx512(work: impl SimdKernel<Self>) {
+            unsafe fn run_avx512(kernel: impl SimdKernel<Self>) {
                 #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-                fn run(work: impl SimdKernel<$kind>) {
-                    work.run::<$avx512>();
+                fn run(kernel: impl SimdKernel<$kind>) {
+                    kernel.run::<$avx512>();
                 }
                 // SAFETY: the caller guarantees AVX-512F, DQ and VL.
-                unsafe { run(work) }
+                unsafe { run(kernel) }
             }
 
             #[cfg(not(target_arch = "x86_64"))]
-            unsafe fn avx2(work: impl SimdKernel<Self>) {
-                work.run::<Self::Lanes>();
+            unsafe fn run_avx2(kernel: impl SimdKernel<Self>) {
+                kernel.run::<Self::Lanes>();
             }
 
             #[cfg(not(target_arch = "x86_64"))]
-            unsafe fn avx512(work: impl SimdKernel<Self>) {
-                work.run::<Self::Lanes>();
+            unsafe fn run_avx512(kernel: impl SimdKernel<Self>) {
+                kernel.run::<Self::Lanes>();
             }
 
             fn to_f64(self) -> f64 {
                 self.into()
             }
 
-            fn bytes(self) -> impl Iterator<Item = u8> {
+            fn to_bytes(self) -> impl Iterator<Item = u8> {
                 self.to_le_bytes().into_iter()
             }
 
@@ -106,17 +106,17 @@ macro_rules! real {
     };
 }
 
-real!(f32, 16, Avx2Single, Avx512Single);
-real!(f64, 8, Avx2Double, Avx512Double);
+impl_real!(f32, 16, Avx2Single, Avx512Single);
+impl_real!(f64, 8, Avx2Double, Avx512Double);
 
 #[cfg(test)]
 mod tests {
-    use crate::simd::Instructions;
-    use crate::simd::{Group, Number, Real, SimdKernel, Vector};
+    use crate::simd::InstructionSet;
+    use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
 
-    struct Bounded<'a, T: Real>(&'a [[T::Lanes; 3]], &'a mut Vec<T::Lanes>);
+    struct Minmod3Kernel<'a, T: Real>(&'a [[T::Lanes; 3]], &'a mut Vec<T::Lanes>);
 
-    impl<T: Real> SimdKernel<T> for Bounded<'_, T> {
+    impl<T: Real> SimdKernel<T> for Minmod3Kernel<'_, T> {
         #[inline(always)]
         fn run<V: Vector<T>>(self) {
             for [mean, one, other] in self.0 {
@@ -129,7 +129,7 @@ mod tests {
 
     /// Verifies `minmod3` against its definition (smallest magnitude, or zero if the bounds differ in sign), bit by
     /// bit, in every instruction set.
-    fn bounds_hold<T: Real>() {
+    fn check_minmod3<T: Real>() {
         let tiny = T::MIN_POSITIVE.to_f64();
         let sizes = [0.0, 1e-3 * tiny, tiny, 1e-3, 0.7, 1.0, 1.5, 1e30, f64::INFINITY];
         let all: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
@@ -146,14 +146,14 @@ mod tests {
             .chunks(lanes)
             .map(|chunk| {
                 let lane = |which: usize| {
-                    T::Lanes::by_lane(|i| T::from_f64(chunk[i % chunk.len()][which]))
+                    T::Lanes::from_lanes(|i| T::from_f64(chunk[i % chunk.len()][which]))
                 };
                 [lane(0), lane(1), lane(2)]
             })
             .collect();
-        for set in Instructions::available() {
+        for set in InstructionSet::available_sets() {
             let mut found = Vec::new();
-            set.run::<T>(Bounded(&groups, &mut found));
+            set.run_kernel::<T>(Minmod3Kernel(&groups, &mut found));
             for (place, case) in cases.iter().enumerate() {
                 let [mean, one, other] = case.map(|value| T::from_f64(value).to_f64());
                 let differ = one.is_sign_negative() != other.is_sign_negative();
@@ -165,25 +165,25 @@ mod tests {
         }
     }
 
-    struct Kept<'a, T: Real>(T::Lanes, T, &'a mut T::Lanes);
+    struct FlushKernel<'a, T: Real>(T::Lanes, T, &'a mut T::Lanes);
 
-    impl<T: Real> SimdKernel<T> for Kept<'_, T> {
+    impl<T: Real> SimdKernel<T> for FlushKernel<'_, T> {
         #[inline(always)]
         fn run<V: Vector<T>>(self) {
-            V::load(&self.0).flush_below(<V as Vector<T>>::all(self.1)).store(self.2);
+            V::load(&self.0).flush_below(<V as Vector<T>>::splat(self.1)).store(self.2);
         }
     }
 
     /// Verifies that `flush_below` turns magnitudes below a limit into +0 and leaves all others, NaN included,
     /// unchanged, bit by bit, in every instruction set.
-    fn traces_vanish<T: Real>() {
+    fn check_flush<T: Real>() {
         let limit = 1e-3;
         let all = [0.0, 1e-40, 0.9e-3, 1e-3, 1.1e-3, 7.0, f64::INFINITY, f64::NAN];
         for sign in [1.0, -1.0] {
-            let own = T::Lanes::by_lane(|lane| T::from_f64(sign * all[lane % all.len()]));
-            for set in Instructions::available() {
+            let own = T::Lanes::from_lanes(|lane| T::from_f64(sign * all[lane % all.len()]));
+            for set in InstructionSet::available_sets() {
                 let mut found = T::Lanes::ZERO;
-                set.run::<T>(Kept(own, T::from_f64(limit), &mut found));
+                set.run_kernel::<T>(FlushKernel(own, T::from_f64(limit), &mut found));
                 for (own, found) in own.lanes().iter().zip(found.lanes()) {
                     let is_below = own.to_f64().abs() < T::from_f64(limit).to_f64();
                     let expected = if is_below { 0.0 } else { own.to_f64() };
@@ -194,35 +194,35 @@ mod tests {
     }
 
     #[test]
-    fn traces_vanish_in_all_instructions() {
-        traces_vanish::<f64>();
-        traces_vanish::<f32>();
+    fn flush_zeroes_small_values_in_every_instruction_set() {
+        check_flush::<f64>();
+        check_flush::<f32>();
     }
 
     #[test]
-    fn bounds_hold_in_all_instructions() {
-        bounds_hold::<f64>();
-        bounds_hold::<f32>();
+    fn minmod3_matches_its_definition_in_every_instruction_set() {
+        check_minmod3::<f64>();
+        check_minmod3::<f32>();
     }
 
-    struct Moved<'a, T: Real>(u16, &'a mut [T::Lanes; 3]);
+    struct LaneShiftKernel<'a, T: Real>(u16, &'a mut [T::Lanes; 3]);
 
-    impl<T: Real> SimdKernel<T> for Moved<'_, T> {
+    impl<T: Real> SimdKernel<T> for LaneShiftKernel<'_, T> {
         #[inline(always)]
         fn run<V: Vector<T>>(self) {
             let Self(lanes, moved) = self;
-            let [own, other] =
-                [0.0, 100.0].map(|from| T::Lanes::by_lane(|lane| T::from_f64(from + lane as f64)));
+            let [own, other] = [0.0, 100.0]
+                .map(|from| T::Lanes::from_lanes(|lane| T::from_f64(from + lane as f64)));
             let (own, other) = (V::load(&own), V::load(&other));
             own.shift_in_low(other).store(&mut moved[0]);
             own.shift_in_high(other).store(&mut moved[1]);
-            own.with_lanes(lanes, other).store(&mut moved[2]);
+            own.blend_lanes(lanes, other).store(&mut moved[2]);
         }
     }
 
-    /// Verifies `after`, `before` and `with_lanes` on lanes 0, 1, … and 100, 101, … of another group, for each single
+    /// Verifies `shift_in_low`, `shift_in_high` and `blend_lanes` on lanes 0, 1, … and 100, 101, … of another group, for each single
     /// lane, for none and for a mixed selection, in every instruction set.
-    fn lanes_move<T: Real>() {
+    fn check_lane_shifts<T: Real>() {
         let count = T::Lanes::COUNT;
         let choices = (0..count).map(|lane| 1 << lane).chain([0, 0b1010_0110_0101_1001]);
         for lanes in choices {
@@ -233,9 +233,9 @@ mod tests {
                 (1..=count).map(|i| if i == count { 100.0 } else { i as f64 }).collect(),
                 (0..count).map(|i| i as f64 + f64::from(lanes >> i & 1) * 100.0).collect(),
             ];
-            for set in Instructions::available() {
+            for set in InstructionSet::available_sets() {
                 let mut moved = [T::Lanes::ZERO; 3];
-                set.run::<T>(Moved(lanes, &mut moved));
+                set.run_kernel::<T>(LaneShiftKernel(lanes, &mut moved));
                 for (moved, expected) in moved.iter().zip(&expected) {
                     let moved: Vec<f64> = moved.lanes().iter().map(|lane| lane.to_f64()).collect();
                     assert_eq!(&moved, expected, "{set:?} {lanes:b}");
@@ -245,8 +245,8 @@ mod tests {
     }
 
     #[test]
-    fn lanes_move_in_all_instructions() {
-        lanes_move::<f64>();
-        lanes_move::<f32>();
+    fn lanes_shift_and_blend_in_every_instruction_set() {
+        check_lane_shifts::<f64>();
+        check_lane_shifts::<f32>();
     }
 }

@@ -1,27 +1,27 @@
 //! Registers of x86-64: AVX2 and AVX-512.
 //!
-//! SAFETY of all unsafe blocks below: the register types are used only in `Real::avx2` and `Real::avx512`, whose
+//! SAFETY of all unsafe blocks below: the register types are used only in `Real::run_avx2` and `Real::run_avx512`, whose
 //! callers guarantee the instruction set; addresses come from references to as many numbers as are read or written.
 
 use crate::simd::{Lanes, Number, Vector};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-macro_rules! vector {
+macro_rules! register_vector {
     (
         $(#[$about:meta])*
         $name:ident, $scalar:ty, $register:ty, $count:literal of $width:literal,
         $add:ident $sub:ident $mul:ident $div:ident $max:ident $sqrt:ident
-        $load:ident $store:ident $exceeds:ident $bounded:ident $kept:ident $moved:ident $with_lanes:ident
+        $load:ident $store:ident $gt:ident $minmod3:ident $flush:ident $shift:ident $blend:ident
     ) => {
         $(#[$about])*
         #[derive(Clone, Copy, Debug)]
         pub struct $name([$register; $count]);
 
-        vector!(@binary $name, $count, Add add $add, Sub sub $sub, Mul mul $mul, Div div $div);
+        register_vector!(@binary $name, $count, Add add $add, Sub sub $sub, Mul mul $mul, Div div $div);
 
         impl $name {
-            const fn all(value: $scalar) -> Self {
+            const fn splat(value: $scalar) -> Self {
                 // SAFETY: a register has the memory layout of an array of its numbers.
                 Self(unsafe {
                     std::mem::transmute::<[$scalar; $count * $width], [$register; $count]>(
@@ -37,23 +37,23 @@ macro_rules! vector {
             #[inline(always)]
             fn neg(self) -> Self {
                 // Not 0 − x: it has the wrong sign of zero for x = 0.
-                Self::all(-1.0) * self
+                Self::splat(-1.0) * self
             }
         }
 
         impl Number for $name {
-            const ZERO: Self = Self::all(0.0);
-            const ONE: Self = Self::all(1.0);
-            const HALF: Self = Self::all(0.5);
-            const THIRD: Self = Self::all(1.0 / 3.0);
-            const QUARTER: Self = Self::all(0.25);
-            const MIN_POSITIVE: Self = Self::all(<$scalar>::MIN_POSITIVE);
-            const EPSILON: Self = Self::all(<$scalar>::EPSILON);
+            const ZERO: Self = Self::splat(0.0);
+            const ONE: Self = Self::splat(1.0);
+            const HALF: Self = Self::splat(0.5);
+            const THIRD: Self = Self::splat(1.0 / 3.0);
+            const QUARTER: Self = Self::splat(0.25);
+            const MIN_POSITIVE: Self = Self::splat(<$scalar>::MIN_POSITIVE);
+            const EPSILON: Self = Self::splat(<$scalar>::EPSILON);
 
             #[inline(always)]
             #[allow(clippy::unnecessary_cast, reason = "it is one for f32")]
             fn from_f64(value: f64) -> Self {
-                Self::all(value as $scalar)
+                Self::splat(value as $scalar)
             }
 
             #[inline(always)]
@@ -75,7 +75,7 @@ macro_rules! vector {
             #[inline(always)]
             fn minmod3(mut self, one: Self, other: Self) -> Self {
                 for i in 0..$count {
-                    self.0[i] = unsafe { $bounded(self.0[i], one.0[i], other.0[i]) };
+                    self.0[i] = unsafe { $minmod3(self.0[i], one.0[i], other.0[i]) };
                 }
                 self
             }
@@ -83,7 +83,7 @@ macro_rules! vector {
             #[inline(always)]
             fn flush_below(mut self, limit: Self) -> Self {
                 for i in 0..$count {
-                    self.0[i] = unsafe { $kept(self.0[i], limit.0[i]) };
+                    self.0[i] = unsafe { $flush(self.0[i], limit.0[i]) };
                 }
                 self
             }
@@ -112,8 +112,8 @@ macro_rules! vector {
             }
 
             #[inline(always)]
-            fn all(value: $scalar) -> Self {
-                Self::all(value)
+            fn splat(value: $scalar) -> Self {
+                Self::splat(value)
             }
 
             #[inline(always)]
@@ -121,7 +121,7 @@ macro_rules! vector {
                 let mut last = previous.0[$count - 1];
                 for i in 0..$count {
                     let own = self.0[i];
-                    self.0[i] = unsafe { $moved::<{ $width - 1 }>(own, last) };
+                    self.0[i] = unsafe { $shift::<{ $width - 1 }>(own, last) };
                     last = own;
                 }
                 self
@@ -132,17 +132,17 @@ macro_rules! vector {
                 let mut first = next.0[0];
                 for i in (0..$count).rev() {
                     let own = self.0[i];
-                    self.0[i] = unsafe { $moved::<1>(first, own) };
+                    self.0[i] = unsafe { $shift::<1>(first, own) };
                     first = own;
                 }
                 self
             }
 
             #[inline(always)]
-            fn with_lanes(mut self, lanes: u16, other: Self) -> Self {
+            fn blend_lanes(mut self, lanes: u16, other: Self) -> Self {
                 for i in 0..$count {
                     let lanes = lanes >> (i * $width);
-                    self.0[i] = unsafe { $with_lanes(self.0[i], lanes, other.0[i]) };
+                    self.0[i] = unsafe { $blend(self.0[i], lanes, other.0[i]) };
                 }
                 self
             }
@@ -151,7 +151,7 @@ macro_rules! vector {
             fn greater_lanes(self, other: Self) -> u16 {
                 let mut lanes = 0;
                 for i in 0..$count {
-                    lanes |= unsafe { $exceeds(self.0[i], other.0[i]) } << (i * $width);
+                    lanes |= unsafe { $gt(self.0[i], other.0[i]) } << (i * $width);
                 }
                 lanes
             }
@@ -175,29 +175,29 @@ macro_rules! vector {
 // Greater-than masks: bit i is set if number i of `one` is greater than number i of `other`.
 
 #[inline(always)]
-unsafe fn double256(one: __m256d, other: __m256d) -> u16 {
+unsafe fn gt_double256(one: __m256d, other: __m256d) -> u16 {
     unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(one, other)) as u16 }
 }
 
 #[inline(always)]
-unsafe fn single256(one: __m256, other: __m256) -> u16 {
+unsafe fn gt_single256(one: __m256, other: __m256) -> u16 {
     unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(one, other)) as u16 }
 }
 
 #[inline(always)]
-unsafe fn double512(one: __m512d, other: __m512d) -> u16 {
+unsafe fn gt_double512(one: __m512d, other: __m512d) -> u16 {
     unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(one, other).into() }
 }
 
 #[inline(always)]
-unsafe fn single512(one: __m512, other: __m512) -> u16 {
+unsafe fn gt_single512(one: __m512, other: __m512) -> u16 {
     unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(one, other) }
 }
 
 // Shifts across two registers: numbers `BY`, `BY` + 1, … of the concatenation of `low` and `high`.
 
 #[inline(always)]
-unsafe fn moved_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d {
+unsafe fn shift_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d {
     unsafe {
         let [high, low] = [high, low].map(|own| _mm256_castpd_si256(own));
         let middle = _mm256_permute2x128_si256::<0x21>(low, high);
@@ -209,7 +209,7 @@ unsafe fn moved_double256<const BY: i32>(high: __m256d, low: __m256d) -> __m256d
 }
 
 #[inline(always)]
-unsafe fn moved_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
+unsafe fn shift_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
     unsafe {
         let [high, low] = [high, low].map(|own| _mm256_castps_si256(own));
         let middle = _mm256_permute2x128_si256::<0x21>(low, high);
@@ -221,7 +221,7 @@ unsafe fn moved_single256<const BY: i32>(high: __m256, low: __m256) -> __m256 {
 }
 
 #[inline(always)]
-unsafe fn moved_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d {
+unsafe fn shift_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d {
     unsafe {
         let [high, low] = [high, low].map(|own| _mm512_castpd_si512(own));
         _mm512_castsi512_pd(_mm512_alignr_epi64::<BY>(high, low))
@@ -229,7 +229,7 @@ unsafe fn moved_double512<const BY: i32>(high: __m512d, low: __m512d) -> __m512d
 }
 
 #[inline(always)]
-unsafe fn moved_single512<const BY: i32>(high: __m512, low: __m512) -> __m512 {
+unsafe fn shift_single512<const BY: i32>(high: __m512, low: __m512) -> __m512 {
     unsafe {
         let [high, low] = [high, low].map(|own| _mm512_castps_si512(own));
         _mm512_castsi512_ps(_mm512_alignr_epi32::<BY>(high, low))
@@ -239,7 +239,7 @@ unsafe fn moved_single512<const BY: i32>(high: __m512, low: __m512) -> __m512 {
 // Blends: numbers of `other` where the bit of `lanes` is set, numbers of `own` elsewhere.
 
 #[inline(always)]
-unsafe fn with_lanes_double256(own: __m256d, lanes: u16, other: __m256d) -> __m256d {
+unsafe fn blend_double256(own: __m256d, lanes: u16, other: __m256d) -> __m256d {
     unsafe {
         let bits = _mm256_set_epi64x(8, 4, 2, 1);
         let chosen = _mm256_and_si256(_mm256_set1_epi64x(lanes.into()), bits);
@@ -249,7 +249,7 @@ unsafe fn with_lanes_double256(own: __m256d, lanes: u16, other: __m256d) -> __m2
 }
 
 #[inline(always)]
-unsafe fn with_lanes_single256(own: __m256, lanes: u16, other: __m256) -> __m256 {
+unsafe fn blend_single256(own: __m256, lanes: u16, other: __m256) -> __m256 {
     unsafe {
         let bits = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
         let chosen = _mm256_and_si256(_mm256_set1_epi32(lanes.into()), bits);
@@ -259,12 +259,12 @@ unsafe fn with_lanes_single256(own: __m256, lanes: u16, other: __m256) -> __m256
 }
 
 #[inline(always)]
-unsafe fn with_lanes_double512(own: __m512d, lanes: u16, other: __m512d) -> __m512d {
+unsafe fn blend_double512(own: __m512d, lanes: u16, other: __m512d) -> __m512d {
     unsafe { _mm512_mask_mov_pd(own, lanes as u8, other) }
 }
 
 #[inline(always)]
-unsafe fn with_lanes_single512(own: __m512, lanes: u16, other: __m512) -> __m512 {
+unsafe fn blend_single512(own: __m512, lanes: u16, other: __m512) -> __m512 {
     unsafe { _mm512_mask_mov_ps(own, lanes, other) }
 }
 
@@ -272,7 +272,7 @@ unsafe fn with_lanes_single512(own: __m512, lanes: u16, other: __m512) -> __m512
 // floating-point units free. AVX2 has no minimum of 64-bit integers; its minimum is over floating-point magnitudes.
 
 #[inline(always)]
-unsafe fn least_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {
+unsafe fn minmod3_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {
     unsafe {
         let sign = _mm256_set1_pd(-0.0);
         let [mean, least, last] = [mean, one, other].map(|own| _mm256_andnot_pd(sign, own));
@@ -283,7 +283,7 @@ unsafe fn least_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256
 }
 
 #[inline(always)]
-unsafe fn least_single256(mean: __m256, one: __m256, other: __m256) -> __m256 {
+unsafe fn minmod3_single256(mean: __m256, one: __m256, other: __m256) -> __m256 {
     unsafe {
         let [mean, least, last] = [mean, one, other].map(|own| _mm256_castps_si256(own));
         let least = _mm256_min_epu32(_mm256_min_epu32(mean, least), last);
@@ -293,32 +293,32 @@ unsafe fn least_single256(mean: __m256, one: __m256, other: __m256) -> __m256 {
 }
 
 #[inline(always)]
-unsafe fn least_double512(mean: __m512d, one: __m512d, other: __m512d) -> __m512d {
+unsafe fn minmod3_double512(mean: __m512d, one: __m512d, other: __m512d) -> __m512d {
     unsafe {
         let [mean, one, other] = [mean, one, other].map(|own| _mm512_castpd_si512(own));
-        let same = _mm512_movepi64_mask(_mm512_ternarylogic_epi64::<XNOR>(one, one, other));
+        let same = _mm512_movepi64_mask(_mm512_ternarylogic_epi64::<XNOR_TABLE>(one, one, other));
         let least = _mm512_min_epu64(one, other);
         _mm512_castsi512_pd(_mm512_maskz_min_epu64(same, least, mean))
     }
 }
 
 #[inline(always)]
-unsafe fn least_single512(mean: __m512, one: __m512, other: __m512) -> __m512 {
+unsafe fn minmod3_single512(mean: __m512, one: __m512, other: __m512) -> __m512 {
     unsafe {
         let [mean, one, other] = [mean, one, other].map(|own| _mm512_castps_si512(own));
-        let same = _mm512_movepi32_mask(_mm512_ternarylogic_epi32::<XNOR>(one, one, other));
+        let same = _mm512_movepi32_mask(_mm512_ternarylogic_epi32::<XNOR_TABLE>(one, one, other));
         let least = _mm512_min_epu32(one, other);
         _mm512_castsi512_ps(_mm512_maskz_min_epu32(same, least, mean))
     }
 }
 
 /// Truth table of `ternarylogic`: XNOR of the second and the third operand.
-const XNOR: i32 = 0b1001_1001;
+const XNOR_TABLE: i32 = 0b1001_1001;
 
 // Flush to zero of magnitudes below a limit; NaN is unchanged.
 
 #[inline(always)]
-unsafe fn kept_double256(own: __m256d, limit: __m256d) -> __m256d {
+unsafe fn flush_double256(own: __m256d, limit: __m256d) -> __m256d {
     unsafe {
         let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), own);
         _mm256_and_pd(own, _mm256_cmp_pd::<_CMP_NLT_UQ>(size, limit))
@@ -326,7 +326,7 @@ unsafe fn kept_double256(own: __m256d, limit: __m256d) -> __m256d {
 }
 
 #[inline(always)]
-unsafe fn kept_single256(own: __m256, limit: __m256) -> __m256 {
+unsafe fn flush_single256(own: __m256, limit: __m256) -> __m256 {
     unsafe {
         let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), own);
         _mm256_and_ps(own, _mm256_cmp_ps::<_CMP_NLT_UQ>(size, limit))
@@ -334,7 +334,7 @@ unsafe fn kept_single256(own: __m256, limit: __m256) -> __m256 {
 }
 
 #[inline(always)]
-unsafe fn kept_double512(own: __m512d, limit: __m512d) -> __m512d {
+unsafe fn flush_double512(own: __m512d, limit: __m512d) -> __m512d {
     unsafe {
         let kept = _mm512_cmp_pd_mask::<_CMP_NLT_UQ>(_mm512_abs_pd(own), limit);
         _mm512_maskz_mov_pd(kept, own)
@@ -342,38 +342,38 @@ unsafe fn kept_double512(own: __m512d, limit: __m512d) -> __m512d {
 }
 
 #[inline(always)]
-unsafe fn kept_single512(own: __m512, limit: __m512) -> __m512 {
+unsafe fn flush_single512(own: __m512, limit: __m512) -> __m512 {
     unsafe {
         let kept = _mm512_cmp_ps_mask::<_CMP_NLT_UQ>(_mm512_abs_ps(own), limit);
         _mm512_maskz_mov_ps(kept, own)
     }
 }
 
-vector!(
+register_vector!(
     /// Eight `f64` in two AVX2 registers of four.
     Avx2Double, f64, __m256d, 2 of 4,
     _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_max_pd
-    _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd double256 least_double256 kept_double256
-    moved_double256 with_lanes_double256
+    _mm256_sqrt_pd _mm256_load_pd _mm256_store_pd gt_double256 minmod3_double256 flush_double256
+    shift_double256 blend_double256
 );
-vector!(
+register_vector!(
     /// Sixteen `f32` in two AVX2 registers of eight.
     Avx2Single, f32, __m256, 2 of 8,
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_max_ps
-    _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps single256 least_single256 kept_single256
-    moved_single256 with_lanes_single256
+    _mm256_sqrt_ps _mm256_load_ps _mm256_store_ps gt_single256 minmod3_single256 flush_single256
+    shift_single256 blend_single256
 );
-vector!(
+register_vector!(
     /// Eight `f64` in an AVX-512 register.
     Avx512Double, f64, __m512d, 1 of 8,
     _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_max_pd
-    _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd double512 least_double512 kept_double512
-    moved_double512 with_lanes_double512
+    _mm512_sqrt_pd _mm512_load_pd _mm512_store_pd gt_double512 minmod3_double512 flush_double512
+    shift_double512 blend_double512
 );
-vector!(
+register_vector!(
     /// Sixteen `f32` in an AVX-512 register.
     Avx512Single, f32, __m512, 1 of 16,
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_max_ps
-    _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps single512 least_single512 kept_single512
-    moved_single512 with_lanes_single512
+    _mm512_sqrt_ps _mm512_load_ps _mm512_store_ps gt_single512 minmod3_single512 flush_single512
+    shift_single512 blend_single512
 );

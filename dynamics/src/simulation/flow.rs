@@ -4,12 +4,12 @@
 //! within a step comes from a copy of the flow that is restored to the state before the step and advanced to the output
 //! time with the same tolerance.
 
-use super::{RegularTimes, Simulation, State, from_bytes, number, to_bytes};
-use crate::flow::{Energy, Flow, FlowError, Left, Problem, Snapshot};
+use super::{RegularTimes, Simulation, SimulationState, from_bytes, number_sections, to_bytes};
+use crate::flow::{FlowEnergy, FlowError, FlowProblem, FlowSnapshot, FlowSolver, LeftDomain};
 use std::cmp::Ordering;
 
 /// Number of intervals of the duration at whose ends steps end.
-const PARTS: f64 = 200.0;
+const INTERVAL_COUNT: f64 = 200.0;
 
 /// Energy of a flow's perturbation and its balance.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,42 +17,45 @@ pub struct FlowAccount {
     /// Time, s.
     pub time: f64,
     /// Kinetic energy and works, J/m³.
-    pub energy: Energy,
+    pub energy: FlowEnergy,
     /// Kinetic energy at time 0, J/m³.
     pub initial_energy: f64,
-    /// Kinetic energy by shells of modes, J/m³; see [`Flow::spectrum`].
-    pub spectrum: Vec<f64>,
+    /// Kinetic energy by shells of modes, J/m³; see [`FlowSolver::energy_spectrum`].
+    pub energy_spectrum: Vec<f64>,
 }
 
 impl FlowAccount {
     /// Returns the energy change not explained by the works, J/m³: the time integration error.
     pub fn balance(&self) -> f64 {
-        self.energy.kinetic - self.initial_energy - self.energy.background - self.energy.stress
+        self.energy.kinetic
+            - self.initial_energy
+            - self.energy.background_work
+            - self.energy.stress_work
     }
 }
 
 /// Output fields of a flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowFields {
-    /// By [field](Flow::fields) and point (x₁ fastest).
+    /// By [field](FlowSolver::output_fields) and point (x₁ fastest).
     pub values: Vec<Vec<f64>>,
-    /// Deformation gradient of the box; see [`Flow::deformation`].
-    pub deformation: [[f64; 2]; 2],
+    /// Deformation gradient of the box; see [`FlowSolver::deformation_gradient`].
+    pub deformation_gradient: [[f64; 2]; 2],
 }
 
 /// Time-domain simulation of a flow. Uses the surrounding thread pool; results do not depend on the number of threads.
 pub struct FlowSimulation {
-    flow: Flow,
+    flow: FlowSolver,
     duration: f64,
     /// Ends of the intervals of the duration.
-    ends: RegularTimes,
+    interval_ends: RegularTimes,
     /// Points whose fields are recorded.
     probes: Vec<usize>,
     initial_energy: f64,
     /// Snapshot before the last step.
-    before: Option<Snapshot>,
+    snapshot_before_step: Option<FlowSnapshot>,
     /// Whether the present state has not been recorded yet.
-    is_new: bool,
+    has_new_record: bool,
 }
 
 impl FlowSimulation {
@@ -61,69 +64,84 @@ impl FlowSimulation {
     ///
     /// # Errors
     /// The first invalid number of the problem.
-    pub fn new(problem: &Problem, duration: f64, probes: Vec<usize>) -> Result<Self, FlowError> {
+    pub fn new(
+        problem: &FlowProblem,
+        duration: f64,
+        probes: Vec<usize>,
+    ) -> Result<Self, FlowError> {
         Ok(Self {
-            flow: Flow::new(problem)?,
+            flow: FlowSolver::new(problem)?,
             duration,
-            ends: RegularTimes::new(duration / PARTS, duration),
+            interval_ends: RegularTimes::new(duration / INTERVAL_COUNT, duration),
             probes,
             initial_energy: 0.0,
-            before: None,
-            is_new: false,
+            snapshot_before_step: None,
+            has_new_record: false,
         })
     }
 
-    /// Adds the initial perturbation; see [`Flow::perturb`].
+    /// Adds the initial perturbation; see [`FlowSolver::perturb`].
     ///
     /// # Errors
     /// The stress is undetermined at a point.
     ///
     /// # Panics
     /// The number of values differs from the number of points.
-    pub fn perturb(&mut self, velocity: [&[f64]; 2], inner: &[f64]) -> Result<(), Left> {
-        self.flow.perturb(velocity, inner)?;
+    pub fn perturb(
+        &mut self,
+        velocity: [&[f64]; 2],
+        internal_variable: &[f64],
+    ) -> Result<(), LeftDomain> {
+        self.flow.perturb(velocity, internal_variable)?;
         self.initial_energy = self.flow.energy().kinetic;
-        self.is_new = true;
+        self.has_new_record = true;
         Ok(())
     }
 
     /// Returns the flow.
-    pub fn flow(&self) -> &Flow {
+    pub fn flow(&self) -> &FlowSolver {
         &self.flow
     }
 
-    fn account_of(&self, flow: &Flow) -> FlowAccount {
+    fn compute_account(&self, flow: &FlowSolver) -> FlowAccount {
         FlowAccount {
             time: flow.time(),
             energy: flow.energy(),
             initial_energy: self.initial_energy,
-            spectrum: flow.spectrum(),
+            energy_spectrum: flow.energy_spectrum(),
         }
     }
 
-    /// Evaluates `look` for the flow at `time`, s, within the last step.
-    fn at<R>(&self, time: f64, look: impl FnOnce(&Flow) -> R) -> Result<R, Left> {
-        let Some(before) = self.before.as_ref().filter(|_| self.compare(time) == Ordering::Less)
+    /// Calls `evaluate` for the flow at `time`, s, within the last step.
+    fn evaluate_at<R>(
+        &self,
+        time: f64,
+        evaluate: impl FnOnce(&FlowSolver) -> R,
+    ) -> Result<R, LeftDomain> {
+        let Some(before) = self
+            .snapshot_before_step
+            .as_ref()
+            .filter(|_| self.compare_time(time) == Ordering::Less)
         else {
-            return Ok(look(&self.flow));
+            return Ok(evaluate(&self.flow));
         };
-        let mut aside = self.flow.unperturbed();
-        aside.restore(before);
-        while aside.time() < time {
-            aside.advance(time)?;
+        let mut copy = self.flow.to_unperturbed();
+        copy.restore(before);
+        while copy.time() < time {
+            copy.advance(time)?;
         }
-        Ok(look(&aside))
+        Ok(evaluate(&copy))
     }
 }
 
-fn fields_of(flow: &Flow) -> FlowFields {
-    FlowFields { values: flow.values(), deformation: flow.deformation() }
+fn collect_fields(flow: &FlowSolver) -> FlowFields {
+    FlowFields { values: flow.output_values(), deformation_gradient: flow.deformation_gradient() }
 }
 
 impl Simulation for FlowSimulation {
     type Account = FlowAccount;
     type Fields = FlowFields;
-    type Fault = Left;
+    type Fault = LeftDomain;
 
     fn steps(&self) -> usize {
         self.flow.steps()
@@ -137,20 +155,22 @@ impl Simulation for FlowSimulation {
         self.flow.time() >= self.duration
     }
 
-    fn compare(&self, time: f64) -> Ordering {
+    fn compare_time(&self, time: f64) -> Ordering {
         let now = self.flow.time();
-        match (self.ends.is_one(time, now), time < now) {
+        match (self.interval_ends.is_same_time(time, now), time < now) {
             (true, _) => Ordering::Equal,
             (false, true) => Ordering::Less,
             (false, false) => Ordering::Greater,
         }
     }
 
-    fn advance(&mut self, _due: f64) -> Result<(), Left> {
+    fn advance(&mut self, _due: f64) -> Result<(), LeftDomain> {
         let time = self.flow.time();
-        self.before = Some(self.flow.snapshot());
-        self.flow.advance(self.ends.time(self.ends.until(time)).unwrap_or(self.duration))?;
-        self.is_new = true;
+        self.snapshot_before_step = Some(self.flow.snapshot());
+        self.flow.advance(
+            self.interval_ends.time(self.interval_ends.count_until(time)).unwrap_or(self.duration),
+        )?;
+        self.has_new_record = true;
         Ok(())
     }
 
@@ -158,48 +178,49 @@ impl Simulation for FlowSimulation {
         &mut self,
         mut deliver: impl FnMut(f64, &[f64]) -> Result<(), E>,
     ) -> Result<(), E> {
-        if self.probes.is_empty() || !std::mem::take(&mut self.is_new) {
+        if self.probes.is_empty() || !std::mem::take(&mut self.has_new_record) {
             return Ok(());
         }
-        let values = self.flow.values();
+        let values = self.flow.output_values();
         let of_point = |&point: &usize| values.iter().map(move |values| values[point]);
         let state: Vec<f64> = self.probes.iter().flat_map(of_point).collect();
         deliver(self.flow.time(), &state)
     }
 
     fn account(&self) -> FlowAccount {
-        self.account_of(&self.flow)
+        self.compute_account(&self.flow)
     }
 
-    fn account_at(&self, time: f64) -> Result<FlowAccount, Left> {
-        self.at(time, |flow| self.account_of(flow))
+    fn account_at(&self, time: f64) -> Result<FlowAccount, LeftDomain> {
+        self.evaluate_at(time, |flow| self.compute_account(flow))
     }
 
     fn fields(&self) -> FlowFields {
-        fields_of(&self.flow)
+        collect_fields(&self.flow)
     }
 
-    fn fields_at(&self, time: f64) -> Result<FlowFields, Left> {
-        self.at(time, fields_of)
+    fn fields_at(&self, time: f64) -> Result<FlowFields, LeftDomain> {
+        self.evaluate_at(time, collect_fields)
     }
 
-    fn state(&self) -> State {
-        let Snapshot { steps, parts } = self.flow.snapshot();
-        State {
+    fn state(&self) -> SimulationState {
+        let FlowSnapshot { steps, arrays } = self.flow.snapshot();
+        SimulationState {
             steps,
             time: self.flow.time(),
             initial_energy: self.initial_energy,
-            sections: number("part", parts.iter().map(|part| to_bytes(part))).collect(),
+            sections: number_sections("part", arrays.iter().map(|array| to_bytes(array))).collect(),
         }
     }
 
-    fn restore(&mut self, state: &State) -> bool {
-        let Some(parts) = state.numbered("part").map(from_bytes).collect::<Option<_>>() else {
+    fn restore(&mut self, state: &SimulationState) -> bool {
+        let Some(arrays) = state.numbered_sections("part").map(from_bytes).collect::<Option<_>>()
+        else {
             return false;
         };
-        let snapshot = Snapshot { steps: state.steps, parts };
+        let snapshot = FlowSnapshot { steps: state.steps, arrays };
         self.initial_energy = state.initial_energy;
-        (self.before, self.is_new) = (None, false);
+        (self.snapshot_before_step, self.has_new_record) = (None, false);
         self.flow.restore(&snapshot)
     }
 }

@@ -15,13 +15,13 @@ pub struct RegularTimes {
 }
 
 /// Maximum number of times between the first and the last one: 2⁵³, the largest index that `f64` resolves.
-const MAX_INSIDE: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
+const MAX_INTERIOR_TIMES: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
 
 impl RegularTimes {
     /// `interval` and `duration` in s, positive. If the duration exceeds 2⁵³ intervals, the times between are cut off
     /// there.
     pub fn new(interval: f64, duration: f64) -> Self {
-        let inside = (duration / interval - 1e-6).floor().clamp(0.0, MAX_INSIDE);
+        let inside = (duration / interval - 1e-6).floor().clamp(0.0, MAX_INTERIOR_TIMES);
         Self { interval, duration, count: inside as usize + 2 }
     }
 
@@ -35,13 +35,13 @@ impl RegularTimes {
     }
 
     /// Whether two times, s, are equal up to 10⁻¹² of the duration.
-    pub fn is_one(&self, time: f64, other: f64) -> bool {
+    pub fn is_same_time(&self, time: f64, other: f64) -> bool {
         (time - other).abs() <= 1e-12 * self.duration
     }
 
     /// Counts the times up to `time`, s, inclusive up to rounding.
-    pub fn until(&self, time: f64) -> usize {
-        let is_past = |own: f64| own <= time || self.is_one(own, time);
+    pub fn count_until(&self, time: f64) -> usize {
+        let is_past = |own: f64| own <= time || self.is_same_time(own, time);
         // Start one lower: the quotient may be rounded up.
         let before = (time.min(self.duration) / self.interval).floor().max(1.0) as usize - 1;
         let mut count = before.min(self.count - 1);
@@ -52,8 +52,8 @@ impl RegularTimes {
     }
 
     /// Counts the times that a simulation has reached.
-    pub fn reached(&self, simulation: &impl Simulation) -> usize {
-        let is_reached = |time: f64| simulation.compare(time) != Ordering::Greater;
+    pub fn count_reached(&self, simulation: &impl Simulation) -> usize {
+        let is_reached = |time: f64| simulation.compare_time(time) != Ordering::Greater;
         (0..).take_while(|index| self.time(*index).is_some_and(is_reached)).count()
     }
 }
@@ -64,7 +64,7 @@ mod tests {
 
     /// Verifies that each time occurs once, in order, without accumulated rounding, and that the last is the duration.
     #[test]
-    fn every_time_once() {
+    fn each_time_occurs_once_and_the_last_is_the_duration() {
         for (interval, duration, count) in [
             (0.1, 1.0, 11),
             (1e-3 / 200.0, 1e-3, 201),
@@ -77,19 +77,19 @@ mod tests {
             assert_eq!((all.len(), all[0], *all.last().unwrap()), (count, 0.0, duration));
             assert!(all.windows(2).all(|pair| pair[0] < pair[1]));
             for (index, time) in all.iter().enumerate().step_by(7) {
-                assert_eq!(times.until(*time), index + 1, "{time}");
-                assert_eq!(times.until(time - 1e-3 * interval), index, "{time}");
+                assert_eq!(times.count_until(*time), index + 1, "{time}");
+                assert_eq!(times.count_until(time - 1e-3 * interval), index, "{time}");
             }
-            assert_eq!(times.until(duration), count);
+            assert_eq!(times.count_until(duration), count);
         }
     }
 
     /// Verifies the limit of 2⁵³ + 2 times for intervals far shorter than `f64` resolves.
     #[test]
-    fn absurd_intervals_have_an_end() {
+    fn number_of_times_is_limited_for_tiny_intervals() {
         for interval in [1e-300, f64::MIN_POSITIVE, 5e-324, 1e-17] {
             let times = RegularTimes::new(interval, 1.0);
-            let count = times.until(1.0);
+            let count = times.count_until(1.0);
             assert_eq!(count, (1 << 53) + 2, "{interval}");
             assert_eq!(times.time(0), Some(0.0));
             assert_eq!(times.time(count - 1), Some(1.0));
@@ -97,6 +97,6 @@ mod tests {
             assert_eq!(times.time(usize::MAX), None);
         }
         // An interval longer than the duration: first and last time only.
-        assert_eq!(RegularTimes::new(f64::MAX, 1.0).until(1.0), 2);
+        assert_eq!(RegularTimes::new(f64::MAX, 1.0).count_until(1.0), 2);
     }
 }

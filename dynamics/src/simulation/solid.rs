@@ -5,24 +5,24 @@
 //! and proceeds step by step to the last sound state. Output between two steps is interpolated linearly between the
 //! states, so that stresses stay in their convex yield sets.
 
-use super::solver::{Solver, SolverChoice};
-use super::{Simulation, State, TimeSteps, from_bytes, number, to_bytes};
+use super::solver::{SolidSolver, SolverChoice};
+use super::{Simulation, SimulationState, TimeSteps, from_bytes, number_sections, to_bytes};
 use crate::solid::ledger::{Energy, Ledger};
 use crate::solid::probe::Probe;
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::snapshot::Snapshot;
 
 use crate::solid::domain::SolverReal;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use std::cell::RefCell;
 use std::cmp::Ordering;
 
 /// Maximum number of steps between two checks for non-finite energies.
-const LOOK: usize = 64;
+const MAX_BATCH_STEPS: usize = 64;
 
 /// Maximum of cells × steps between two checks: a few seconds of one thread in three dimensions. A run can be
 /// interrupted only between batches.
-const CELLS: usize = 20_000_000;
+const MAX_BATCH_CELL_STEPS: usize = 20_000_000;
 
 /// Energy of a solid and its ledger.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,12 +41,12 @@ impl SolidAccount {
     /// Returns the energy change not explained by the ledger, J: rounding if the ledger is full, else minus the
     /// numerical dissipation.
     pub fn balance(&self) -> f64 {
-        self.energy.total() - self.initial_energy - self.ledger.change()
+        self.energy.total() - self.initial_energy - self.ledger.energy_change()
     }
 
     /// Whether energy and ledger are finite.
-    fn is_sound(&self) -> bool {
-        self.energy.total().is_finite() && self.ledger.change().is_finite()
+    fn is_finite(&self) -> bool {
+        self.energy.total().is_finite() && self.ledger.energy_change().is_finite()
     }
 }
 
@@ -57,17 +57,17 @@ pub struct SolidFields {
     /// of the problem.
     pub values: Vec<Vec<f64>>,
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
-    pub dissipated: Vec<f64>,
+    pub plastic_dissipation: Vec<f64>,
 }
 
 impl SolidFields {
     /// Interpolates linearly to another state; `part` in \[0, 1\].
-    fn towards(&self, other: &Self, part: f64) -> Self {
+    fn interpolate(&self, other: &Self, part: f64) -> Self {
         let line = |(a, b): (&f64, &f64)| (1.0 - part) * a + part * b;
         let field = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(line).collect();
         Self {
             values: self.values.iter().zip(&other.values).map(field).collect(),
-            dissipated: field((&self.dissipated, &other.dissipated)),
+            plastic_dissipation: field((&self.plastic_dissipation, &other.plastic_dissipation)),
         }
     }
 }
@@ -78,33 +78,33 @@ pub struct SolidFault {
     /// Time of the state, s.
     pub time: f64,
     /// Field and cell of the first non-finite value; `None` if only the energy is non-finite.
-    pub place: Option<(Field, usize)>,
+    pub location: Option<(SolidField, usize)>,
 }
 
 /// Time-domain simulation of a solid.
 pub struct SolidSimulation<T: SolverReal, const D: usize> {
     problem: Problem<D>,
-    steps: TimeSteps,
+    time_steps: TimeSteps,
     /// Initial values by cell of the fields that are not zero at time 0.
-    initial: Vec<(Field, Vec<f64>)>,
-    /// Probes; cells are indices into `watched`.
+    initial_values: Vec<(SolidField, Vec<f64>)>,
+    /// Probes; cells are indices into `watched_cells`.
     probes: Vec<Probe>,
     /// Cells that the probes need, ascending.
-    watched: Vec<usize>,
-    solver: Box<dyn Solver<T>>,
-    threads: usize,
+    watched_cells: Vec<usize>,
+    solver: Box<dyn SolidSolver<T>>,
+    thread_count: usize,
     /// Number of steps done.
-    done: usize,
-    /// Account after `done` steps.
+    steps_done: usize,
+    /// Account after `steps_done` steps.
     account: SolidAccount,
     /// Output fields before the last step, if output within that step is due.
-    before: Option<SolidFields>,
+    fields_before_step: Option<SolidFields>,
     /// Records of the watched cells that have not been delivered yet.
     records: Vec<f64>,
     /// Number of steps done at the first of the records.
-    first_record: usize,
+    first_record_step: usize,
     /// Last saved or restored state; `None`: the initial one.
-    saved: RefCell<Option<Snapshot<T>>>,
+    saved_snapshot: RefCell<Option<Snapshot<T>>>,
 }
 
 impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
@@ -115,7 +115,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     pub fn new(
         problem: Problem<D>,
         steps: TimeSteps,
-        initial: Vec<(Field, Vec<f64>)>,
+        initial: Vec<(SolidField, Vec<f64>)>,
         probes: Vec<Probe>,
         choice: SolverChoice,
     ) -> Result<Self, DomainError> {
@@ -123,7 +123,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         watched.sort_unstable();
         watched.dedup();
         let solver = choice.build_solver(&problem)?;
-        let threads = choice.threads::<T, D>(&problem);
+        let threads = choice.thread_count::<T, D>(&problem);
         let account = SolidAccount {
             time: 0.0,
             energy: Energy::default(),
@@ -131,32 +131,32 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
             initial_energy: 0.0,
         };
         let mut own = Self {
-            probes: probes.into_iter().map(|probe| probe.among(&watched)).collect(),
+            probes: probes.into_iter().map(|probe| probe.reindex_cells(&watched)).collect(),
             problem,
-            steps,
-            initial,
-            watched,
+            time_steps: steps,
+            initial_values: initial,
+            watched_cells: watched,
             solver,
-            threads,
-            done: 0,
+            thread_count: threads,
+            steps_done: 0,
             account,
-            before: None,
+            fields_before_step: None,
             records: Vec::new(),
-            first_record: 0,
-            saved: RefCell::new(None),
+            first_record_step: 0,
+            saved_snapshot: RefCell::new(None),
         };
         own.set_initial();
-        own.account = own.account_after(0);
+        own.account = own.compute_account(0);
         own.account.initial_energy = own.account.energy.total();
-        own.solver.watch(&own.watched);
-        own.solver.record();
-        own.keep_records(0);
+        own.solver.watch_cells(&own.watched_cells);
+        own.solver.record_watched();
+        own.collect_records(0);
         Ok(own)
     }
 
     /// Sets the initial values; all fields must be zero.
     fn set_initial(&mut self) {
-        for (field, values) in &self.initial {
+        for (field, values) in &self.initial_values {
             let values: Vec<T> = values.iter().map(|value| T::from_f64(*value)).collect();
             self.solver.set(*field, &values);
         }
@@ -170,12 +170,12 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
 
     /// Returns the time steps.
     pub fn time_steps(&self) -> TimeSteps {
-        self.steps
+        self.time_steps
     }
 
     /// Returns the number of threads of the solver.
     pub fn threads(&self) -> usize {
-        self.threads
+        self.thread_count
     }
 
     /// Returns the first cell whose stress is outside its yield set.
@@ -183,10 +183,10 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         self.solver.first_beyond_yield()
     }
 
-    /// Computes the account after `done` steps from the solver's state.
-    fn account_after(&self, done: usize) -> SolidAccount {
+    /// Computes the account after `steps_done` steps from the solver's state.
+    fn compute_account(&self, done: usize) -> SolidAccount {
         SolidAccount {
-            time: self.steps.time(done),
+            time: self.time_steps.time(done),
             energy: self.solver.energy(),
             ledger: self.solver.ledger(),
             ..self.account
@@ -194,31 +194,31 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     }
 
     /// Fetches the solver's records, the first of which is that of step `first`.
-    fn keep_records(&mut self, first: usize) {
-        if self.watched.is_empty() {
+    fn collect_records(&mut self, first: usize) {
+        if self.watched_cells.is_empty() {
             return;
         }
         if self.records.is_empty() {
-            self.first_record = first;
-            self.records = self.solver.records();
+            self.first_record_step = first;
+            self.records = self.solver.take_records();
         } else {
-            self.records.extend(self.solver.records());
+            self.records.extend(self.solver.take_records());
         }
     }
 
     /// Returns the number of steps between two checks.
-    fn batch(&self) -> usize {
-        (CELLS / self.problem.grid.count().max(1)).clamp(1, LOOK)
+    fn batch_size(&self) -> usize {
+        (MAX_BATCH_CELL_STEPS / self.problem.grid.count().max(1)).clamp(1, MAX_BATCH_STEPS)
     }
 
     /// Returns the fault of the solver's state.
-    fn fault(&self) -> SolidFault {
-        SolidFault { time: self.solver.time(), place: self.solver.first_non_finite() }
+    fn locate_fault(&self) -> SolidFault {
+        SolidFault { time: self.solver.time(), location: self.solver.first_non_finite() }
     }
 
     /// Restores the last saved state and repeats the sound steps, with the same bits.
-    fn replay<E>(&mut self, mut go_on: impl FnMut() -> Result<(), E>) -> Result<(), E> {
-        let saved = self.saved.take().filter(|saved| saved.steps <= self.done);
+    fn replay_sound_steps<E>(&mut self, mut go_on: impl FnMut() -> Result<(), E>) -> Result<(), E> {
+        let saved = self.saved_snapshot.take().filter(|saved| saved.steps <= self.steps_done);
         let start = match saved {
             Some(saved) if self.solver.restore(&saved) => saved.steps,
             _ => {
@@ -227,30 +227,30 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
                 0
             }
         };
-        self.solver.watch(&[]);
-        let batch = self.batch();
-        for first in (start..self.done).step_by(batch) {
+        self.solver.watch_cells(&[]);
+        let batch = self.batch_size();
+        for first in (start..self.steps_done).step_by(batch) {
             go_on()?;
-            self.solver.advance(batch.min(self.done - first));
+            self.solver.advance(batch.min(self.steps_done - first));
         }
-        self.solver.watch(&self.watched);
+        self.solver.watch_cells(&self.watched_cells);
         Ok(())
     }
 
     /// Advances step by step to the last sound state and returns the fault of the next one.
-    fn step_to_fault(&mut self) -> SolidFault {
+    fn advance_to_fault(&mut self) -> SolidFault {
         loop {
             let sound = self.solver.snapshot();
             self.solver.advance(1);
-            let account = self.account_after(self.done + 1);
-            if !account.is_sound() || self.done == self.steps.count {
-                let fault = self.fault();
+            let account = self.compute_account(self.steps_done + 1);
+            if !account.is_finite() || self.steps_done == self.time_steps.count {
+                let fault = self.locate_fault();
                 self.solver.restore(&sound);
-                self.solver.watch(&self.watched);
+                self.solver.watch_cells(&self.watched_cells);
                 return fault;
             }
-            self.keep_records(self.done + 1);
-            (self.done, self.account) = (self.done + 1, account);
+            self.collect_records(self.steps_done + 1);
+            (self.steps_done, self.account) = (self.steps_done + 1, account);
         }
     }
 }
@@ -261,43 +261,43 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     type Fault = SolidFault;
 
     fn steps(&self) -> usize {
-        self.done
+        self.steps_done
     }
 
     fn time(&self) -> f64 {
-        self.steps.time(self.done)
+        self.time_steps.time(self.steps_done)
     }
 
     fn is_finished(&self) -> bool {
-        self.done == self.steps.count
+        self.steps_done == self.time_steps.count
     }
 
-    fn compare(&self, time: f64) -> Ordering {
-        let (step, part) = self.steps.place(time);
+    fn compare_time(&self, time: f64) -> Ordering {
+        let (step, part) = self.time_steps.locate(time);
         match part > 0.0 {
-            true if step < self.done => Ordering::Less,
+            true if step < self.steps_done => Ordering::Less,
             true => Ordering::Greater,
-            false => step.cmp(&self.done),
+            false => step.cmp(&self.steps_done),
         }
     }
 
-    fn check(&self) -> Result<(), SolidFault> {
-        if self.account.energy.total().is_finite() { Ok(()) } else { Err(self.fault()) }
+    fn check_state(&self) -> Result<(), SolidFault> {
+        if self.account.energy.total().is_finite() { Ok(()) } else { Err(self.locate_fault()) }
     }
 
     fn advance(&mut self, due: f64) -> Result<(), SolidFault> {
-        let (step, part) = self.steps.place(due);
-        let is_between = step == self.done && part > 0.0;
-        self.before = is_between.then(|| self.fields());
-        let next = step.saturating_sub(self.done).max(1);
-        let next = next.min(self.batch()).min(self.steps.count - self.done);
+        let (step, part) = self.time_steps.locate(due);
+        let is_between = step == self.steps_done && part > 0.0;
+        self.fields_before_step = is_between.then(|| self.fields());
+        let next = step.saturating_sub(self.steps_done).max(1);
+        let next = next.min(self.batch_size()).min(self.time_steps.count - self.steps_done);
         self.solver.advance(next);
-        let account = self.account_after(self.done + next);
-        if !account.is_sound() {
-            return Err(self.fault());
+        let account = self.compute_account(self.steps_done + next);
+        if !account.is_finite() {
+            return Err(self.locate_fault());
         }
-        self.keep_records(self.done + 1);
-        (self.done, self.account) = (self.done + next, account);
+        self.collect_records(self.steps_done + 1);
+        (self.steps_done, self.account) = (self.steps_done + next, account);
         Ok(())
     }
 
@@ -306,24 +306,24 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         _fault: SolidFault,
         go_on: impl FnMut() -> Result<(), E>,
     ) -> Result<SolidFault, E> {
-        self.replay(go_on)?;
-        Ok(self.step_to_fault())
+        self.replay_sound_steps(go_on)?;
+        Ok(self.advance_to_fault())
     }
 
     fn drain_records<E>(
         &mut self,
         mut deliver: impl FnMut(f64, &[f64]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let width = self.solver.width();
-        let Problem { media, of_cell, .. } = &self.problem;
+        let width = self.solver.quantity_count();
+        let Problem { media, cell_media, .. } = &self.problem;
         let mut state = Vec::with_capacity(self.probes.len() * width);
-        let size = (self.watched.len() * width).max(1);
+        let size = (self.watched_cells.len() * width).max(1);
         for (index, cells) in self.records.chunks_exact(size).enumerate() {
             state.clear();
             for probe in &self.probes {
-                probe.append(cells, width, media, of_cell, &mut state);
+                probe.append_values(cells, width, media, cell_media, &mut state);
             }
-            deliver(self.steps.time(self.first_record + index), &state)?;
+            deliver(self.time_steps.time(self.first_record_step + index), &state)?;
         }
         self.records.clear();
         Ok(())
@@ -339,42 +339,52 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn fields(&self) -> SolidFields {
-        SolidFields { values: self.solver.output_fields(), dissipated: self.solver.dissipated() }
+        SolidFields {
+            values: self.solver.output_fields(),
+            plastic_dissipation: self.solver.plastic_dissipation(),
+        }
     }
 
     fn fields_at(&self, time: f64) -> Result<SolidFields, SolidFault> {
-        let (_, part) = self.steps.place(time);
+        let (_, part) = self.time_steps.locate(time);
         let now = self.fields();
-        Ok(match self.before.as_ref().filter(|_| part > 0.0) {
-            Some(before) => before.towards(&now, part),
+        Ok(match self.fields_before_step.as_ref().filter(|_| part > 0.0) {
+            Some(before) => before.interpolate(&now, part),
             None => now,
         })
     }
 
-    fn state(&self) -> State {
+    fn state(&self) -> SimulationState {
         // Drop the previous copy first, to limit memory to two copies of the fields.
-        *self.saved.borrow_mut() = None;
+        *self.saved_snapshot.borrow_mut() = None;
         let snapshot = self.solver.snapshot();
-        let Snapshot { steps, fields, work, sums, interlayers } = &snapshot;
-        let narrow = |values: &[T]| values.iter().flat_map(|value| value.bytes()).collect();
-        let fields = number("field", fields.iter().map(|values| narrow(values)));
-        let sums = number("sums", sums.iter().map(|sums| to_bytes(sums)));
-        let work = number("work", work.iter().map(|parts| to_bytes(parts)));
+        let Snapshot {
+            steps,
+            fields,
+            work_sums: work,
+            cell_sums: sums,
+            interlayer_history: interlayers,
+        } = &snapshot;
+        let narrow = |values: &[T]| values.iter().flat_map(|value| value.to_bytes()).collect();
+        let fields = number_sections("field", fields.iter().map(|values| narrow(values)));
+        let sums = number_sections("sums", sums.iter().map(|sums| to_bytes(sums)));
+        let work = number_sections("work", work.iter().map(|parts| to_bytes(parts)));
         let interlayers = (!interlayers.is_empty())
             .then(|| ("interlayers".to_owned(), narrow(interlayers.as_flattened())));
-        let state = State {
+        let state = SimulationState {
             steps: *steps,
             time: self.account.time,
             initial_energy: self.account.initial_energy,
             sections: work.chain(fields).chain(sums).chain(interlayers).collect(),
         };
-        *self.saved.borrow_mut() = Some(snapshot);
+        *self.saved_snapshot.borrow_mut() = Some(snapshot);
         state
     }
 
-    fn restore(&mut self, state: &State) -> bool {
+    fn restore(&mut self, state: &SimulationState) -> bool {
         let snapshot = || {
-            let work = state.numbered("work").map(from_bytes).collect::<Option<Vec<_>>>()?;
+            let work =
+                state.numbered_sections("work").map(from_bytes).collect::<Option<Vec<_>>>()?;
             let interlayers = match state.sections.get("interlayers") {
                 Some(bytes) => T::from_bytes(bytes)?,
                 None => Vec::new(),
@@ -382,20 +392,26 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
             let (interlayers, []) = interlayers.as_chunks::<2>() else { return None };
             Some(Snapshot {
                 steps: state.steps,
-                fields: state.numbered("field").map(T::from_bytes).collect::<Option<_>>()?,
-                work: work.try_into().ok()?,
-                sums: state.numbered("sums").map(from_bytes).collect::<Option<_>>()?,
-                interlayers: interlayers.to_vec(),
+                fields: state
+                    .numbered_sections("field")
+                    .map(T::from_bytes)
+                    .collect::<Option<_>>()?,
+                work_sums: work.try_into().ok()?,
+                cell_sums: state
+                    .numbered_sections("sums")
+                    .map(from_bytes)
+                    .collect::<Option<_>>()?,
+                interlayer_history: interlayers.to_vec(),
             })
         };
         let Some(snapshot) = snapshot().filter(|snapshot| self.solver.restore(snapshot)) else {
             return false;
         };
-        *self.saved.get_mut() = Some(snapshot);
-        self.done = state.steps;
+        *self.saved_snapshot.get_mut() = Some(snapshot);
+        self.steps_done = state.steps;
         self.account.initial_energy = state.initial_energy;
-        self.account = self.account_after(self.done);
-        self.before = None;
+        self.account = self.compute_account(self.steps_done);
+        self.fields_before_step = None;
         self.records.clear();
         true
     }

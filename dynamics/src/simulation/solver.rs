@@ -7,7 +7,7 @@ use crate::solid::ledger::{Energy, Ledger};
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::reference::Reference;
 use crate::solid::snapshot::Snapshot;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// Solver of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,11 +23,10 @@ pub enum SolverChoice {
 
 impl SolverChoice {
     /// Returns the number of threads used for a problem.
-    pub(super) fn threads<T: SolverReal, const D: usize>(self, problem: &Problem<D>) -> usize {
+    pub(super) fn thread_count<T: SolverReal, const D: usize>(self, problem: &Problem<D>) -> usize {
         match self {
-            Self::Fused { threads } => {
-                threads.clamp(1, DecomposedDomain::<T, D>::max_parts(problem.first_axis(), problem))
-            }
+            Self::Fused { threads } => threads
+                .clamp(1, DecomposedDomain::<T, D>::max_subdomains(problem.first_axis(), problem)),
             Self::Reference => 1,
         }
     }
@@ -36,8 +35,8 @@ impl SolverChoice {
     pub(super) fn build_solver<T: SolverReal, const D: usize>(
         self,
         problem: &Problem<D>,
-    ) -> Result<Box<dyn Solver<T>>, DomainError> {
-        let (first, parts) = (problem.first_axis(), self.threads::<T, D>(problem));
+    ) -> Result<Box<dyn SolidSolver<T>>, DomainError> {
+        let (first, parts) = (problem.first_axis(), self.thread_count::<T, D>(problem));
         Ok(match self {
             Self::Fused { .. } => {
                 Box::new(DecomposedDomain::<T, D>::with_first_axis(first, problem, parts)?)
@@ -48,7 +47,7 @@ impl SolverChoice {
 }
 
 /// Interface of the solvers; both have methods of these names.
-pub(super) trait Solver<T: Real>: Send {
+pub(super) trait SolidSolver<T: Real>: Send {
     /// Advances all fields by `steps` time steps.
     fn advance(&mut self, steps: usize);
     /// Time, s.
@@ -58,7 +57,7 @@ pub(super) trait Solver<T: Real>: Send {
     /// Work and dissipation of the steps so far, J.
     fn ledger(&self) -> Ledger;
     /// Sets the values of a field, by cell of the problem.
-    fn set(&mut self, field: Field, values: &[T]);
+    fn set(&mut self, field: SolidField, values: &[T]);
     /// Sets interlayer velocities to the mean of the two adjacent cells, and their stresses to zero.
     fn initialise_interlayers(&mut self);
     /// Returns to the state of rest before the first step.
@@ -68,26 +67,26 @@ pub(super) trait Solver<T: Real>: Send {
     /// Restores a snapshot; `false` if it belongs to another problem.
     fn restore(&mut self, snapshot: &Snapshot<T>) -> bool;
     /// Number of output quantities per cell.
-    fn width(&self) -> usize;
+    fn quantity_count(&self) -> usize;
     /// Output by quantity and cell.
     fn output_fields(&self) -> Vec<Vec<f64>>;
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
-    fn dissipated(&self) -> Vec<f64>;
+    fn plastic_dissipation(&self) -> Vec<f64>;
     /// Records these cells after each step.
-    fn watch(&mut self, cells: &[usize]);
+    fn watch_cells(&mut self, cells: &[usize]);
     /// Records the watched cells in the present state.
-    fn record(&mut self);
+    fn record_watched(&mut self);
     /// Returns the records since the last call.
-    fn records(&mut self) -> Vec<f64>;
+    fn take_records(&mut self) -> Vec<f64>;
     /// Returns field and cell of the first non-finite value.
-    fn first_non_finite(&self) -> Option<(Field, usize)>;
+    fn first_non_finite(&self) -> Option<(SolidField, usize)>;
     /// Returns the first cell whose stress is outside its yield set.
     fn first_beyond_yield(&self) -> Option<usize>;
 }
 
-macro_rules! solver {
+macro_rules! impl_solid_solver {
     ($kind:ident) => {
-        impl<T: SolverReal, const D: usize> Solver<T> for $kind<T, D> {
+        impl<T: SolverReal, const D: usize> SolidSolver<T> for $kind<T, D> {
             fn advance(&mut self, steps: usize) {
                 self.advance(steps);
             }
@@ -104,7 +103,7 @@ macro_rules! solver {
                 self.ledger()
             }
 
-            fn set(&mut self, field: Field, values: &[T]) {
+            fn set(&mut self, field: SolidField, values: &[T]) {
                 self.set(field, values);
             }
 
@@ -124,31 +123,31 @@ macro_rules! solver {
                 self.restore(snapshot)
             }
 
-            fn width(&self) -> usize {
-                self.width()
+            fn quantity_count(&self) -> usize {
+                self.quantity_count()
             }
 
             fn output_fields(&self) -> Vec<Vec<f64>> {
                 self.output_fields()
             }
 
-            fn dissipated(&self) -> Vec<f64> {
-                self.dissipated()
+            fn plastic_dissipation(&self) -> Vec<f64> {
+                self.plastic_dissipation()
             }
 
-            fn watch(&mut self, cells: &[usize]) {
-                self.watch(cells);
+            fn watch_cells(&mut self, cells: &[usize]) {
+                self.watch_cells(cells);
             }
 
-            fn record(&mut self) {
-                self.record();
+            fn record_watched(&mut self) {
+                self.record_watched();
             }
 
-            fn records(&mut self) -> Vec<f64> {
-                self.records()
+            fn take_records(&mut self) -> Vec<f64> {
+                self.take_records()
             }
 
-            fn first_non_finite(&self) -> Option<(Field, usize)> {
+            fn first_non_finite(&self) -> Option<(SolidField, usize)> {
                 self.first_non_finite()
             }
 
@@ -159,5 +158,5 @@ macro_rules! solver {
     };
 }
 
-solver!(DecomposedDomain);
-solver!(Reference);
+impl_solid_solver!(DecomposedDomain);
+impl_solid_solver!(Reference);

@@ -6,7 +6,7 @@ use crate::solid::medium::Medium;
 const MAX_STEPS: f64 = 1e12;
 
 /// Fraction of a step that counts as rounding.
-const ROUNDING: f64 = 1e-9;
+const STEP_ROUNDING: f64 = 1e-9;
 
 /// Criterion that limits the time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,12 +32,12 @@ pub struct TimeSteps {
 
 /// A run of more than 10¹² steps.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{count:.3e} steps of {longest:.3e} s")]
+#[error("{count:.3e} steps of {longest_step:.3e} s")]
 pub struct TooManySteps {
     /// Number of steps required.
     count: f64,
     /// Longest admissible step, s.
-    longest: f64,
+    longest_step: f64,
 }
 
 impl TimeSteps {
@@ -63,10 +63,10 @@ impl TimeSteps {
         let by_waves = 2.0 * courant / greatest(&mut { rates });
         let frequencies = media.iter().filter_map(|m| Some(m.rotation?.frequency));
         let by_rotation = rotation / greatest(&mut { frequencies });
-        let longest = by_waves.min(by_rotation);
-        let count = (duration / longest * (1.0 - 1e-12)).ceil().max(1.0);
+        let longest_step = by_waves.min(by_rotation);
+        let count = (duration / longest_step * (1.0 - 1e-12)).ceil().max(1.0);
         if count > MAX_STEPS {
-            return Err(TooManySteps { count, longest });
+            return Err(TooManySteps { count, longest_step });
         }
         let limit = if by_rotation < by_waves { StepLimit::Rotation } else { StepLimit::Wave };
         Ok(Self { count: count as usize, step: duration / count, limit, duration })
@@ -80,10 +80,10 @@ impl TimeSteps {
 
     /// Returns the number of steps that end at or before `time`, s, and the fraction of the next step up to it, in \[0,
     /// 1), which is 0 if a step ends at that time up to rounding.
-    pub fn place(&self, time: f64) -> (usize, f64) {
+    pub fn locate(&self, time: f64) -> (usize, f64) {
         let place = time / self.duration * self.count as f64;
         let nearest = place.round();
-        let rounding = ROUNDING + 4.0 * f64::EPSILON * place;
+        let rounding = STEP_ROUNDING + 4.0 * f64::EPSILON * place;
         if (place - nearest).abs() <= rounding {
             return (nearest as usize, 0.0);
         }
@@ -99,7 +99,7 @@ mod tests {
     /// Verifies the position of all multiples of an interval among the steps, and that the last one is the end of the
     /// run.
     #[test]
-    fn times_lie_among_steps() {
+    fn times_are_located_among_the_steps() {
         for (interval, duration, count) in
             [(0.02, 0.1, 37), (0.02, 0.1, 50), (0.03, 0.1, 7), (1.0, 0.1, 3), (1e-3, 0.1, 11)]
         {
@@ -109,14 +109,14 @@ mod tests {
             let all: Vec<f64> = (0..).map_while(|index| times.time(index)).collect();
             assert_eq!(all.len(), ((duration / interval) * (1.0 - 1e-9)).ceil() as usize + 1);
             for own in &all {
-                let (done, part) = steps.place(*own);
+                let (done, part) = steps.locate(*own);
                 assert!((0.0..1.0).contains(&part) && done <= count);
                 let time = (done as f64 + part) / count as f64 * duration;
                 assert!((time - own).abs() < 1e-12 * duration);
             }
-            assert_eq!(steps.place(*all.last().unwrap()), (count, 0.0));
+            assert_eq!(steps.locate(*all.last().unwrap()), (count, 0.0));
             for done in 0..=count {
-                assert_eq!(steps.place(steps.time(done)), (done, 0.0));
+                assert_eq!(steps.locate(steps.time(done)), (done, 0.0));
             }
         }
     }

@@ -18,7 +18,7 @@ pub(crate) struct AxisPermutation<const D: usize> {
 
 impl<const D: usize> AxisPermutation<D> {
     /// Moves one axis to the front; the others keep their order.
-    pub(crate) fn with_first(axis: usize, grid: &Grid<D>) -> Self {
+    pub(crate) fn with_first_axis(axis: usize, grid: &Grid<D>) -> Self {
         let axes = std::array::from_fn(|place| match place {
             0 => axis,
             _ if place <= axis => place - 1,
@@ -63,7 +63,7 @@ impl<const D: usize> AxisPermutation<D> {
     /// Reorders values by cell of the problem to the cells of the domain. A list of another length (no values, or one
     /// for all cells) is returned unchanged.
     pub(crate) fn permute<'a, V: Copy>(&self, values: &'a [V]) -> Cow<'a, [V]> {
-        if self.is_identity() || values.len() != self.cells.iter().product() {
+        if self.is_identity() || values.len() != self.cells.iter().product::<usize>() {
             return Cow::Borrowed(values);
         }
         (0..values.len()).map(|cell| values[self.original_cell(cell)]).collect()
@@ -71,19 +71,19 @@ impl<const D: usize> AxisPermutation<D> {
 
     /// Reorders values by cell of the domain to the cells of the problem.
     pub(crate) fn unpermute<V: Copy>(&self, values: Vec<V>) -> Vec<V> {
-        if self.is_identity() || values.len() != self.cells.iter().product() {
+        if self.is_identity() || values.len() != self.cells.iter().product::<usize>() {
             return values;
         }
         (0..values.len()).map(|cell| values[self.permuted_cell(cell)]).collect()
     }
 
     /// Permutes numbers by axis of the problem to the axes of the domain.
-    pub(crate) fn along(&self, numbers: [usize; D]) -> [usize; D] {
+    pub(crate) fn permute_axis_values(&self, numbers: [usize; D]) -> [usize; D] {
         self.axes.map(|axis| numbers[axis])
     }
 
     /// The grid with permuted axes.
-    pub(crate) fn grid(&self, own: &Grid<D>) -> Grid<D> {
+    pub(crate) fn permute_grid(&self, own: &Grid<D>) -> Grid<D> {
         Grid {
             cells: self.axes.map(|axis| own.cells[axis]),
             spacing: self.axes.map(|axis| own.spacing[axis]),
@@ -94,20 +94,20 @@ impl<const D: usize> AxisPermutation<D> {
     ///
     /// # Errors
     /// See [`DomainError`]; the layers of a metric are normal to the second axis, which must not be permuted.
-    pub(crate) fn checked<'a>(
+    pub(crate) fn check_and_permute<'a>(
         &self,
         own: &'a Problem<D>,
     ) -> Result<Cow<'a, Problem<D>>, DomainError> {
-        own.check()?;
+        own.validate()?;
         if own.metric.is_some() && !self.is_identity() {
             return Err(DomainError::Metric("the first axis must be swept first"));
         }
-        Ok(self.problem(own))
+        Ok(self.permute_problem(own))
     }
 
     /// Permutes the axes of a checked problem. Fields keep their names, and accelerations refer to the axes of the
     /// problem.
-    fn problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
+    fn permute_problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
         if self.is_identity() {
             return Cow::Borrowed(own);
         }
@@ -141,9 +141,9 @@ impl<const D: usize> AxisPermutation<D> {
             interlayers.map(|own| Interlayers { axis: of_axis(own.axis), ..own.clone() });
         let initial_stress = own.initial_stress.clone();
         Cow::Owned(Problem {
-            grid: self.grid(&own.grid),
+            grid: self.permute_grid(&own.grid),
             media,
-            of_cell: self.permute(&own.of_cell).into_owned(),
+            cell_media: self.permute(&own.cell_media).into_owned(),
             boundaries: self
                 .axes
                 .map(|axis| own.boundaries[axis].each_ref().map(|side| boundary(axis, side))),

@@ -1,11 +1,11 @@
 //! Boundary conditions, loads on boundaries, and sources.
 //!
-//! To add a condition, add a variant of [`Condition`], its signs and shifts to `GhostRule::new` in `ghosts`, and its case to
-//! the list of `contraction`, which tests that no state gains energy; its keys are in `cases::dynamics::boundary`, its
-//! translation in `setup::solid_run::boundary` of the program.
+//! To add a condition, add a variant of [`Condition`], its signs and shifts to `GhostRule::new` in `ghosts`, and its
+//! case to the list of `contraction`, which tests that no state gains energy; its keys are in
+//! `cases::dynamics::boundary`, its translation in `setup::solid_run::boundary` of the program.
 
 use crate::solid::medium::Medium;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use std::sync::Arc;
 
 /// A dimensionless function of time, s.
@@ -28,7 +28,7 @@ pub enum Condition {
 
 impl Condition {
     /// Whether the face reflects and is no symmetry plane.
-    pub(crate) fn reflects(&self) -> bool {
+    pub(crate) fn is_reflecting(&self) -> bool {
         matches!(self, Self::Velocity(_) | Self::Traction(_))
     }
 }
@@ -45,7 +45,7 @@ pub enum Boundary {
     /// Non-reflecting: incoming characteristics are zero, exact at normal incidence.
     NonReflecting,
     /// One condition per wave pair of the axis, in their order.
-    Given(Vec<Condition>),
+    ByPair(Vec<Condition>),
     /// Conditions by wave pair, then by face (first of the other axes fastest).
     ByFace(Vec<Vec<Condition>>),
 }
@@ -53,25 +53,27 @@ pub enum Boundary {
 impl Boundary {
     /// Symmetry plane normal to `axis`: normal displacement and shear tractions vanish. Spins transform as axial
     /// vectors: the component along the normal is even.
-    pub fn symmetry(medium: &Medium, axis: usize) -> Self {
-        Self::mirror(medium, axis, true)
+    pub fn new_symmetry(medium: &Medium, axis: usize) -> Self {
+        Self::new_mirror_plane(medium, axis, true)
     }
 
     /// Antisymmetry plane: mirror image with the opposite sign.
-    pub fn antisymmetry(medium: &Medium, axis: usize) -> Self {
-        Self::mirror(medium, axis, false)
+    pub fn new_antisymmetry(medium: &Medium, axis: usize) -> Self {
+        Self::new_mirror_plane(medium, axis, false)
     }
 
-    fn mirror(medium: &Medium, axis: usize, is_even: bool) -> Self {
-        let condition = |field: Field| {
+    fn new_mirror_plane(medium: &Medium, axis: usize, is_even: bool) -> Self {
+        let condition = |field: SolidField| {
             let is_odd = match field {
-                Field::Velocity(i) => i == axis,
-                Field::Spin(k) => k != axis,
-                Field::Stress(..) | Field::Couple(..) | Field::ViscousStrain(..) => false,
+                SolidField::Velocity(i) => i == axis,
+                SolidField::Spin(k) => k != axis,
+                SolidField::Stress(..) | SolidField::Couple(..) | SolidField::ViscousStrain(..) => {
+                    false
+                }
             };
             if is_odd == is_even { Condition::OddVelocity } else { Condition::OddStress }
         };
-        Self::Given(medium.pairs[axis].iter().map(|pair| condition(pair.velocity)).collect())
+        Self::ByPair(medium.pairs[axis].iter().map(|pair| condition(pair.velocity)).collect())
     }
 
     /// Returns the condition of a wave pair on a face; `None` on periodic boundaries.
@@ -81,7 +83,7 @@ impl Boundary {
             Self::Fixed => Condition::Velocity(0.0),
             Self::Free => Condition::Traction(0.0),
             Self::NonReflecting => Condition::NonReflecting,
-            Self::Given(conditions) => conditions[pair],
+            Self::ByPair(conditions) => conditions[pair],
             Self::ByFace(conditions) => conditions[pair][face],
         })
     }
@@ -109,7 +111,7 @@ pub struct Source {
     pub cells: Vec<(usize, f64)>,
     /// Components of the force (N, by velocity), of the couple (N·m, by spin) or of the moment tensor (N·m, by stress,
     /// which it reduces); per metre in plane strain.
-    pub amplitudes: Vec<(Field, f64)>,
+    pub amplitudes: Vec<(SolidField, f64)>,
     /// Time function that multiplies the amplitudes.
     pub signal: Signal,
 }

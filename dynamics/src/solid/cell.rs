@@ -1,6 +1,6 @@
 //! Constants of a cell for a wave pair: impedance, Courant number, and the reconstruction weights that depend on them.
 
-use crate::simd::{Group, Number, Real, Vector};
+use crate::simd::{LaneGroup, Number, Real, Vector};
 
 /// Constants of a cell for a wave pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,50 +10,67 @@ pub struct CellConstants<N> {
     /// C/2: change of s per difference of 2zv between the interface states.
     pub(crate) half_courant: N,
     /// C/(2z): change of v per difference of 2s between the interface states.
-    pub(crate) to_velocity: N,
+    pub(crate) velocity_factor: N,
     /// (1 − C)/4: half-slope correction per sum of the two differences, unlimited.
-    pub(crate) mean_slope: N,
+    pub(crate) mean_slope_weight: N,
     /// (1 − C)/C: bound of the correction per upwind difference (Roe 1985).
-    pub(crate) steepest: N,
+    pub(crate) upwind_bound: N,
     /// Fourth order: weight of the upwind difference, (1 − C²)(2 + C)/24.
-    pub(crate) upwind: N,
+    pub(crate) upwind_weight: N,
     /// Fourth order: weight of the difference to the downwind cell, (1 − C)/2 − C(1 − C²)/12.
-    pub(crate) central: N,
+    pub(crate) central_weight: N,
     /// Fourth order: weight of the next downwind difference, −(1 − C²)(2 − C)/24.
-    pub(crate) downwind: N,
+    pub(crate) downwind_weight: N,
 }
 
 impl<T: Real> CellConstants<T> {
     /// From the impedance, kg/(m²s) for translations, and the Courant number in \[0, 1\].
     pub fn new(impedance: f64, courant: f64) -> Self {
-        Self::reconstructed_as(courant, impedance, courant)
+        Self::with_reconstruction_courant(courant, impedance, courant)
     }
 
     /// [`Self::new`] for problems with several media, with
     /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder). The interface weights let no energy grow for C
     /// ≥ 0.02. Slower waves use the weights for C = 0.02, which is stable, too, since for the same fluxes a smaller
     /// Courant number leaves less energy; this adds at most 2 % of the first-order dissipation.
-    pub fn among_others(impedance: f64, courant: f64) -> Self {
-        Self::reconstructed_as(courant.max(0.02), impedance, courant)
+    pub fn with_interfaces(impedance: f64, courant: f64) -> Self {
+        Self::with_reconstruction_courant(courant.max(0.02), impedance, courant)
     }
 
     /// [`Self::new`] for first order, independent of [`Slopes`](crate::solid::line::Slopes): weights for C = 1, which
     /// are zero.
-    pub(crate) fn constant(impedance: f64, courant: f64) -> Self {
-        Self { steepest: T::ZERO, ..Self::reconstructed_as(1.0, impedance, courant) }
+    pub(crate) fn with_constant_reconstruction(impedance: f64, courant: f64) -> Self {
+        Self { upwind_bound: T::ZERO, ..Self::with_reconstruction_courant(1.0, impedance, courant) }
     }
 
-    fn reconstructed_as(seen: f64, impedance: f64, courant: f64) -> Self {
+    fn with_reconstruction_courant(
+        reconstruction_courant: f64,
+        impedance: f64,
+        courant: f64,
+    ) -> Self {
         Self {
             impedance: T::from_f64(impedance),
             half_courant: T::from_f64(0.5 * courant),
-            to_velocity: T::from_f64(0.5 * courant / impedance),
-            mean_slope: T::from_f64(0.25 * (1.0 - seen)),
+            velocity_factor: T::from_f64(0.5 * courant / impedance),
+            mean_slope_weight: T::from_f64(0.25 * (1.0 - reconstruction_courant)),
             // Finite for C → 0, where the bound has no effect.
-            steepest: T::from_f64((1.0 - courant) / courant.max(1e-6)),
-            upwind: T::from_f64((1.0 - seen) * (1.0 + seen) * (2.0 + seen) / 24.0),
-            central: T::from_f64((1.0 - seen) * (0.5 - seen * (1.0 + seen) / 12.0)),
-            downwind: T::from_f64(-(1.0 - seen) * (1.0 + seen) * (2.0 - seen) / 24.0),
+            upwind_bound: T::from_f64((1.0 - courant) / courant.max(1e-6)),
+            upwind_weight: T::from_f64(
+                (1.0 - reconstruction_courant)
+                    * (1.0 + reconstruction_courant)
+                    * (2.0 + reconstruction_courant)
+                    / 24.0,
+            ),
+            central_weight: T::from_f64(
+                (1.0 - reconstruction_courant)
+                    * (0.5 - reconstruction_courant * (1.0 + reconstruction_courant) / 12.0),
+            ),
+            downwind_weight: T::from_f64(
+                -(1.0 - reconstruction_courant)
+                    * (1.0 + reconstruction_courant)
+                    * (2.0 - reconstruction_courant)
+                    / 24.0,
+            ),
         }
     }
 
@@ -76,7 +93,7 @@ impl<V: Number> CellConstants<V> {
     /// Computes the reflection coefficient (y − z)/(y + z) of the face between this cell and another one of impedance
     /// y.
     #[inline(always)]
-    pub(crate) fn reflection(&self, other: &Self) -> V {
+    pub(crate) fn reflection_coefficient(&self, other: &Self) -> V {
         (other.impedance - self.impedance) / (other.impedance + self.impedance)
     }
 
@@ -84,21 +101,21 @@ impl<V: Number> CellConstants<V> {
     /// direction of propagation. Computed from values, since differences require more additions.
     #[inline(always)]
     pub(crate) fn face_value(&self, [first, second, third, fourth]: [V; 4]) -> V {
-        let own = V::ONE + self.upwind - self.central;
-        let next = self.central - self.downwind;
-        own * second - self.upwind * first + (next * third + self.downwind * fourth)
+        let own = V::ONE + self.upwind_weight - self.central_weight;
+        let next = self.central_weight - self.downwind_weight;
+        own * second - self.upwind_weight * first + (next * third + self.downwind_weight * fourth)
     }
 
     /// Returns for three of four cells whether the next one is alike, 1 or 0.
     #[inline(always)]
-    pub(crate) fn alike([one, two, three, four]: [&Self; 4]) -> [V; 3] {
+    pub(crate) fn equality_flags([one, two, three, four]: [&Self; 4]) -> [V; 3] {
         [V::ONE - one.contrast(two), V::ONE - two.contrast(three), V::ONE - three.contrast(four)]
     }
 
     /// Returns 1 − C of the reconstruction.
     #[inline(always)]
     pub(crate) fn one_minus_courant(&self) -> V {
-        let half = self.mean_slope + self.mean_slope;
+        let half = self.mean_slope_weight + self.mean_slope_weight;
         half + half
     }
 
@@ -109,7 +126,7 @@ impl<V: Number> CellConstants<V> {
     /// Fits to the most accurate linear closure by which no wave gains energy; corrections that are exact for linear
     /// waves would let some gain.
     #[inline(always)]
-    pub(crate) fn weights(&self, [upwind, downwind, beyond]: [V; 3]) -> ([V; 3], V) {
+    pub(crate) fn interface_weights(&self, [upwind, downwind, beyond]: [V; 3]) -> ([V; 3], V) {
         let one_minus_courant = self.one_minus_courant();
         let courant = V::ONE - one_minus_courant;
         let before = one_minus_courant * (upwind * downwind * (V::ONE - beyond));
@@ -119,34 +136,34 @@ impl<V: Number> CellConstants<V> {
         let of_two = one_minus_courant * ((V::ONE - upwind) * downwind * (V::ONE - beyond));
         let of_one = one_minus_courant * ((V::ONE - upwind) * (V::ONE - downwind));
         let weights = [
-            before * fit(courant, 0.0820, 0.1723)
-                + at_face * fit(courant, 0.3974, 0.0477)
-                + behind * fit(courant, 0.1002, 0.0749)
+            before * linear_fit(courant, 0.0820, 0.1723)
+                + at_face * linear_fit(courant, 0.3974, 0.0477)
+                + behind * linear_fit(courant, 0.1002, 0.0749)
                 + of_two * V::from_f64(0.1)
                 + of_one * V::from_f64(0.2),
-            before * fit(courant, 0.3837, -0.1727)
-                + behind * fit(courant, 0.4666, 0.0192)
+            before * linear_fit(courant, 0.3837, -0.1727)
+                + behind * linear_fit(courant, 0.4666, 0.0192)
                 + of_two * V::from_f64(0.2),
-            -(behind * fit(courant, 0.0842, 0.0737)),
+            -(behind * linear_fit(courant, 0.0842, 0.0737)),
         ];
-        (weights, at_face * fit(courant, 0.0903, 0.0039) + of_one * V::from_f64(0.09))
+        (weights, at_face * linear_fit(courant, 0.0903, 0.0039) + of_one * V::from_f64(0.09))
     }
 
     /// Extracts the constants of a lane of a group.
     #[inline(always)]
     pub(crate) fn lane<T: Real>(&self, lane: usize) -> CellConstants<T>
     where
-        V: Group<T>,
+        V: LaneGroup<T>,
     {
         CellConstants {
             impedance: self.impedance.lanes()[lane],
             half_courant: self.half_courant.lanes()[lane],
-            to_velocity: self.to_velocity.lanes()[lane],
-            mean_slope: self.mean_slope.lanes()[lane],
-            steepest: self.steepest.lanes()[lane],
-            upwind: self.upwind.lanes()[lane],
-            central: self.central.lanes()[lane],
-            downwind: self.downwind.lanes()[lane],
+            velocity_factor: self.velocity_factor.lanes()[lane],
+            mean_slope_weight: self.mean_slope_weight.lanes()[lane],
+            upwind_bound: self.upwind_bound.lanes()[lane],
+            upwind_weight: self.upwind_weight.lanes()[lane],
+            central_weight: self.central_weight.lanes()[lane],
+            downwind_weight: self.downwind_weight.lanes()[lane],
         }
     }
 
@@ -154,16 +171,16 @@ impl<V: Number> CellConstants<V> {
     #[inline(always)]
     pub(crate) fn set_lane<T: Real>(&mut self, lane: usize, own: &CellConstants<T>)
     where
-        V: Group<T>,
+        V: LaneGroup<T>,
     {
         self.impedance.lanes_mut()[lane] = own.impedance;
         self.half_courant.lanes_mut()[lane] = own.half_courant;
-        self.to_velocity.lanes_mut()[lane] = own.to_velocity;
-        self.mean_slope.lanes_mut()[lane] = own.mean_slope;
-        self.steepest.lanes_mut()[lane] = own.steepest;
-        self.upwind.lanes_mut()[lane] = own.upwind;
-        self.central.lanes_mut()[lane] = own.central;
-        self.downwind.lanes_mut()[lane] = own.downwind;
+        self.velocity_factor.lanes_mut()[lane] = own.velocity_factor;
+        self.mean_slope_weight.lanes_mut()[lane] = own.mean_slope_weight;
+        self.upwind_bound.lanes_mut()[lane] = own.upwind_bound;
+        self.upwind_weight.lanes_mut()[lane] = own.upwind_weight;
+        self.central_weight.lanes_mut()[lane] = own.central_weight;
+        self.downwind_weight.lanes_mut()[lane] = own.downwind_weight;
     }
 
     /// Loads the constants of a group.
@@ -175,18 +192,18 @@ impl<V: Number> CellConstants<V> {
         Self {
             impedance: V::load(&from.impedance),
             half_courant: V::load(&from.half_courant),
-            to_velocity: V::load(&from.to_velocity),
-            mean_slope: V::load(&from.mean_slope),
-            steepest: V::load(&from.steepest),
-            upwind: V::load(&from.upwind),
-            central: V::load(&from.central),
-            downwind: V::load(&from.downwind),
+            velocity_factor: V::load(&from.velocity_factor),
+            mean_slope_weight: V::load(&from.mean_slope_weight),
+            upwind_bound: V::load(&from.upwind_bound),
+            upwind_weight: V::load(&from.upwind_weight),
+            central_weight: V::load(&from.central_weight),
+            downwind_weight: V::load(&from.downwind_weight),
         }
     }
 }
 
 /// Linear function of the Courant number. Not a closure, which would not inherit the SIMD target features.
 #[inline(always)]
-fn fit<V: Number>(courant: V, at: f64, slope: f64) -> V {
-    V::from_f64(at) + V::from_f64(slope) * courant
+fn linear_fit<V: Number>(courant: V, intercept: f64, slope: f64) -> V {
+    V::from_f64(intercept) + V::from_f64(slope) * courant
 }

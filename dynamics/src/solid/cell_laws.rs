@@ -5,9 +5,9 @@ use crate::simd::{Number, Real};
 use crate::solid::boundary::Signal;
 use crate::solid::medium::Medium;
 use models::common::elementary::Elementary;
-use models::rheology::relaxation::{Increments, Relaxation, SymmetricTensor};
+use models::rheology::relaxation::{Relaxation, RelaxationIncrements, SymmetricTensor};
 use models::solid::stress::Stress;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// Time interval over which a law acts; constants are stored for both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub(crate) enum Interval {
 
 impl Interval {
     /// Evaluates `value` for both intervals, given as fractions of Δt.
-    pub(crate) fn both<R>(value: impl FnMut(f64) -> R) -> [R; 2] {
+    pub(crate) fn evaluate_both<R>(value: impl FnMut(f64) -> R) -> [R; 2] {
         [1.0, 0.5].map(value)
     }
 }
@@ -40,28 +40,28 @@ pub(crate) fn flush_limit<T: Real>(steps_done: usize) -> Option<T> {
 }
 
 /// Converts the values of a state, in the order of `fields`, to a stress.
-pub(crate) fn stress_of<T: Real>(fields: &[Field], values: &[T]) -> Stress {
+pub(crate) fn stress_from_fields<T: Real>(fields: &[SolidField], values: &[T]) -> Stress {
     // In classical solids one field represents both symmetric components.
-    let is_symmetric = !fields.iter().any(|field| matches!(field, Field::Spin(_)));
+    let is_symmetric = !fields.iter().any(|field| matches!(field, SolidField::Spin(_)));
     let mut stress = Stress::default();
     for (&field, value) in fields.iter().zip(values) {
         let value = value.to_f64();
         match field {
-            Field::Stress(i, j) => {
+            SolidField::Stress(i, j) => {
                 stress.force[i][j] = value;
                 if is_symmetric {
                     stress.force[j][i] = value;
                 }
             }
-            Field::Couple(k, j) => stress.couple[k][j] = value,
-            Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
+            SolidField::Couple(k, j) => stress.couple[k][j] = value,
+            SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => {}
         }
     }
     stress
 }
 
 /// Computes a + `factor`·b.
-pub(crate) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
+pub(crate) fn add_scaled(a: &Stress, b: &Stress, factor: f64) -> Stress {
     let part = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
         std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + factor * b[i][j]))
     };
@@ -69,7 +69,7 @@ pub(crate) fn combined(a: &Stress, b: &Stress, factor: f64) -> Stress {
 }
 
 /// Adds `change` to a velocity; returns the change of kinetic energy per inertia, with the rounded values.
-pub(crate) fn push<T: Real>(value: &mut T, change: f64) -> f64 {
+pub(crate) fn accelerate<T: Real>(value: &mut T, change: f64) -> f64 {
     let before = value.to_f64();
     *value = T::from_f64(before + change);
     let after = value.to_f64();
@@ -77,7 +77,7 @@ pub(crate) fn push<T: Real>(value: &mut T, change: f64) -> f64 {
 }
 
 /// Integrates the signal of a source over an interval, s: midpoint value times duration, and change of the signal.
-pub(crate) fn over_interval(signal: &Signal, [from, to]: [f64; 2]) -> [f64; 2] {
+pub(crate) fn integrate_signal(signal: &Signal, [from, to]: [f64; 2]) -> [f64; 2] {
     // The signal is zero before time 0: an initial jump acts in the first step.
     let before = if from > 0.0 { signal(from) } else { 0.0 };
     let mean = signal(0.5 * (from + to));
@@ -85,7 +85,7 @@ pub(crate) fn over_interval(signal: &Signal, [from, to]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Applies a source to a field of a cell over an interval; returns its work, J/m³. `strength`: amplitude times the
-/// cell's share; `impulse` and `moment`: results of [`over_interval`]. Forces and couples accelerate, moments reduce
+/// cell's share; `impulse` and `moment`: results of [`integrate_signal`]. Forces and couples accelerate, moments reduce
 /// stresses.
 pub(crate) fn apply_source<T: Real>(
     medium: &Medium,
@@ -99,20 +99,24 @@ pub(crate) fn apply_source<T: Real>(
     let inertia = medium.inertia(fields[field]);
     if inertia > 0.0 {
         let change = strength * impulse / (inertia * volume);
-        push(&mut state[field], change) * inertia
+        accelerate(&mut state[field], change) * inertia
     } else {
-        let before = medium.stored_energy(&stress_of(fields, state));
+        let before = medium.stored_energy(&stress_from_fields(fields, state));
         state[field] = T::from_f64(state[field].to_f64() - strength * moment / volume);
-        medium.stored_energy(&stress_of(fields, state)) - before
+        medium.stored_energy(&stress_from_fields(fields, state)) - before
     }
 }
 
 /// Returns the field indices of spins and of the two stresses that rotate with each.
-pub(crate) fn rotated_fields(fields: &[Field]) -> Vec<[usize; 3]> {
-    let place = |field: Field| fields.iter().position(|own| *own == field);
+pub(crate) fn rotated_fields(fields: &[SolidField]) -> Vec<[usize; 3]> {
+    let place = |field: SolidField| fields.iter().position(|own| *own == field);
     let triple = |k: usize| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        Some([place(Field::Spin(k))?, place(Field::Stress(i, j))?, place(Field::Stress(j, i))?])
+        Some([
+            place(SolidField::Spin(k))?,
+            place(SolidField::Stress(i, j))?,
+            place(SolidField::Stress(j, i))?,
+        ])
     };
     (0..3).filter_map(triple).collect()
 }
@@ -120,26 +124,26 @@ pub(crate) fn rotated_fields(fields: &[Field]) -> Vec<[usize; 3]> {
 /// Coefficients of the rotation of a spin and antisymmetric stress: cos, √(αj) sin, sin/√(αj).
 pub(crate) type SpinStressRotation<N> = [N; 3];
 
-/// Computes the rotation coefficients of a medium over `part`·`step`, s.
+/// Computes the rotation coefficients of a medium over `step_fraction`·`step`, s.
 pub(crate) fn spin_stress_rotation(
     medium: &Medium,
-    part: f64,
+    step_fraction: f64,
     step: f64,
 ) -> SpinStressRotation<f64> {
     let Some(rotation) = medium.rotation else { return [1.0, 0.0, 0.0] };
-    let (sin, cos) = (rotation.frequency * part * step).cr_sin_cos();
+    let (sin, cos) = (rotation.frequency * step_fraction * step).cr_sin_cos();
     [cos, rotation.ratio * sin, sin / rotation.ratio]
 }
 
 /// Applies the rotation Q to a spin and both stresses.
 #[inline(always)]
-pub(crate) fn rotated<N: Number>(
+pub(crate) fn rotate_spin_stress<N: Number>(
     [cos, ratio_sin, sin_over_ratio]: SpinStressRotation<N>,
     [omega, first, second]: [N; 3],
 ) -> [N; 3] {
     let half = N::HALF * (first - second);
-    let turned = half * cos + ratio_sin * omega - half;
-    [omega * cos - half * sin_over_ratio, first + turned, second - turned]
+    let stress_change = half * cos + ratio_sin * omega - half;
+    [omega * cos - half * sin_over_ratio, first + stress_change, second - stress_change]
 }
 
 /// Field indices: \[normal stress, viscous strain\] by axis; \[shear stress, its transpose (may be the same), viscous
@@ -147,31 +151,36 @@ pub(crate) fn rotated<N: Number>(
 pub(crate) type RelaxedFields = ([[usize; 2]; 3], Vec<[usize; 3]>);
 
 /// Finds the relaxed fields in a list; `None` if nothing relaxes.
-pub(crate) fn relaxed_fields(fields: &[Field]) -> Option<RelaxedFields> {
-    let place = |field: Field| fields.iter().position(|own| *own == field);
-    let normal = |i: usize| Some([place(Field::Stress(i, i))?, place(Field::ViscousStrain(i, i))?]);
+pub(crate) fn find_relaxed_fields(fields: &[SolidField]) -> Option<RelaxedFields> {
+    let place = |field: SolidField| fields.iter().position(|own| *own == field);
+    let normal = |i: usize| {
+        Some([place(SolidField::Stress(i, i))?, place(SolidField::ViscousStrain(i, i))?])
+    };
     let shear = [[0, 1], [0, 2], [1, 2]].into_iter().filter_map(|[i, j]| {
-        let [one, other] = [place(Field::Stress(i, j)), place(Field::Stress(j, i))];
-        Some([one.or(other)?, other.or(one)?, place(Field::ViscousStrain(i, j))?])
+        let [one, other] = [place(SolidField::Stress(i, j)), place(SolidField::Stress(j, i))];
+        Some([one.or(other)?, other.or(one)?, place(SolidField::ViscousStrain(i, j))?])
     });
     Some(([normal(0)?, normal(1)?, normal(2)?], shear.collect()))
 }
 
-/// Computes the coefficients of relaxation over `part`·`step`, s; `value` collects a coefficient from the media.
-pub(crate) fn relaxation_over<N>(
-    value: impl Fn(&dyn Fn(&Medium) -> f64) -> N,
-    part: f64,
+/// Computes the coefficients of relaxation over `step_fraction`·`step`, s; `value` collects a coefficient from the
+/// media.
+pub(crate) fn relaxation_coefficients<N>(
+    collect: impl Fn(&dyn Fn(&Medium) -> f64) -> N,
+    step_fraction: f64,
     step: f64,
 ) -> Relaxation<N> {
     let constant = |of: fn(&Relaxation<f64>) -> f64| {
-        value(&|medium| {
-            of(&medium.relaxation.map_or(Relaxation::NONE, |own| own.relaxation_over(part * step)))
+        collect(&|medium| {
+            of(&medium
+                .relaxation
+                .map_or(Relaxation::ELASTIC, |own| own.compute_relaxation(step_fraction * step)))
         })
     };
     Relaxation {
         strain_per_stress: constant(|own| own.strain_per_stress),
         strain_per_strain: constant(|own| own.strain_per_strain),
-        share: constant(|own| own.share),
+        relaxed_fraction: constant(|own| own.relaxed_fraction),
         stress_per_strain: constant(|own| own.stress_per_strain),
         dissipation: constant(|own| own.dissipation),
     }
@@ -195,7 +204,7 @@ pub(crate) fn relax<N: Number, const SHEARS: usize>(
         stress.shear[i] = N::HALF * (one + other);
         strain.shear[i] = viscous;
     }
-    let change: Increments<N, SHEARS> = constants.increments(stress, strain);
+    let change: RelaxationIncrements<N, SHEARS> = constants.increments(stress, strain);
     for (i, [own, viscous]) in normal.iter_mut().enumerate() {
         *own = *own + change.stress.normal[i];
         *viscous = *viscous + change.viscous_strain.normal[i];
@@ -205,52 +214,60 @@ pub(crate) fn relax<N: Number, const SHEARS: usize>(
         *other = *other + change.stress.shear[i];
         *viscous = *viscous + change.viscous_strain.shear[i];
     }
-    change.dissipated
+    change.dissipated_energy
 }
 
 /// Result of the return mapping of a cell's stress.
-pub(crate) struct Correction {
+pub(crate) struct MappedStress {
     /// Stress after the return mapping, as deviation from the initial stress, Pa.
     pub(crate) stress: Stress,
     /// Plastic dissipation, J/m³.
-    pub(crate) dissipated: f64,
+    pub(crate) dissipation: f64,
     /// Work of the initial stress, J/m³.
-    pub(crate) released: f64,
+    pub(crate) initial_stress_work: f64,
     /// Plastic dissipation divided by the stored energy.
-    pub(crate) share: f64,
+    pub(crate) dissipation_ratio: f64,
 }
 
 /// Applies P (or 2P − I if `reflects`) to a deviation from the initial stress; `None` if the stress is in its yield
 /// set.
-pub(crate) fn correction(
+pub(crate) fn map_stress(
     medium: &Medium,
     deviation: &Stress,
     initial: Option<&Stress>,
     reflects: bool,
-) -> Option<Correction> {
-    let none = Stress::default();
-    let offset = initial.unwrap_or(&none);
-    let trial = combined(deviation, offset, 1.0);
-    let corrected = medium.project(&trial);
-    if corrected.stress == trial {
+) -> Option<MappedStress> {
+    let zero = Stress::default();
+    let offset = initial.unwrap_or(&zero);
+    let trial = add_scaled(deviation, offset, 1.0);
+    let projection = medium.project(&trial);
+    if projection.stress == trial {
         return None;
     }
-    let times = if reflects { 2.0 } else { 1.0 };
-    let plastic = combined(&trial, &corrected.stress, -1.0);
+    let factor = if reflects { 2.0 } else { 1.0 };
+    let plastic = add_scaled(&trial, &projection.stress, -1.0);
     let energy = |stress: &Stress| medium.stored_energy(stress);
     // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
     let beyond = if reflects { energy(&plastic) } else { 0.0 };
-    let dissipated = times * (corrected.energy_lost - beyond);
+    let dissipation = factor * (projection.energy_lost - beyond);
     // Mixed term of the energy.
-    let released = initial.map_or(0.0, |initial| {
-        let both = combined(&plastic, initial, 1.0);
-        times * (energy(&both) - energy(&plastic) - energy(initial))
+    let initial_stress_work = initial.map_or(0.0, |initial| {
+        let both = add_scaled(&plastic, initial, 1.0);
+        factor * (energy(&both) - energy(&plastic) - energy(initial))
     });
-    let share = dissipated / energy(&trial).max(f64::MIN_POSITIVE);
-    debug_assert!(share >= -1e-14, "the correction adds energy: {share:e} of what is there");
+    let dissipation_ratio = dissipation / energy(&trial).max(f64::MIN_POSITIVE);
+    debug_assert!(
+        dissipation_ratio >= -1e-14,
+        "the correction adds energy: {dissipation_ratio:e} of what is there"
+    );
     let moved = match reflects {
-        true => combined(&corrected.stress, &plastic, -1.0),
-        false => corrected.stress,
+        true => add_scaled(&projection.stress, &plastic, -1.0),
+        false => projection.stress,
     };
-    Some(Correction { stress: combined(&moved, offset, -1.0), dissipated, released, share })
+    Some(MappedStress {
+        stress: add_scaled(&moved, offset, -1.0),
+        dissipation,
+        initial_stress_work,
+        dissipation_ratio,
+    })
 }

@@ -4,20 +4,20 @@ use crate::solid::medium::Medium;
 use models::common::elementary::Elementary;
 use models::solid::parameters::Isotropic;
 use models::solid::stress::Stress;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use num_complex::Complex64;
 
 /// Several densities in one layer.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("densities {:?} and {:?} in one layer", densities[0], densities[1])]
-pub struct UnevenLayer {
+pub struct NonUniformLayer {
     /// First cell whose density differs from that of its layer.
     pub cell: usize,
     /// Densities of the layer and of the cell, kg/m³.
     pub densities: [f64; 2],
 }
 
-/// Returns the density of each layer normal to an axis, kg/m³; `of_cell`: medium of each cell (first axis fastest).
+/// Returns the density of each layer normal to an axis, kg/m³; `cell_media`: medium of each cell (first axis fastest).
 ///
 /// # Errors
 /// A layer has several densities.
@@ -25,17 +25,17 @@ pub fn layer_densities(
     cells: &[usize],
     axis: usize,
     media: &[Medium],
-    of_cell: &[u16],
-) -> Result<Vec<f64>, UnevenLayer> {
+    cell_media: &[u16],
+) -> Result<Vec<f64>, NonUniformLayer> {
     let stride: usize = cells[..axis].iter().product();
     let mut densities = vec![f64::NAN; cells[axis]];
-    for (cell, &medium) in of_cell.iter().enumerate() {
-        let density = media[usize::from(medium)].inertia(Field::Velocity(axis));
+    for (cell, &medium) in cell_media.iter().enumerate() {
+        let density = media[usize::from(medium)].inertia(SolidField::Velocity(axis));
         let own = &mut densities[cell / stride % cells[axis]];
         if own.is_nan() {
             *own = density;
         } else if *own != density {
-            return Err(UnevenLayer { cell, densities: [*own, density] });
+            return Err(NonUniformLayer { cell, densities: [*own, density] });
         }
     }
     Ok(densities)
@@ -44,7 +44,7 @@ pub fn layer_densities(
 /// Adds the lithostatic stress to the layers normal to an axis: ∂σ + ρg = 0, with σ = 0 at the boundary that
 /// `acceleration`, m/s² along the axis, points away from. `densities`, kg/m³, and `spacing` (thickness, m) are those of
 /// the layers. Normal stresses across the axis are `lateral_ratio` times those along it.
-pub fn add_lithostatic(
+pub fn add_lithostatic_stress(
     layers: &mut [Stress],
     axis: usize,
     densities: &[f64],
@@ -52,13 +52,13 @@ pub fn add_lithostatic(
     acceleration: f64,
     lateral_ratio: f64,
 ) {
-    let mut above = 0.0;
+    let mut weight_above = 0.0;
     let from_upper = acceleration < 0.0;
     for step in 0..densities.len() {
         let index = if from_upper { densities.len() - 1 - step } else { step };
         let weight = densities[index] * acceleration.abs() * spacing;
-        let normal = -(above + 0.5 * weight);
-        above += weight;
+        let normal = -(weight_above + 0.5 * weight);
+        weight_above += weight;
         for i in 0..3 {
             let share = if i == axis { 1.0 } else { lateral_ratio };
             layers[index].force[i][i] += share * normal;
@@ -68,18 +68,23 @@ pub fn add_lithostatic(
 
 /// Normalises the amplitudes of a plane wave of unit energy such that |v| in the phase of the largest velocity
 /// component is 1 m/s. `None` if only spins move.
-pub fn with_unit_velocity(
-    amplitudes: Vec<(Field, Complex64)>,
+pub fn normalise_velocity(
+    amplitudes: Vec<(SolidField, Complex64)>,
     density: f64,
-) -> Option<Vec<(Field, Complex64)>> {
-    let velocities = || amplitudes.iter().filter(|(f, _)| matches!(f, Field::Velocity(_)));
+) -> Option<Vec<(SolidField, Complex64)>> {
+    let velocities = || amplitudes.iter().filter(|(f, _)| matches!(f, SolidField::Velocity(_)));
     let speed = velocities().map(|own| own.1.norm_sqr()).sum::<f64>().sqrt();
-    let greatest = velocities()
+    let max_amplitude = velocities()
         .map(|(_, amplitude)| *amplitude)
         .max_by(|a, b| a.norm().total_cmp(&b.norm()))
         .filter(|_| density.sqrt() * speed > 1e-6)
         .map(|amplitude| amplitude.unscale(amplitude.norm()).scale(speed))?;
-    Some(amplitudes.into_iter().map(|(field, amplitude)| (field, amplitude / greatest)).collect())
+    Some(
+        amplitudes
+            .into_iter()
+            .map(|(field, amplitude)| (field, amplitude / max_amplitude))
+            .collect(),
+    )
 }
 
 /// Plane pulse of constant shape: d'Alembert's solution in a classical isotropic solid.
@@ -97,13 +102,13 @@ pub struct PlanePulse {
 
 impl PlanePulse {
     /// Longitudinal wave in the direction `n`.
-    pub fn longitudinal(solid: &Isotropic, n: [f64; 3]) -> Self {
+    pub fn new_longitudinal(solid: &Isotropic, n: [f64; 3]) -> Self {
         Self::new(solid, solid.lambda + 2.0 * solid.mu, n, n)
     }
 
     /// Transverse wave in the direction `n` of the given azimuth and elevation, rad. The polarisation is the direction
     /// of increasing azimuth, rotated by `angle`, rad, towards increasing elevation.
-    pub fn transverse(
+    pub fn new_transverse(
         solid: &Isotropic,
         n: [f64; 3],
         azimuth: f64,
@@ -113,8 +118,8 @@ impl PlanePulse {
         let (sin, cos) = angle.cr_sin_cos();
         let across = [-azimuth.cr_sin(), azimuth.cr_cos(), 0.0];
         let (up, out) = elevation.cr_sin_cos();
-        let above = [-up * azimuth.cr_cos(), -up * azimuth.cr_sin(), out];
-        let a = std::array::from_fn(|i| cos * across[i] + sin * above[i]);
+        let weight_above = [-up * azimuth.cr_cos(), -up * azimuth.cr_sin(), out];
+        let a = std::array::from_fn(|i| cos * across[i] + sin * weight_above[i]);
         Self::new(solid, solid.mu, n, a)
     }
 
@@ -132,23 +137,23 @@ impl PlanePulse {
     /// across.
     pub fn distances(&self, from: &[f64]) -> [f64; 2] {
         let along: f64 = from.iter().zip(self.n).map(|(x, n)| x * n).sum();
-        let aside =
+        let transverse_distance =
             from.iter().zip(self.n).fold(0.0, |r: f64, (x, n)| r.root_sum_square(x - along * n));
-        [along, aside]
+        [along, transverse_distance]
     }
 
     /// Returns the value of a field per 1 m/s of velocity; `None` for fields that classical solids do not have.
-    pub fn factor(&self, field: Field) -> Option<f64> {
+    pub fn field_per_velocity(&self, field: SolidField) -> Option<f64> {
         let (n, a) = (&self.n, &self.a);
         match field {
-            Field::Velocity(i) => Some(a[i]),
+            SolidField::Velocity(i) => Some(a[i]),
             // σ̇ = λ tr ε̇ + 2μ ε̇ with ∂ⱼvᵢ = −aᵢnⱼg′/c.
-            Field::Stress(i, j) => {
+            SolidField::Stress(i, j) => {
                 let dilation: f64 = a.iter().zip(n).map(|(a, n)| a * n).sum();
                 let normal = if i == j { self.lambda * dilation } else { 0.0 };
                 Some(-(normal + self.mu * (a[i] * n[j] + a[j] * n[i])) / self.speed)
             }
-            Field::Spin(_) | Field::Couple(..) | Field::ViscousStrain(..) => None,
+            SolidField::Spin(_) | SolidField::Couple(..) | SolidField::ViscousStrain(..) => None,
         }
     }
 }

@@ -4,12 +4,12 @@ use super::medium::Medium;
 use crate::simd::Real;
 use models::interface::FaceLaw;
 use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
-use models::solid::waves::{Field, Pair};
+use models::solid::waves::{SolidField, VelocityStressPair};
 
-/// Number of memory variables of an interlayer per wave pair: V and S.
-pub(crate) const MEMORY: usize = 2;
+/// Number of history variables of an interlayer per wave pair: V and S.
+pub(crate) const HISTORY_VARIABLES: usize = 2;
 
-/// Interlayers normal to an axis, at the lower faces of cells `offset`, `offset + every`, …
+/// Interlayers normal to an axis, at the lower faces of cells `offset`, `offset + block_cells`, …
 ///
 /// The thickness enters only the law; geometrically an interlayer is a face.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Interlayers {
     /// at least three cells.
     pub offset: usize,
     /// Number of cells per block.
-    pub every: usize,
+    pub block_cells: usize,
     /// Law for each wave pair of the axis.
     pub laws: Vec<ElasticInterlayer<f64>>,
 }
@@ -28,35 +28,35 @@ pub struct Interlayers {
 impl Interlayers {
     /// Interlayers of one material between blocks of a medium: the normal law for the wave pair whose velocity is along
     /// the axis, the tangential law for the other velocities. Spins are continuous.
-    pub fn of_material(
+    pub fn from_material(
         axis: usize,
-        [offset, every]: [usize; 2],
+        [offset, block_cells]: [usize; 2],
         material: &ElasticMaterial,
         medium: &Medium,
     ) -> Self {
         let pairs = medium.pairs.get(axis).map_or(&[][..], |pairs| pairs);
-        let law = |velocity: Field| match velocity {
-            Field::Velocity(along) if along == axis => material.normal(),
-            Field::Velocity(_) => material.tangential(),
+        let law = |velocity: SolidField| match velocity {
+            SolidField::Velocity(along) if along == axis => material.normal_interlayer(),
+            SolidField::Velocity(_) => material.tangential_interlayer(),
             _ => ElasticInterlayer { mass: 0.0, compliance: 0.0 },
         };
         let laws = pairs.iter().map(|pair| law(pair.velocity)).collect();
-        Self { axis, offset, every, laws }
+        Self { axis, offset, block_cells, laws }
     }
 
     /// Returns whether there is an interlayer at the lower face of cell `place` along the axis.
-    pub fn is_in_front_of(&self, place: usize) -> bool {
-        place >= self.offset && (place - self.offset).is_multiple_of(self.every.max(1))
+    pub fn has_interlayer_at(&self, place: usize) -> bool {
+        place >= self.offset && (place - self.offset).is_multiple_of(self.block_cells.max(1))
     }
 }
 
 /// Initial memory of a stress-free interlayer: mean of the velocities of the two adjacent cells, zero stress.
-pub(crate) fn memory_at_start<T: Real>([front, behind]: [T; 2]) -> [T; MEMORY] {
+pub(crate) fn stress_free_history<T: Real>([front, behind]: [T; 2]) -> [T; HISTORY_VARIABLES] {
     [T::HALF * (front + behind), T::ZERO]
 }
 
 /// Returns cell i − 1 along an axis for cell i of a grid; for the first cell, the last one (periodic).
-pub(crate) fn cell_in_front(cells: &[usize], axis: usize, cell: usize) -> usize {
+pub(crate) fn lower_neighbour(cells: &[usize], axis: usize, cell: usize) -> usize {
     let (stride, count) = (cells[..axis].iter().product::<usize>(), cells[axis]);
     match cell / stride % count {
         0 => cell + (count - 1) * stride,
@@ -65,19 +65,22 @@ pub(crate) fn cell_in_front(cells: &[usize], axis: usize, cell: usize) -> usize 
 }
 
 /// Computes kinetic and stored energy, J, of a face of area `area`, m², for a wave pair.
-pub(crate) fn energy_of<T: Real>(
+pub(crate) fn interlayer_energy<T: Real>(
     law: &ElasticInterlayer<T>,
-    memory: [T; MEMORY],
+    history: [T; HISTORY_VARIABLES],
     area: f64,
 ) -> [f64; 2] {
     let law = ElasticInterlayer { mass: law.mass.to_f64(), compliance: law.compliance.to_f64() };
-    let memory = memory.map(T::to_f64);
-    [area * law.kinetic_energy(&memory), area * law.stored_energy(&memory)]
+    let history = history.map(T::to_f64);
+    [area * law.kinetic_energy(&history), area * law.stored_energy(&history)]
 }
 
-/// Returns the field of a wave pair whose memory variable is not finite.
-pub(crate) fn first_non_finite<T: Real>(pair: &Pair, memory: [T; MEMORY]) -> Option<Field> {
-    let [velocity, stress] = memory.map(|own| own.to_f64().is_finite());
+/// Returns the field of a wave pair whose history variable is not finite.
+pub(crate) fn non_finite_field<T: Real>(
+    pair: &VelocityStressPair,
+    history: [T; HISTORY_VARIABLES],
+) -> Option<SolidField> {
+    let [velocity, stress] = history.map(|own| own.to_f64().is_finite());
     match (velocity, stress) {
         (true, true) => None,
         (false, _) => Some(pair.velocity),

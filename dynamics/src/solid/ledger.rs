@@ -5,31 +5,35 @@ use crate::solid::problem::Problem;
 
 /// Work and dissipation of the steps so far, J (plane strain: per unit thickness).
 ///
-/// Energy after − energy before = inflow + sources + released − plastic − viscous − numerical. Each term is computed
-/// separately, none as a residual.
+/// Energy after − energy before = boundary work + source work + initial-stress work − plastic − viscous − numerical
+/// dissipation. Each term is computed separately, none as a residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// Work on the boundaries, positive inwards.
-    pub inflow: f64,
+    pub boundary_work: f64,
     /// Work of sources and gravity.
-    pub sources: f64,
+    pub source_work: f64,
     /// Work of the initial stress on plastic strain.
-    pub released: f64,
+    pub initial_stress_work: f64,
     /// Plastic dissipation.
-    pub plastic: f64,
+    pub plastic_dissipation: f64,
     /// Dissipation of dashpots.
-    pub viscous: f64,
-    /// Numerical dissipation; see [`Account`](crate::solid::line::Account). Zero in the ledger of the fused solver.
-    pub numerical: f64,
+    pub viscous_dissipation: f64,
+    /// Numerical dissipation; see [`SweepAccount`](crate::solid::line::SweepAccount). Zero in the ledger of the fused
+    /// solver.
+    pub numerical_dissipation: f64,
     /// Smallest plastic dissipation of a cell in a step, divided by the energy stored in the cell, if negative
     /// (rounding errors only).
-    pub least_plastic: f64,
+    pub min_dissipation_ratio: f64,
 }
 
 impl Ledger {
     /// Returns the change of energy according to all terms, J.
-    pub fn change(&self) -> f64 {
-        self.inflow + self.sources + self.released - self.plastic - self.viscous - self.numerical
+    pub fn energy_change(&self) -> f64 {
+        self.boundary_work + self.source_work + self.initial_stress_work
+            - self.plastic_dissipation
+            - self.viscous_dissipation
+            - self.numerical_dissipation
     }
 }
 
@@ -38,7 +42,7 @@ impl Ledger {
 pub struct Energy {
     /// Kinetic energy of velocities and spins.
     pub kinetic: f64,
-    /// Energy of stresses and memory variables.
+    /// Energy of stresses and history variables.
     pub stored: f64,
     /// Kinetic energy of interlayers.
     pub interlayer_kinetic: f64,
@@ -75,12 +79,12 @@ impl EnergySums {
     }
 
     /// Converts to energies; `volume` of a cell, m³.
-    pub(crate) fn energy(&self, volume: f64) -> Energy {
+    pub(crate) fn to_energy(&self, volume: f64) -> Energy {
         Energy {
-            kinetic: volume * self.kinetic.value(),
-            stored: volume * self.stored.value(),
-            interlayer_kinetic: self.interlayer_kinetic.value(),
-            interlayer_stored: self.interlayer_stored.value(),
+            kinetic: volume * self.kinetic.to_f64(),
+            stored: volume * self.stored.to_f64(),
+            interlayer_kinetic: self.interlayer_kinetic.to_f64(),
+            interlayer_stored: self.interlayer_stored.to_f64(),
         }
     }
 }
@@ -89,78 +93,90 @@ impl EnergySums {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkSums {
     /// Work on the boundaries, J.
-    pub(crate) inflow: ExactSum,
+    pub(crate) boundary_work: ExactSum,
     /// Sum of the work densities of sources and gravity, J/m³.
-    pub(crate) sources: ExactSum,
+    pub(crate) source_work: ExactSum,
     /// Numerical dissipation, J.
-    pub(crate) numerical: ExactSum,
-    /// See [`Ledger::least_plastic`].
-    pub(crate) least_plastic: f64,
+    pub(crate) numerical_dissipation: ExactSum,
+    /// See [`Ledger::min_dissipation_ratio`].
+    pub(crate) min_dissipation_ratio: f64,
 }
 
 impl WorkSums {
     /// Adds the sums of another subdomain.
     pub(crate) fn merge(&mut self, other: &Self) {
-        self.inflow.merge(&other.inflow);
-        self.sources.merge(&other.sources);
-        self.numerical.merge(&other.numerical);
-        self.least_plastic = self.least_plastic.min(other.least_plastic);
+        self.boundary_work.merge(&other.boundary_work);
+        self.source_work.merge(&other.source_work);
+        self.numerical_dissipation.merge(&other.numerical_dissipation);
+        self.min_dissipation_ratio = self.min_dissipation_ratio.min(other.min_dissipation_ratio);
     }
 
     /// Returns numbers with the same exact sums, for checkpoints.
-    pub(crate) fn parts(&self) -> WorkParts {
-        let Self { inflow, sources, numerical, least_plastic } = self;
-        [inflow.parts(), sources.parts(), numerical.parts(), vec![*least_plastic]]
+    pub(crate) fn to_partial_sums(&self) -> WorkPartialSums {
+        let Self { boundary_work, source_work, numerical_dissipation, min_dissipation_ratio } =
+            self;
+        [
+            boundary_work.to_terms(),
+            source_work.to_terms(),
+            numerical_dissipation.to_terms(),
+            vec![*min_dissipation_ratio],
+        ]
     }
 
     /// Restores the sums from such numbers.
-    pub(crate) fn from_parts([inflow, sources, numerical, least]: &WorkParts) -> Self {
+    pub(crate) fn from_partial_sums(
+        [boundary_work, source_work, numerical_dissipation, least]: &WorkPartialSums,
+    ) -> Self {
         let sum = |parts: &[f64]| parts.iter().copied().collect();
         Self {
-            inflow: sum(inflow),
-            sources: sum(sources),
-            numerical: sum(numerical),
-            least_plastic: least.iter().copied().fold(0.0, f64::min),
+            boundary_work: sum(boundary_work),
+            source_work: sum(source_work),
+            numerical_dissipation: sum(numerical_dissipation),
+            min_dissipation_ratio: least.iter().copied().fold(0.0, f64::min),
         }
     }
 }
 
 /// Numbers whose sums are the boundary work, J, the work of sources, J/m³, and the numerical dissipation, J; then
-/// [`Ledger::least_plastic`].
-pub type WorkParts = [Vec<f64>; 4];
+/// [`Ledger::min_dissipation_ratio`].
+pub type WorkPartialSums = [Vec<f64>; 4];
 
 /// Dissipation of the laws of each cell, J/m³, by cell or by lane; lists are empty if no medium needs them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellDissipation {
     /// Plastic dissipation.
-    pub(crate) plastic: Vec<f64>,
+    pub(crate) plastic_dissipation: Vec<f64>,
     /// Work of the initial stress on plastic strain.
-    pub(crate) released: Vec<f64>,
+    pub(crate) initial_stress_work: Vec<f64>,
     /// Dissipation of dashpots.
-    pub(crate) viscous: Vec<f64>,
+    pub(crate) viscous_dissipation: Vec<f64>,
 }
 
 impl CellDissipation {
     /// Creates the lists that the media of a problem need; `zeros` allocates one.
     pub(crate) fn new<const D: usize>(problem: &Problem<D>, zeros: impl Fn() -> Vec<f64>) -> Self {
         let list = |is_needed: bool| if is_needed { zeros() } else { Vec::new() };
-        let is_plastic = problem.media.iter().any(|medium| medium.yields.is_some());
+        let is_plastic = problem.media.iter().any(|medium| medium.yield_set.is_some());
         let relaxes = problem.media.iter().any(|medium| medium.relaxation.is_some());
         Self {
-            plastic: list(is_plastic),
-            released: list(is_plastic && problem.initial_stress.is_some()),
-            viscous: list(relaxes),
+            plastic_dissipation: list(is_plastic),
+            initial_stress_work: list(is_plastic && problem.initial_stress.is_some()),
+            viscous_dissipation: list(relaxes),
         }
     }
 
     /// Returns the three lists: plastic, released, viscous.
-    pub(crate) fn all(&self) -> [&Vec<f64>; 3] {
-        [&self.plastic, &self.released, &self.viscous]
+    pub(crate) fn lists(&self) -> [&Vec<f64>; 3] {
+        [&self.plastic_dissipation, &self.initial_stress_work, &self.viscous_dissipation]
     }
 
     /// Returns the three lists for modification.
-    pub(crate) fn all_mut(&mut self) -> [&mut Vec<f64>; 3] {
-        [&mut self.plastic, &mut self.released, &mut self.viscous]
+    pub(crate) fn lists_mut(&mut self) -> [&mut Vec<f64>; 3] {
+        [
+            &mut self.plastic_dissipation,
+            &mut self.initial_stress_work,
+            &mut self.viscous_dissipation,
+        ]
     }
 }
 
@@ -181,17 +197,17 @@ impl LedgerSums {
     }
 
     /// Converts to a ledger; `volume` of a cell, m³.
-    pub(crate) fn ledger(&self, volume: f64) -> Ledger {
-        let [plastic, released, viscous] =
-            self.dissipation.each_ref().map(|sum| volume * sum.value());
+    pub(crate) fn to_ledger(&self, volume: f64) -> Ledger {
+        let [plastic_dissipation, initial_stress_work, viscous_dissipation] =
+            self.dissipation.each_ref().map(|sum| volume * sum.to_f64());
         Ledger {
-            inflow: self.work.inflow.value(),
-            sources: volume * self.work.sources.value(),
-            released,
-            plastic,
-            viscous,
-            numerical: self.work.numerical.value(),
-            least_plastic: self.work.least_plastic,
+            boundary_work: self.work.boundary_work.to_f64(),
+            source_work: volume * self.work.source_work.to_f64(),
+            initial_stress_work,
+            plastic_dissipation,
+            viscous_dissipation,
+            numerical_dissipation: self.work.numerical_dissipation.to_f64(),
+            min_dissipation_ratio: self.work.min_dissipation_ratio,
         }
     }
 }

@@ -16,57 +16,58 @@
 //! and the cells are updated with the fluxes of their faces (Godunov 1959; van Leer 1979). Exact for C = 1 between
 //! cells of the same constants and at material interfaces; for C < 1 of the order of the reconstruction, [`Slopes`].
 //!
-//! The [`Account`] holds the work and the dissipation of the sweep, by cell and from the fluxes.
+//! The [`SweepAccount`] holds the work and the dissipation of the sweep, by cell and from the fluxes.
 //!
 //! The formulas are generic over [`Number`](crate::simd::Number): [`sweep`] applies them to one line, cell by cell,
 //! with the account; the kernel of [`crate::solid::domain`] applies them to many lines at once.
 
 pub use super::cell::CellConstants;
 pub use super::reconstruction::{GHOSTS, HALO, Slopes};
-use super::riemann::{InterfaceState, State, updated};
+use super::riemann::{InterfaceState, State, update_cell};
 use crate::simd::Real;
 
 /// Energy account of a sweep, W per m² of the line's cross-section; times the time step, J/m².
 ///
 /// With the cell energy in the same unit, h(½mv² + ½s²/M)/Δt = (zv² + s²/z)/(2C):
-/// energy after − energy before = inflow − dissipated, to rounding.
+/// energy after − energy before = boundary work − dissipation, to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Account {
+pub struct SweepAccount {
     /// Work at the ends of the line, positive inwards: mean stress × mean velocity over the step.
-    pub inflow: f64,
+    pub boundary_work: f64,
     /// Numerical dissipation. A wave w of a cell with fluxes F± through its faces loses (F₊ − F₋)((w + w′) − (F₊ +
     /// F₋))/4z, w′ being the wave after the step. In the fourth-order scheme this may be negative in a cell, but the
     /// sum over all cells is not.
-    pub dissipated: f64,
+    pub dissipation: f64,
 }
 
 /// Sum over cells.
-impl<'a> std::iter::Sum<&'a Self> for Account {
+impl<'a> std::iter::Sum<&'a Self> for SweepAccount {
     fn sum<I: Iterator<Item = &'a Self>>(accounts: I) -> Self {
         accounts.fold(Self::default(), |sum, own| Self {
-            inflow: sum.inflow + own.inflow,
-            dissipated: sum.dissipated + own.dissipated,
+            boundary_work: sum.boundary_work + own.boundary_work,
+            dissipation: sum.dissipation + own.dissipation,
         })
     }
 }
 
-/// Face values of the right-going and the left-going wave from the four cells around a face; `joined` is 0 at
+/// Face values of the right-going and the left-going wave from the four cells around a face; `continuity` is 0 at
 /// interlayers and 1 at other faces.
 pub(super) fn face_values<T: Real>(
     states: [State<T>; 4],
     cells: [&CellConstants<T>; 4],
-    joined: [T; 3],
+    continuity: [T; 3],
     slopes: Slopes,
 ) -> [T; 2] {
     let [first, left, right, _] = cells;
     let in_front = [states[0], states[1], states[2]];
-    let known = slopes.known(in_front, [first, left, right], [joined[0], joined[1]]);
+    let stencil_data =
+        slopes.stencil_data(in_front, [first, left, right], [continuity[0], continuity[1]]);
     let around = [states[1], states[2], states[3]];
-    slopes.face_values_beside_interlayers(known, around, cells, joined).0
+    slopes.face_values_with_interlayers(stencil_data, around, cells, continuity).0
 }
 
 /// Interface states of a face for its left and right cell, from the four cells around it.
-fn face<T: Real>(
+fn solve_face<T: Real>(
     states: [State<T>; 4],
     cells: [&CellConstants<T>; 4],
     slopes: Slopes,
@@ -76,19 +77,19 @@ fn face<T: Real>(
 }
 
 /// Mean stress × mean velocity over the step at the lower face of a cell, W/m².
-fn work<T: Real>(lower_face: &InterfaceState<T>, cell: &CellConstants<T>) -> f64 {
+fn face_power<T: Real>(lower_face: &InterfaceState<T>, cell: &CellConstants<T>) -> f64 {
     lower_face.sum.to_f64() * lower_face.difference.to_f64() / (4.0 * cell.impedance.to_f64())
 }
 
 /// Mean stress × mean velocity over the step at the face in the middle of four cells, W/m²; positive towards the first
 /// of them. Exact at driven boundaries, where one factor is constant over the step; at non-reflecting ones the
 /// correlation within the step is neglected.
-pub(crate) fn work_between<T: Real>(
+pub(crate) fn boundary_power<T: Real>(
     states: [State<T>; 4],
     cells: [CellConstants<T>; 4],
     slopes: Slopes,
 ) -> f64 {
-    work(&face(states, cells.each_ref(), slopes)[0], &cells[1])
+    face_power(&solve_face(states, cells.each_ref(), slopes)[0], &cells[1])
 }
 
 /// Advances a wave pair by a step along a line whose first and last [`GHOSTS`] cells are ghosts. Adds to the accounts
@@ -101,10 +102,10 @@ pub fn sweep<T: Real>(
     stress: &mut [T],
     cells: &[CellConstants<T>],
     slopes: Slopes,
-    accounts: Option<&mut [Account]>,
+    accounts: Option<&mut [SweepAccount]>,
 ) {
     let at_face =
-        |states: [State<T>; 4], cells: [&CellConstants<T>; 4], _| face(states, cells, slopes);
+        |states: [State<T>; 4], cells: [&CellConstants<T>; 4], _| solve_face(states, cells, slopes);
     advance(velocity, stress, cells, at_face, accounts);
 }
 
@@ -115,7 +116,7 @@ pub(super) fn advance<T: Real>(
     stress: &mut [T],
     cells: &[CellConstants<T>],
     mut at_face: impl FnMut([State<T>; 4], [&CellConstants<T>; 4], usize) -> [InterfaceState<T>; 2],
-    mut accounts: Option<&mut [Account]>,
+    mut accounts: Option<&mut [SweepAccount]>,
 ) {
     let length = cells.len().min(velocity.len()).min(stress.len());
     if length <= 2 * GHOSTS {
@@ -137,23 +138,24 @@ pub(super) fn advance<T: Real>(
         let own = around[2];
         around = [around[1], own, around[3], state(velocity, stress, place + 2)];
         let right = lower_face_of(around, place + 1);
-        let moved = updated(own, [left[1], right[0]], &cells[place]);
+        let moved = update_cell(own, [left[1], right[0]], &cells[place]);
         (velocity[place], stress[place]) = (moved.velocity, moved.stress);
         if let Some(account) = accounts.as_deref_mut().and_then(|all| all.get_mut(place - first)) {
             if place == first {
-                account.inflow -= work(&left[1], &cells[place]);
+                account.boundary_work -= face_power(&left[1], &cells[place]);
             }
             if place + 1 == end {
-                account.inflow += work(&right[0], &cells[place]);
+                account.boundary_work += face_power(&right[0], &cells[place]);
             }
-            account.dissipated += dissipated([own, moved], [&left[1], &right[0]], &cells[place]);
+            account.dissipation +=
+                cell_dissipation([own, moved], [&left[1], &right[0]], &cells[place]);
         }
         left = right;
     }
 }
 
 /// Numerical dissipation of a cell, from its states before and after and the states of its left and right face.
-fn dissipated<T: Real>(
+fn cell_dissipation<T: Real>(
     states: [State<T>; 2],
     [left, right]: [&InterfaceState<T>; 2],
     cell: &CellConstants<T>,
@@ -172,7 +174,7 @@ fn dissipated<T: Real>(
     (by_wave(-1.0) + by_wave(1.0)) / (4.0 * z)
 }
 
-/// Energy of the interior cells of a line, in the unit of [`Account`].
+/// Energy of the interior cells of a line, in the unit of [`SweepAccount`].
 pub fn energy<T: Real>(velocity: &[T], stress: &[T], cells: &[CellConstants<T>]) -> f64 {
     let inner = GHOSTS..cells.len().saturating_sub(GHOSTS);
     inner

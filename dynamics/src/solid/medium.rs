@@ -3,7 +3,7 @@
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::ElasticLaw;
 use models::solid::stress::Stress;
-use models::solid::waves::{Field, Pair, SpinRotation};
+use models::solid::waves::{SolidField, SpinRotation, VelocityStressPair};
 use models::yield_set::YieldSet;
 use models::yield_set::projection::Projection;
 use std::collections::BTreeMap;
@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 /// A solid: wave pairs along the axes, spin rotation, relaxation and yield set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// Velocities, spins and stresses: the fields of the state without [memory variables](Self::history).
-    pub fields: Vec<Field>,
+    /// Velocities, spins and stresses: the fields of the state without [history variables](Self::history).
+    pub fields: Vec<SolidField>,
     /// Wave pairs by axis; all media of a theory have the same velocities and stresses in the same order.
-    pub pairs: Vec<Vec<Pair>>,
+    pub pairs: Vec<Vec<VelocityStressPair>>,
     /// Rotation that couples spins and antisymmetric stress.
     pub rotation: Option<SpinRotation>,
     /// Elastic law: stress and energy.
@@ -22,7 +22,7 @@ pub struct Medium {
     /// Relaxation of the stress deviator; the other constants are those of the unrelaxed solid.
     pub relaxation: Option<StandardLinearSolid>,
     /// Yield set of the stress, with associated flow rule; dilatancy angles are not used.
-    pub yields: Option<YieldSet>,
+    pub yield_set: Option<YieldSet>,
 }
 
 impl Medium {
@@ -31,26 +31,26 @@ impl Medium {
     pub fn new(law: impl Into<ElasticLaw>, dimensions: usize) -> Self {
         let law = law.into();
         Self {
-            fields: law.fields(dimensions),
+            fields: law.state_fields(dimensions),
             pairs: (0..dimensions).map(|axis| law.pairs(dimensions, axis)).collect(),
             rotation: law.rotation(),
             law,
             relaxation: None,
-            yields: None,
+            yield_set: None,
         }
     }
 
     /// A standard linear solid in 2 (plane strain) or 3 dimensions: waves propagate in the unrelaxed solid, and the
-    /// stress deviator relaxes locally, with memory variables.
-    pub fn relaxing(solid: StandardLinearSolid, dimensions: usize) -> Self {
+    /// stress deviator relaxes locally, with history variables.
+    pub fn with_relaxation(solid: StandardLinearSolid, dimensions: usize) -> Self {
         Self { relaxation: Some(solid), ..Self::new(solid.unrelaxed(), dimensions) }
     }
 
-    /// Returns the memory variables of the law, which a domain stores after [`fields`](Self::fields): one viscous
+    /// Returns the history variables of the law, which a domain stores after [`fields`](Self::fields): one viscous
     /// strain per component of the stress deviator.
-    pub fn history(&self) -> Vec<Field> {
-        let viscous_strain = |field: &Field| match *field {
-            Field::Stress(i, j) if i <= j => Some(Field::ViscousStrain(i, j)),
+    pub fn history_fields(&self) -> Vec<SolidField> {
+        let viscous_strain = |field: &SolidField| match *field {
+            SolidField::Stress(i, j) if i <= j => Some(SolidField::ViscousStrain(i, j)),
             _ => None,
         };
         let fields = self.fields.iter().filter(|_| self.relaxation.is_some());
@@ -59,13 +59,13 @@ impl Medium {
 
     /// Adds a yield set that is admissible for the law.
     #[must_use]
-    pub fn yielding(self, set: impl Into<YieldSet>) -> Self {
-        Self { yields: Some(set.into()), ..self }
+    pub fn with_yield_set(self, set: impl Into<YieldSet>) -> Self {
+        Self { yield_set: Some(set.into()), ..self }
     }
 
     /// Returns the largest wave speed, m/s.
-    pub fn greatest_speed(&self) -> f64 {
-        self.pairs.iter().flatten().map(Pair::speed).fold(0.0, f64::max)
+    pub fn max_speed(&self) -> f64 {
+        self.pairs.iter().flatten().map(VelocityStressPair::speed).fold(0.0, f64::max)
     }
 
     /// Computes the energy stored by a stress without viscous strain, J/m³.
@@ -74,19 +74,19 @@ impl Medium {
     }
 
     /// Returns the inertia of a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for stresses.
-    pub fn inertia(&self, field: Field) -> f64 {
+    pub fn inertia(&self, field: SolidField) -> f64 {
         let own = self.pairs.iter().flatten().find(|pair| pair.velocity == field);
         match (own, field) {
             (Some(pair), _) => pair.inertia,
             // A spin without couple stress has no wave pair.
-            (None, Field::Spin(_)) => self.law.inertia(),
+            (None, SolidField::Spin(_)) => self.law.inertia(),
             (None, _) => 0.0,
         }
     }
 
     /// Projects a trial stress onto the yield set in the energy norm; also returns the energy lost.
     pub fn project(&self, trial: &Stress) -> Projection<Stress> {
-        match &self.yields {
+        match &self.yield_set {
             Some(set) => set.project(&self.law, trial),
             None => Projection { stress: *trial, energy_lost: 0.0 },
         }
@@ -95,61 +95,61 @@ impl Medium {
     /// Projects the stress of a state onto the yield set; values in the order of [`fields`](Self::fields), with total
     /// stresses. Further values are not changed.
     pub fn make_admissible(&self, values: &mut [f64]) {
-        if self.yields.is_none() {
+        if self.yield_set.is_none() {
             return;
         }
         let mut stress = Stress::default();
         for (&field, &value) in self.fields.iter().zip(values.iter()) {
             match field {
-                Field::Stress(i, j) => {
+                SolidField::Stress(i, j) => {
                     stress.force[i][j] = value;
                     // In classical solids one field represents both symmetric components.
                     if self.rotation.is_none() {
                         stress.force[j][i] = value;
                     }
                 }
-                Field::Couple(k, j) => stress.couple[k][j] = value,
-                Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
+                SolidField::Couple(k, j) => stress.couple[k][j] = value,
+                SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => {}
             }
         }
         let stress = self.project(&stress).stress;
         for (&field, value) in self.fields.iter().zip(values) {
-            *value = component(field, &stress).unwrap_or(*value);
+            *value = stress_component(field, &stress).unwrap_or(*value);
         }
     }
 }
 
 /// Returns the component of a stress that a field represents.
-pub(crate) fn component(field: Field, stress: &Stress) -> Option<f64> {
+pub(crate) fn stress_component(field: SolidField, stress: &Stress) -> Option<f64> {
     match field {
-        Field::Stress(i, j) => Some(stress.force[i][j]),
-        Field::Couple(k, j) => Some(stress.couple[k][j]),
-        Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => None,
+        SolidField::Stress(i, j) => Some(stress.force[i][j]),
+        SolidField::Couple(k, j) => Some(stress.couple[k][j]),
+        SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => None,
     }
 }
 
 /// Computes the energy density of a medium as a quadratic form in the fields of a domain, by evaluating the energy of
 /// one and of two unit components.
-fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
+fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f64)> {
     let stress = |places: &[usize]| {
         let mut stress = Stress::default();
         for &place in places {
             match fields[place] {
-                Field::Stress(i, j) => {
+                SolidField::Stress(i, j) => {
                     stress.force[i][j] = 1.0;
                     if medium.rotation.is_none() {
                         stress.force[j][i] = 1.0;
                     }
                 }
-                Field::Couple(k, j) => stress.couple[k][j] = 1.0,
-                Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
+                SolidField::Couple(k, j) => stress.couple[k][j] = 1.0,
+                SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => {}
             }
         }
         medium.stored_energy(&stress)
     };
     let mut terms = Vec::new();
     for (one, &field) in fields.iter().enumerate() {
-        if let Field::ViscousStrain(i, j) = field {
+        if let SolidField::ViscousStrain(i, j) = field {
             let modulus = medium.relaxation.map_or(0.0, |own| own.viscous_strain_modulus());
             // One field represents both off-diagonal components.
             terms.push((one, one, if i == j { modulus } else { 2.0 * modulus }));
@@ -173,7 +173,7 @@ fn energy_terms(medium: &Medium, fields: &[Field]) -> Vec<(usize, usize, f64)> {
 /// coefficient per medium. Kinetic terms come first; their number is returned, too.
 pub(crate) fn energy_terms_by_medium(
     media: &[Medium],
-    fields: &[Field],
+    fields: &[SolidField],
 ) -> (BTreeMap<[usize; 2], Vec<f64>>, usize) {
     let mut terms: BTreeMap<[usize; 2], Vec<f64>> = BTreeMap::new();
     for (index, medium) in media.iter().enumerate() {

@@ -16,7 +16,7 @@
 
 use crate::simd::Number;
 use crate::solid::medium::Medium;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// Cell length and curvature by layer across the second axis of a plane block.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Metric {
 impl Metric {
     /// Metric of a polar block: inner radius, m, number of layers, cell angle, rad, and layer width, m. Fields are √r
     /// times the physical ones; the grid spacing is \[angle, width\].
-    pub fn polar(inner: f64, layers: usize, [angle, width]: [f64; 2]) -> Self {
+    pub fn new_polar(inner: f64, layers: usize, [angle, width]: [f64; 2]) -> Self {
         let radii = (0..layers).map(|layer| inner + (layer as f64 + 0.5) * width);
         Self {
             spacing: radii.clone().map(|radius| radius * angle).collect(),
@@ -40,12 +40,12 @@ impl Metric {
     }
 
     /// Returns the smallest cell length along the first axis, m.
-    pub(crate) fn least_spacing(&self) -> f64 {
+    pub(crate) fn min_spacing(&self) -> f64 {
         self.spacing.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// Checks the number of layers and the values.
-    pub(crate) fn is_sound(&self, layers: usize) -> bool {
+    pub(crate) fn is_valid(&self, layers: usize) -> bool {
         let is_positive = |value: &f64| *value > 0.0 && value.is_finite();
         self.spacing.len() == layers
             && self.spacing.iter().all(is_positive)
@@ -79,17 +79,17 @@ pub(crate) struct CurvatureRotation {
 impl CurvatureRotation {
     /// Planes of a medium. Along the second axis, half of the stress of each wave pair enters; along the first axis the
     /// direction of velocities rotates, so that stresses across it act on the other velocity.
-    pub(crate) fn of_medium(medium: &Medium) -> Vec<Self> {
+    pub(crate) fn from_medium(medium: &Medium) -> Vec<Self> {
         let [across, along] = [0, 1].map(|axis| &medium.pairs[axis]);
-        let place = |field: Field| medium.fields.iter().position(|own| *own == field);
-        let plane = |pair: &models::solid::waves::Pair| {
+        let place = |field: SolidField| medium.fields.iter().position(|own| *own == field);
+        let plane = |pair: &models::solid::waves::VelocityStressPair| {
             let mut weights = vec![(pair.stress, 0.5)];
-            let turned = match pair.velocity {
-                Field::Velocity(0) => Some((Field::Velocity(1), 1.0)),
-                Field::Velocity(1) => Some((Field::Velocity(0), -1.0)),
+            let rotated_velocity = match pair.velocity {
+                SolidField::Velocity(0) => Some((SolidField::Velocity(1), 1.0)),
+                SolidField::Velocity(1) => Some((SolidField::Velocity(0), -1.0)),
                 _ => None,
             };
-            if let Some((other, weight)) = turned {
+            if let Some((other, weight)) = rotated_velocity {
                 let pairs = across.iter().filter(|own| own.velocity == other);
                 weights.extend(pairs.map(|own| (own.stress, weight)));
             }
@@ -130,7 +130,7 @@ impl CurvatureRotation {
 
     /// Computes the rotation coefficients for a curvature, 1/m, and a time, s: cos φ, sin φ/(mΩ), sin φ/Ω and
     /// (1 − cos φ)/(mΩ²), φ = κΩt.
-    pub(crate) fn rotation(&self, curvature: f64, time: f64) -> [f64; 4] {
+    pub(crate) fn coefficients(&self, curvature: f64, time: f64) -> [f64; 4] {
         use models::common::elementary::Elementary;
         let Self { inertia, frequency, .. } = *self;
         let angle = curvature * frequency * time;
@@ -145,9 +145,9 @@ impl CurvatureRotation {
     }
 }
 
-/// Rotates by the coefficients of [`CurvatureRotation::rotation`]: returns v and the strain e, the stress change being −Cq
-/// e.
+/// Rotates by the coefficients of [`CurvatureRotation::coefficients`]: returns v and the strain e, the stress change
+/// being −Cq e.
 #[inline(always)]
-pub(crate) fn rotated_by_curvature<N: Number>([cos, a, b, c]: [N; 4], v: N, y: N) -> [N; 2] {
+pub(crate) fn rotate_pair_by_curvature<N: Number>([cos, a, b, c]: [N; 4], v: N, y: N) -> [N; 2] {
     [cos * v + a * y, b * v + c * y]
 }

@@ -6,7 +6,7 @@
 //! | [`medium`] | a solid as wave pairs along the axes, a rotation, and a yield set |
 //! | [`boundary`] | boundary conditions, loads and sources |
 //! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | sweep: cell constants, Riemann solver, limiter, update |
-//! | [`interlayers`], [`interface`] | thin layers with mass between blocks of cells; faces with memory along a line |
+//! | [`interlayers`], [`interface`] | thin layers with mass between blocks of cells; faces with history along a line |
 //! | `ghosts` | boundary conditions as ghost cells |
 //! | [`metric`] | cell lengths that vary by layer, and polar blocks |
 //! | [`domain`] | the fused solver; its `step` defines the sequence of operations of a time step |
@@ -34,6 +34,8 @@ pub mod metric;
 pub mod point_kernel;
 pub mod probe;
 pub mod problem;
+#[cfg(test)]
+mod random_lines;
 mod reconstruction;
 pub mod reference;
 pub mod region;

@@ -18,55 +18,56 @@
 //! outermost cells by linear extrapolation, which preserves sum and first moments. A bell is cut off there.
 
 use models::common::elementary::Elementary;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use nalgebra::{DMatrix, DVector};
 
-/// Support of the spline kernel: from `REACH` cells below the cell that contains the point to `REACH` + 1 above.
-const REACH: isize = 3;
+/// Support of the spline kernel: from `SPLINE_HALF_WIDTH` cells below the cell that contains the point to
+/// `SPLINE_HALF_WIDTH` + 1 above.
+const SPLINE_HALF_WIDTH: isize = 3;
 
 /// Distance from a plane, in cells, below which a point counts as on it.
-const ON_A_PLANE: f64 = 1e-6;
+const PLANE_TOLERANCE: f64 = 1e-6;
 
 /// Continuation beyond an end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum End {
+pub enum AxisEnd {
     /// Mirror image, multiplied by this sign.
-    Physical(f64),
+    Mirror(f64),
     /// Open: nothing, or another body.
     Open,
     /// Periodic.
     Periodic,
 }
 
-impl End {
+impl AxisEnd {
     /// Symmetry plane normal to an axis, for the source of a field.
-    pub fn symmetry(field: Field, axis: usize) -> Self {
-        Self::Physical(if is_odd(field, axis) { -1.0 } else { 1.0 })
+    pub fn new_symmetry(field: SolidField, axis: usize) -> Self {
+        Self::Mirror(if is_odd(field, axis) { -1.0 } else { 1.0 })
     }
 
     /// Antisymmetry plane normal to an axis, for the source of a field.
-    pub fn antisymmetry(field: Field, axis: usize) -> Self {
-        Self::Physical(if is_odd(field, axis) { 1.0 } else { -1.0 })
+    pub fn new_antisymmetry(field: SolidField, axis: usize) -> Self {
+        Self::Mirror(if is_odd(field, axis) { 1.0 } else { -1.0 })
     }
 }
 
 /// Offsets from the point, m, and the cell that represents the position, with a factor, if any.
-type Place = (Vec<f64>, Option<(usize, f64)>);
+type BellPosition = (Vec<f64>, Option<(usize, f64)>);
 
 /// Position of the point along an axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Axis {
+pub struct PointPosition {
     /// Number of cells.
     pub cells: usize,
     /// Continuation beyond the lower and the upper end.
-    pub ends: [End; 2],
+    pub ends: [AxisEnd; 2],
     /// Coordinate of the point, in cells from the centre of the first cell.
     pub x: f64,
 }
 
-impl Axis {
+impl PointPosition {
     /// Returns the end beyond which a position lies, and the distance in cells; `None` inside the grid.
-    fn beyond(&self, place: isize) -> Option<(usize, isize)> {
+    fn distance_beyond_end(&self, place: isize) -> Option<(usize, isize)> {
         let count = self.cells as isize;
         match place {
             place if place < 0 => Some((0, -place)),
@@ -76,16 +77,16 @@ impl Axis {
     }
 
     /// Maps a position to a cell and a factor; `None` beyond an open end.
-    fn cell(&self, mut place: isize) -> Option<(usize, f64)> {
+    fn image_cell(&self, mut place: isize) -> Option<(usize, f64)> {
         let mut factor = 1.0;
-        while let Some((end, by)) = self.beyond(place) {
+        while let Some((end, cells_beyond)) = self.distance_beyond_end(place) {
             place = match self.ends[end] {
-                End::Physical(sign) => {
+                AxisEnd::Mirror(sign) => {
                     factor *= sign;
-                    if end == 0 { by - 1 } else { self.cells as isize - by }
+                    if end == 0 { cells_beyond - 1 } else { self.cells as isize - cells_beyond }
                 }
-                End::Periodic => place.rem_euclid(self.cells as isize),
-                End::Open => return None,
+                AxisEnd::Periodic => place.rem_euclid(self.cells as isize),
+                AxisEnd::Open => return None,
             };
         }
         Some((place as usize, factor))
@@ -93,41 +94,43 @@ impl Axis {
 
     /// Returns the fraction of the source that acts inside the grid: a factor ½ for each end with a symmetry plane
     /// through the point.
-    fn part(&self) -> f64 {
+    fn inside_fraction(&self) -> f64 {
         let planes = [-0.5, self.cells as f64 - 0.5].into_iter().zip(self.ends);
-        let is_on = |&(plane, end): &(f64, End)| {
-            matches!(end, End::Physical(_)) && (self.x - plane).abs() <= ON_A_PLANE
+        let is_on = |&(plane, end): &(f64, AxisEnd)| {
+            matches!(end, AxisEnd::Mirror(_)) && (self.x - plane).abs() <= PLANE_TOLERANCE
         };
         0.5f64.powi(planes.filter(is_on).count() as i32)
     }
 
     /// Adds the share of a position to those of the cells.
-    fn add(&self, place: isize, share: f64, shares: &mut Vec<(usize, f64)>) {
+    fn add_share(&self, place: isize, share: f64, shares: &mut Vec<(usize, f64)>) {
         let last = self.cells as isize - 1;
-        match (self.cell(place), self.beyond(place)) {
+        match (self.image_cell(place), self.distance_beyond_end(place)) {
             (Some((cell, factor)), _) => match shares.iter_mut().find(|own| own.0 == cell) {
                 Some((_, own)) => *own += factor * share,
                 None => shares.push((cell, factor * share)),
             },
-            (None, Some((end, by))) if last > 0 && self.ends[end] == End::Open => {
+            (None, Some((end, cells_beyond))) if last > 0 && self.ends[end] == AxisEnd::Open => {
                 let [first, second] = if end == 0 { [0, 1] } else { [last, last - 1] };
-                self.add(first, (1 + by) as f64 * share, shares);
-                self.add(second, -by as f64 * share, shares);
+                self.add_share(first, (1 + cells_beyond) as f64 * share, shares);
+                self.add_share(second, -cells_beyond as f64 * share, shares);
             }
             // A grid of one cell, or an open end reached through a mirror plane.
-            (None, Some((end, _))) => self.add(if end == 0 { 0 } else { last }, share, shares),
+            (None, Some((end, _))) => {
+                self.add_share(if end == 0 { 0 } else { last }, share, shares)
+            }
             (None, None) => {}
         }
     }
 
     /// Computes the shares of the spline kernel along the axis.
-    fn spline(&self) -> Vec<(usize, f64)> {
+    fn axis_shares(&self) -> Vec<(usize, f64)> {
         let middle = self.x.floor() as isize;
         let mut shares = Vec::new();
-        for place in middle - REACH..=middle + REACH + 1 {
-            let share = spline(place as f64 - self.x);
+        for place in middle - SPLINE_HALF_WIDTH..=middle + SPLINE_HALF_WIDTH + 1 {
+            let share = spline_kernel(place as f64 - self.x);
             if share != 0.0 {
-                self.add(place, share, &mut shares);
+                self.add_share(place, share, &mut shares);
             }
         }
         shares
@@ -135,7 +138,7 @@ impl Axis {
 }
 
 /// Quadratic B-spline; u in cells.
-fn quadratic(u: f64) -> f64 {
+fn quadratic_spline(u: f64) -> f64 {
     match u.abs() {
         u if u <= 0.5 => 0.75 - u * u,
         u if u < 1.5 => 0.5 * (1.5 - u).powi(2),
@@ -144,13 +147,15 @@ fn quadratic(u: f64) -> f64 {
 }
 
 /// Kernel w(u) along an axis; u in cells.
-fn spline(u: f64) -> f64 {
-    let wide = |u: f64| 0.25 * (quadratic(u - 1.0) + 2.0 * quadratic(u) + quadratic(u + 1.0));
+fn spline_kernel(u: f64) -> f64 {
+    let wide = |u: f64| {
+        0.25 * (quadratic_spline(u - 1.0) + 2.0 * quadratic_spline(u) + quadratic_spline(u + 1.0))
+    };
     1.75 * wide(u) - 0.375 * (wide(u - 1.0) + wide(u + 1.0))
 }
 
 /// Raised cosine: 1 at distance 0, 0 beyond `radius`, continuously differentiable.
-fn bell(distance: f64, radius: f64) -> f64 {
+fn raised_cosine(distance: f64, radius: f64) -> f64 {
     if distance < radius {
         0.5 + 0.5 * (std::f64::consts::PI * distance / radius).cr_cos()
     } else {
@@ -159,41 +164,41 @@ fn bell(distance: f64, radius: f64) -> f64 {
 }
 
 /// Whether the mirror image of a field in a plane normal to an axis has the opposite sign.
-fn is_odd(field: Field, axis: usize) -> bool {
+fn is_odd(field: SolidField, axis: usize) -> bool {
     match field {
-        Field::Velocity(i) => i == axis,
-        Field::Spin(k) => k != axis,
-        Field::Stress(i, j) | Field::ViscousStrain(i, j) => (i == axis) != (j == axis),
-        Field::Couple(k, j) => (k != axis) != (j == axis),
+        SolidField::Velocity(i) => i == axis,
+        SolidField::Spin(k) => k != axis,
+        SolidField::Stress(i, j) | SolidField::ViscousStrain(i, j) => (i == axis) != (j == axis),
+        SolidField::Couple(k, j) => (k != axis) != (j == axis),
     }
 }
 
 /// Scales shares to the fraction inside the grid: ½ for each symmetry plane through the point.
-fn on_this_side(along: &[Axis], mut shares: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
-    let part: f64 = along.iter().map(Axis::part).product();
-    shares.iter_mut().for_each(|own| own.1 *= part);
+fn scale_to_inside(along: &[PointPosition], mut shares: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
+    let inside_fraction: f64 = along.iter().map(PointPosition::inside_fraction).product();
+    shares.iter_mut().for_each(|own| own.1 *= inside_fraction);
     shares
 }
 
 /// Shares of cells in a point source of a field, or of faces of a boundary (with its two axes), by index (first axis
 /// fastest), with the spline kernel. Their sum is 1, unless mirror images are odd, and is halved for each symmetry
 /// plane through the point.
-pub fn spline_shares(along: &[Axis]) -> Vec<(usize, f64)> {
-    on_this_side(along, product(along))
+pub fn spline_shares(along: &[PointPosition]) -> Vec<(usize, f64)> {
+    scale_to_inside(along, spline_product(along))
 }
 
 /// [`spline_shares`] with a bell of radius `radius`, m, as kernel; `spacing`: cell edges, m.
-pub fn bell_shares(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
-    on_this_side(along, within(along, spacing, radius))
+pub fn bell_shares(along: &[PointPosition], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
+    scale_to_inside(along, compute_bell_shares(along, spacing, radius))
 }
 
 /// [`spline_shares`] with the nearest cell or face only.
-pub fn nearest_share(along: &[Axis]) -> Vec<(usize, f64)> {
-    on_this_side(along, vec![(nearest(along), 1.0)])
+pub fn nearest_share(along: &[PointPosition]) -> Vec<(usize, f64)> {
+    scale_to_inside(along, vec![(nearest_cell(along), 1.0)])
 }
 
 /// Returns the cell that contains the point.
-fn nearest(along: &[Axis]) -> usize {
+fn nearest_cell(along: &[PointPosition]) -> usize {
     along.iter().rev().fold(0, |cell, axis| {
         let index = (axis.x + 0.5).floor().max(0.0) as usize;
         cell * axis.cells + index.min(axis.cells - 1)
@@ -201,10 +206,10 @@ fn nearest(along: &[Axis]) -> usize {
 }
 
 /// Computes the tensor product of the spline kernels.
-fn product(along: &[Axis]) -> Vec<(usize, f64)> {
+fn spline_product(along: &[PointPosition]) -> Vec<(usize, f64)> {
     let mut all = vec![(0, 1.0)];
     for axis in along.iter().rev() {
-        let own = axis.spline();
+        let own = axis.axis_shares();
         let next = |(cell, share): &(usize, f64)| {
             let (cell, share) = (cell * axis.cells, *share);
             own.iter().map(move |(index, own)| (cell + index, share * own)).collect::<Vec<_>>()
@@ -216,21 +221,22 @@ fn product(along: &[Axis]) -> Vec<(usize, f64)> {
 }
 
 /// Computes the normalised shares of a bell of radius `radius`, m; unless cut off, its centre of mass is at the point.
-fn within(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
+fn compute_bell_shares(along: &[PointPosition], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     // Offset from the point, m, cell and factor, by position.
-    let mut places: Vec<Place> = vec![(Vec::new(), Some((0, 1.0)))];
+    let mut places: Vec<BellPosition> = vec![(Vec::new(), Some((0, 1.0)))];
     for (axis, h) in along.iter().zip(spacing).rev() {
         let reach = radius / h;
         let range = (axis.x - reach).ceil() as isize..=(axis.x + reach).floor() as isize;
         places = places
             .iter()
-            .flat_map(|own| range.clone().map(move |place| (own, place)))
+            .flat_map(|position| range.clone().map(move |place| (position, place)))
             .map(|((offsets, cell), place)| {
                 let mut offsets = offsets.clone();
                 offsets.insert(0, (place as f64 - axis.x) * h);
-                let cell = cell.zip(axis.cell(place)).map(|((cell, factor), (index, own))| {
-                    (cell * axis.cells + index, factor * own)
-                });
+                let cell =
+                    cell.zip(axis.image_cell(place)).map(|((cell, factor), (index, position))| {
+                        (cell * axis.cells + index, factor * position)
+                    });
                 (offsets, cell)
             })
             .collect();
@@ -238,7 +244,8 @@ fn within(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     let mut is_whole = true;
     let mut all: Vec<(Vec<f64>, usize, f64, f64)> = Vec::new();
     for (offsets, cell) in places {
-        let share = bell(offsets.iter().fold(0.0, |sum: f64, x| sum.root_sum_square(*x)), radius);
+        let share =
+            raised_cosine(offsets.iter().fold(0.0, |sum: f64, x| sum.root_sum_square(*x)), radius);
         match cell {
             Some((cell, factor)) if share > 0.0 => all.push((offsets, cell, factor, share)),
             None if share > 0.0 => is_whole = false,
@@ -246,12 +253,12 @@ fn within(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
         }
     }
     if all.is_empty() {
-        return vec![(nearest(along), 1.0)];
+        return vec![(nearest_cell(along), 1.0)];
     }
     let sum: f64 = all.iter().map(|own| own.3).sum();
     all.iter_mut().for_each(|own| own.3 /= sum);
     if is_whole && spacing.iter().all(|h| radius >= 2.0 * h) {
-        centre(&mut all);
+        centre_shares(&mut all);
     }
     let mut shares: Vec<(usize, f64)> = all.iter().map(|own| (own.1, own.2 * own.3)).collect();
     shares.sort_by_key(|own| own.0);
@@ -268,7 +275,7 @@ fn within(along: &[Axis], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
 
 /// Moves the centre of mass of shares to the point, by factors 1 − (x − m)·C⁻¹m with mean 1; m: offset of the centre of
 /// mass, C: covariance.
-fn centre(all: &mut [(Vec<f64>, usize, f64, f64)]) {
+fn centre_shares(all: &mut [(Vec<f64>, usize, f64, f64)]) {
     let d = all.first().map_or(0, |own| own.0.len());
     let mean: DVector<f64> =
         DVector::from_fn(d, |i, _| all.iter().map(|own| own.3 * own.0[i]).sum::<f64>());
@@ -286,8 +293,8 @@ fn centre(all: &mut [(Vec<f64>, usize, f64, f64)]) {
 mod tests {
     use super::*;
 
-    fn axis(cells: usize, ends: [End; 2], x: f64) -> Axis {
-        Axis { cells, ends, x }
+    fn point_position(cells: usize, ends: [AxisEnd; 2], x: f64) -> PointPosition {
+        PointPosition { cells, ends, x }
     }
 
     fn moment(shares: &[(usize, f64)], x: f64, power: i32) -> f64 {
@@ -296,10 +303,10 @@ mod tests {
 
     /// Verifies that moments equal those of the point and that two-cell waves are not excited, for many positions.
     #[test]
-    fn splines_have_exact_moments() {
+    fn spline_shares_have_exact_moments_up_to_second_order() {
         for step in 0..=200 {
             let x = 10.0 + 0.01 * f64::from(step);
-            let shares = axis(30, [End::Open; 2], x).spline();
+            let shares = point_position(30, [AxisEnd::Open; 2], x).axis_shares();
             for (power, exact) in [(0, 1.0), (1, 0.0), (2, 0.0)] {
                 let found = moment(&shares, x, power);
                 assert!((found - exact).abs() < 1e-13, "{x}: {found} of power {power}");
@@ -313,46 +320,47 @@ mod tests {
     /// Verifies sums and first moments near boundaries without mirror planes, and sums with even mirror images; few
     /// cells suffice.
     #[test]
-    fn splines_end_at_sides() {
+    fn splines_near_boundaries_keep_sum_and_first_moment() {
         for cells in [1, 2, 3, 5, 20] {
             for step in 0..=40 {
                 let x = -0.5 + 0.025 * f64::from(step) * cells as f64;
-                let open = axis(cells, [End::Open; 2], x).spline();
+                let open = point_position(cells, [AxisEnd::Open; 2], x).axis_shares();
                 assert!((moment(&open, x, 0) - 1.0).abs() < 1e-12);
                 if cells > 1 {
                     assert!(moment(&open, x, 1).abs() < 1e-11, "{x}: {open:?}");
                 }
-                for ends in [End::Physical(1.0), End::Periodic] {
-                    let own = axis(cells, [ends; 2], x).spline();
+                for ends in [AxisEnd::Mirror(1.0), AxisEnd::Periodic] {
+                    let own = point_position(cells, [ends; 2], x).axis_shares();
                     assert!((moment(&own, x, 0) - 1.0).abs() < 1e-12, "{x}: {own:?}");
                 }
             }
         }
         // On a symmetry plane the half kernel is doubled; for odd fields it vanishes.
-        let whole = axis(20, [End::Open; 2], 9.5).spline();
-        let half = axis(10, [End::Physical(1.0), End::Open], -0.5).spline();
+        let whole = point_position(20, [AxisEnd::Open; 2], 9.5).axis_shares();
+        let half = point_position(10, [AxisEnd::Mirror(1.0), AxisEnd::Open], -0.5).axis_shares();
         for (cell, share) in &half {
             let full = whole.iter().find(|own| own.0 == cell + 10).expect("the cell").1;
             assert!((share - 2.0 * full).abs() < 1e-14);
         }
-        let odd = axis(10, [End::Physical(-1.0), End::Open], -0.5).spline();
+        let odd = point_position(10, [AxisEnd::Mirror(-1.0), AxisEnd::Open], -0.5).axis_shares();
         assert!(odd.iter().all(|own| own.1.abs() < 1e-15), "{odd:?}");
     }
 
     /// Verifies sum 1 and the centre of mass of bells inside the grid, and sum 1 of bells that are cut off.
     #[test]
-    fn bells_are_centred() {
+    fn bell_shares_have_unit_sum_and_centre_of_mass_at_the_point() {
         for step in 0..50 {
             let at = [7.0 + 0.02 * f64::from(step), 8.3];
-            let along = at.map(|x| axis(20, [End::Open; 2], x));
-            let shares = within(&along, &[0.5, 0.25], 1.1);
+            let along = at.map(|x| point_position(20, [AxisEnd::Open; 2], x));
+            let shares = compute_bell_shares(&along, &[0.5, 0.25], 1.1);
             let sum: f64 = shares.iter().map(|own| own.1).sum();
             assert!((sum - 1.0).abs() < 1e-13);
             let first: f64 = shares.iter().map(|own| own.1 * ((own.0 % 20) as f64 - at[0])).sum();
             let second: f64 = shares.iter().map(|own| own.1 * ((own.0 / 20) as f64 - at[1])).sum();
             assert!(first.abs() < 1e-13 && second.abs() < 1e-13, "{first:e} {second:e}");
-            let cut = [-0.3, 8.3].map(|x| axis(20, [End::Open; 2], x));
-            let sum: f64 = within(&cut, &[0.5, 0.25], 1.1).iter().map(|own| own.1).sum();
+            let cut = [-0.3, 8.3].map(|x| point_position(20, [AxisEnd::Open; 2], x));
+            let sum: f64 =
+                compute_bell_shares(&cut, &[0.5, 0.25], 1.1).iter().map(|own| own.1).sum();
             assert!((sum - 1.0).abs() < 1e-13);
         }
     }

@@ -9,10 +9,10 @@
 use crate::solid::medium::Medium;
 
 /// Maximum number of cells along an axis.
-const MOST: usize = 4;
+const MAX_STENCIL_CELLS: usize = 4;
 
 /// Distance from a cell centre, in cells, that counts as rounding.
-const ROUNDING: f64 = 1e-9;
+const CENTRE_TOLERANCE: f64 = 1e-9;
 
 /// Interpolation stencil of a point.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,33 +20,48 @@ pub struct Probe {
     /// Cells (first axis fastest) and their weights, which add up to 1.
     stencil: Vec<(usize, f64)>,
     /// Cell that contains the point.
-    home: usize,
+    containing_cell: usize,
 }
 
 /// Consecutive cells along an axis. `first` may be negative on a periodic axis.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+struct CellRun {
     first: isize,
     count: usize,
     /// Number of cells short of the maximum; 0 for a point at a cell centre.
-    lacking: usize,
+    missing_cells: usize,
     /// Distance of the centre of the run from the point, in cells.
-    distance: f64,
+    centre_distance: f64,
 }
 
 /// Lists the admissible runs along an axis for a point at `x`, in cells from the centre of the first cell, in cell
-/// `home`.
-fn runs(cells: usize, is_periodic: bool, home: usize, x: f64) -> Vec<Run> {
-    let home = home as isize;
-    if (x - home as f64).abs() < ROUNDING {
-        return vec![Run { first: home, count: 1, lacking: 0, distance: 0.0 }];
+/// `containing_cell`.
+fn admissible_runs(
+    cells: usize,
+    is_periodic: bool,
+    containing_cell: usize,
+    x: f64,
+) -> Vec<CellRun> {
+    let containing_cell = containing_cell as isize;
+    if (x - containing_cell as f64).abs() < CENTRE_TOLERANCE {
+        return vec![CellRun {
+            first: containing_cell,
+            count: 1,
+            missing_cells: 0,
+            centre_distance: 0.0,
+        }];
     }
     let mut runs = Vec::new();
-    for count in 1..=MOST.min(cells) {
-        for first in home + 1 - count as isize..=home {
+    for count in 1..=MAX_STENCIL_CELLS.min(cells) {
+        for first in containing_cell + 1 - count as isize..=containing_cell {
             if is_periodic || (first >= 0 && first as usize + count <= cells) {
                 let distance = (first as f64 + 0.5 * (count as f64 - 1.0) - x).abs();
-                runs.push(Run { first, count, lacking: MOST - count, distance });
+                runs.push(CellRun {
+                    first,
+                    count,
+                    missing_cells: MAX_STENCIL_CELLS - count,
+                    centre_distance: distance,
+                });
             }
         }
     }
@@ -54,10 +69,10 @@ fn runs(cells: usize, is_periodic: bool, home: usize, x: f64) -> Vec<Run> {
 }
 
 /// Computes the Lagrange weights of the cells of a run at `x`.
-fn weights(run: &Run, x: f64) -> Vec<f64> {
+fn lagrange_weights(run: &CellRun, x: f64) -> Vec<f64> {
     let places: Vec<f64> =
         (0..run.count).map(|index| (run.first + index as isize) as f64).collect();
-    if run.lacking == 0 && run.count == 1 {
+    if run.missing_cells == 0 && run.count == 1 {
         return vec![1.0];
     }
     let weight = |own: &f64| {
@@ -68,12 +83,12 @@ fn weights(run: &Run, x: f64) -> Vec<f64> {
 }
 
 /// Wraps an index along a periodic axis.
-fn wrapped(place: isize, cells: usize) -> usize {
+fn wrap_index(place: isize, cells: usize) -> usize {
     place.rem_euclid(cells as isize) as usize
 }
 
 /// Lists the cells of a box of runs (first axis fastest).
-fn cells_of(cells: &[usize], runs: &[Run]) -> Vec<usize> {
+fn box_cells(cells: &[usize], runs: &[CellRun]) -> Vec<usize> {
     let mut all = vec![0];
     for (axis, run) in runs.iter().enumerate().rev() {
         let count = cells[axis];
@@ -81,7 +96,7 @@ fn cells_of(cells: &[usize], runs: &[Run]) -> Vec<usize> {
             .iter()
             .flat_map(|cell| {
                 (0..run.count)
-                    .map(move |index| cell * count + wrapped(run.first + index as isize, count))
+                    .map(move |index| cell * count + wrap_index(run.first + index as isize, count))
             })
             .collect();
     }
@@ -90,18 +105,21 @@ fn cells_of(cells: &[usize], runs: &[Run]) -> Vec<usize> {
 
 /// Selects the best box of one medium: highest minimum degree, then highest sum of degrees, then best centred. `along`:
 /// admissible runs by axis. `None` if no box is of one medium.
-fn best_box(along: &[Vec<Run>], is_alike: impl Fn(&[Run]) -> bool) -> Option<Vec<Run>> {
-    let mut boxes: Vec<Vec<Run>> = vec![Vec::new()];
+fn select_box(
+    along: &[Vec<CellRun>],
+    is_alike: impl Fn(&[CellRun]) -> bool,
+) -> Option<Vec<CellRun>> {
+    let mut boxes: Vec<Vec<CellRun>> = vec![Vec::new()];
     for runs in along {
         boxes = boxes
             .iter()
             .flat_map(|own| runs.iter().map(move |run| [own.as_slice(), &[*run]].concat()))
             .collect();
     }
-    let rank = |runs: &[Run]| {
-        let lacking = || runs.iter().map(|run| run.lacking);
-        let distance: f64 = runs.iter().map(|run| run.distance).sum();
-        (lacking().max().unwrap_or(0), lacking().sum::<usize>(), distance)
+    let rank = |runs: &[CellRun]| {
+        let missing_cells = || runs.iter().map(|run| run.missing_cells);
+        let distance: f64 = runs.iter().map(|run| run.centre_distance).sum();
+        (missing_cells().max().unwrap_or(0), missing_cells().sum::<usize>(), distance)
     };
     boxes.sort_by(|one, other| {
         let (one, other) = (rank(one), rank(other));
@@ -112,39 +130,46 @@ fn best_box(along: &[Vec<Run>], is_alike: impl Fn(&[Run]) -> bool) -> Option<Vec
 
 impl Probe {
     /// A probe that takes the values of one cell.
-    pub fn nearest(home: usize) -> Self {
-        Self { stencil: vec![(home, 1.0)], home }
+    pub fn from_cell(containing_cell: usize) -> Self {
+        Self { stencil: vec![(containing_cell, 1.0)], containing_cell }
     }
 
-    /// A point in cell `home` of a grid of `cells` (first axis fastest). `at`: coordinates in cells from the centre of
-    /// the first cell; `of_cell`: medium of each cell.
-    pub fn interpolating(
+    /// A point in cell `containing_cell` of a grid of `cells` (first axis fastest). `at`: coordinates in cells from the
+    /// centre of the first cell; `cell_media`: medium of each cell.
+    pub fn with_interpolation(
         cells: &[usize],
         is_periodic: &[bool],
-        of_cell: &[u16],
-        home: usize,
+        cell_media: &[u16],
+        containing_cell: usize,
         at: &[f64],
     ) -> Self {
-        let mut rest = home;
-        let along: Vec<Vec<Run>> = (0..cells.len())
+        let mut rest = containing_cell;
+        let along: Vec<Vec<CellRun>> = (0..cells.len())
             .map(|axis| {
                 let index = rest % cells[axis];
                 rest /= cells[axis];
-                runs(cells[axis], is_periodic[axis], index, at[axis])
+                admissible_runs(cells[axis], is_periodic[axis], index, at[axis])
             })
             .collect();
-        let is_alike = |runs: &[Run]| {
-            cells_of(cells, runs).into_iter().all(|cell| of_cell[cell] == of_cell[home])
+        let is_alike = |runs: &[CellRun]| {
+            box_cells(cells, runs)
+                .into_iter()
+                .all(|cell| cell_media[cell] == cell_media[containing_cell])
         };
         // The run of one cell always qualifies.
-        let Some(runs) = best_box(&along, is_alike) else { return Self::nearest(home) };
+        let Some(runs) = select_box(&along, is_alike) else {
+            return Self::from_cell(containing_cell);
+        };
         let mut products = vec![1.0];
         for (run, x) in runs.iter().zip(at).rev() {
-            let own = weights(run, *x);
+            let own = lagrange_weights(run, *x);
             products =
                 products.iter().flat_map(|all| own.iter().map(move |own| all * own)).collect();
         }
-        Self { stencil: cells_of(cells, &runs).into_iter().zip(products).collect(), home }
+        Self {
+            stencil: box_cells(cells, &runs).into_iter().zip(products).collect(),
+            containing_cell,
+        }
     }
 
     /// Returns the cells of the stencil.
@@ -153,7 +178,7 @@ impl Probe {
     }
 
     /// Replaces cells by their indices in the ascending list `watched`.
-    pub(crate) fn among(mut self, watched: &[usize]) -> Self {
+    pub(crate) fn reindex_cells(mut self, watched: &[usize]) -> Self {
         for (cell, _) in &mut self.stencil {
             *cell = watched.partition_point(|own| own < cell);
         }
@@ -162,12 +187,12 @@ impl Probe {
 
     /// Appends the quantities at the point; `values` has `width` quantities per watched cell. Interpolated stresses are
     /// projected onto the yield set of the medium.
-    pub(crate) fn append(
+    pub(crate) fn append_values(
         &self,
         values: &[f64],
         width: usize,
         media: &[Medium],
-        of_cell: &[u16],
+        cell_media: &[u16],
         all: &mut Vec<f64>,
     ) {
         let first = all.len();
@@ -178,7 +203,7 @@ impl Probe {
             terms.reduce(|sum, term| sum + term).unwrap_or(0.0)
         }));
         if self.stencil.len() > 1 {
-            media[usize::from(of_cell[self.home])].make_admissible(&mut all[first..]);
+            media[usize::from(cell_media[self.containing_cell])].make_admissible(&mut all[first..]);
         }
     }
 }

@@ -1,14 +1,14 @@
 //! Problem definition: grid, media, boundary conditions, sources, initial stress and scheme.
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
-use crate::solid::ghosts::BESIDE;
+use crate::solid::ghosts::CLOSURE_CELLS;
 use crate::solid::interlayers::Interlayers;
 use crate::solid::medium::Medium;
 use crate::solid::metric::Metric;
 use crate::solid::reconstruction::Slopes;
 use crate::solid::region::Region;
 use models::solid::stress::Stress;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// Uniform rectangular grid of `D` dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ pub enum PlasticStep {
     /// Reflection 2P − I between the halves of the elastic step: second order while the same conditions stay active. If
     /// plastic flow stops abruptly, as behind a shock, the overshoot of the last reflection remains: an error of one
     /// step's plastic strain. The state is in its yield set at mid-step; for output use
-    /// [`Domain::admissible`](crate::solid::domain::Domain::admissible).
+    /// [`Domain::to_admissible`](crate::solid::domain::Domain::to_admissible).
     MidpointReflection,
 }
 
@@ -85,14 +85,14 @@ impl Scheme {
     }
 
     /// Whether sweeps alternate.
-    pub(crate) fn alternates(&self) -> bool {
+    pub(crate) fn is_alternating(&self) -> bool {
         self.splitting == Splitting::Alternating && self.plastic_step == PlasticStep::ReturnMapping
     }
 
     /// Returns the reconstruction that the sweeps execute.
     pub(crate) fn sweep_slopes(&self) -> Slopes {
         match self.slopes {
-            // First order: cells have zero weights, see `CellConstants::constant`.
+            // First order: cells have zero weights, see `CellConstants::with_constant_reconstruction`.
             Slopes::Godunov => Slopes::FourthOrder,
             own => own,
         }
@@ -104,10 +104,10 @@ impl Scheme {
 pub struct Problem<const D: usize> {
     /// Grid.
     pub grid: Grid<D>,
-    /// Media, all with the same fields except memory variables.
+    /// Media, all with the same fields except history variables.
     pub media: Vec<Medium>,
     /// Index of the medium of each cell (first axis fastest).
-    pub of_cell: Vec<u16>,
+    pub cell_media: Vec<u16>,
     /// Boundary conditions, by axis and end.
     pub boundaries: [[Boundary; 2]; D],
     /// Time step Δt, s.
@@ -123,7 +123,7 @@ pub struct Problem<const D: usize> {
     /// Initial stress in equilibrium: an axis, and the stress of each layer normal to it.
     pub initial_stress: Option<(usize, Vec<Stress>)>,
     /// Velocities and spins whose time integrals (displacements, rotations) are computed.
-    pub integrals: Vec<Field>,
+    pub integrated_fields: Vec<SolidField>,
     /// Interlayers between blocks of cells, at most one set per axis.
     pub interlayers: Vec<Interlayers>,
     /// Cell lengths and curvatures by layer of a plane block, if not uniform.
@@ -143,7 +143,7 @@ impl<const D: usize> Problem<D> {
         Self {
             grid,
             media,
-            of_cell,
+            cell_media: of_cell,
             boundaries,
             step,
             scheme,
@@ -151,7 +151,7 @@ impl<const D: usize> Problem<D> {
             sources: Vec::new(),
             acceleration: [0.0; D],
             initial_stress: None,
-            integrals: Vec::new(),
+            integrated_fields: Vec::new(),
             interlayers: Vec::new(),
             metric: None,
         }
@@ -162,20 +162,20 @@ impl<const D: usize> Problem<D> {
     /// with each other. Waves along a free boundary have four times the splitting error unless sweeps normal to the
     /// boundary alternate with tangential ones.
     pub fn first_axis(&self) -> usize {
-        let reflects = |side: &Boundary| match side {
+        let reflects = |condition: &Boundary| match condition {
             Boundary::Fixed | Boundary::Free => true,
-            Boundary::Given(conditions) => conditions.iter().any(Condition::reflects),
-            Boundary::ByFace(pairs) => pairs.iter().flatten().any(Condition::reflects),
+            Boundary::ByPair(conditions) => conditions.iter().any(Condition::is_reflecting),
+            Boundary::ByFace(pairs) => pairs.iter().flatten().any(Condition::is_reflecting),
             Boundary::Periodic | Boundary::NonReflecting => false,
         };
-        let axes = 0..if D == 3 && self.scheme.alternates() { D } else { 0 };
+        let axes = 0..if D == 3 && self.scheme.is_alternating() { D } else { 0 };
         axes.rev().find(|axis| self.boundaries[*axis].iter().any(reflects)).unwrap_or(0)
     }
 
-    /// Returns the fields of the state: those of the media, then the memory variables of all media.
-    pub fn fields(&self) -> Vec<Field> {
+    /// Returns the fields of the state: those of the media, then the history variables of all media.
+    pub fn fields(&self) -> Vec<SolidField> {
         let mut fields = self.media.first().map_or(Vec::new(), |medium| medium.fields.clone());
-        for field in self.media.iter().flat_map(Medium::history) {
+        for field in self.media.iter().flat_map(Medium::history_fields) {
             if !fields.contains(&field) {
                 fields.push(field);
             }
@@ -187,31 +187,31 @@ impl<const D: usize> Problem<D> {
     ///
     /// # Errors
     /// See [`DomainError`].
-    pub fn check(&self) -> Result<(), DomainError> {
-        self.check_in(&Region::whole(self.grid.cells))
+    pub fn validate(&self) -> Result<(), DomainError> {
+        self.validate_in_region(&Region::from_grid(self.grid.cells))
     }
 
-    /// [`Self::check`] for the problem of a region, see [`Self::restricted`].
-    pub(crate) fn check_in(&self, region: &Region<D>) -> Result<(), DomainError> {
-        let needed = region.count();
-        if needed == 0 || self.of_cell.len() != needed {
-            return Err(DomainError::Cells { found: self.of_cell.len(), needed });
+    /// [`Self::validate`] for the problem of a region, see [`Self::restrict_to`].
+    pub(crate) fn validate_in_region(&self, region: &Region<D>) -> Result<(), DomainError> {
+        let expected = region.count();
+        if expected == 0 || self.cell_media.len() != expected {
+            return Err(DomainError::CellCount { actual: self.cell_media.len(), expected });
         }
         let Some(first) = self.media.first() else { return Err(DomainError::Media) };
-        let is_sound = |own: &Medium| own.fields == first.fields && own.pairs.len() == D;
-        if !self.media.iter().all(is_sound) {
+        let is_admissible = |own: &Medium| own.fields == first.fields && own.pairs.len() == D;
+        if !self.media.iter().all(is_admissible) {
             return Err(DomainError::Media);
         }
         let count = self.media.len();
-        if let Some(cell) = self.of_cell.iter().position(|&m| usize::from(m) >= count) {
-            let medium = usize::from(self.of_cell[cell]);
-            return Err(DomainError::NoSuchMedium { cell, medium, count });
+        if let Some(cell) = self.cell_media.iter().position(|&m| usize::from(m) >= count) {
+            let medium = usize::from(self.cell_media[cell]);
+            return Err(DomainError::UnknownMedium { cell, medium, count });
         }
         self.check_metric()?;
-        for (axis, sides) in self.boundaries.iter().enumerate() {
+        for (axis, boundaries_of_axis) in self.boundaries.iter().enumerate() {
             let speeds = self.media.iter().flat_map(|m| &m.pairs[axis]).map(|pair| pair.speed());
             let spacing = match &self.metric {
-                Some(metric) if axis == 0 => metric.least_spacing(),
+                Some(metric) if axis == 0 => metric.min_spacing(),
                 _ => self.grid.spacing[axis],
             };
             let courant = 0.5 * self.step * speeds.fold(0.0, f64::max) / spacing;
@@ -219,9 +219,9 @@ impl<const D: usize> Problem<D> {
             if courant.is_nan() || courant > 1.0 + 1e-11 {
                 return Err(DomainError::Courant { axis, courant });
             }
-            for side in sides {
-                let found = match side {
-                    Boundary::Given(conditions) => conditions.len(),
+            for condition in boundaries_of_axis {
+                let actual = match condition {
+                    Boundary::ByPair(conditions) => conditions.len(),
                     Boundary::ByFace(conditions)
                         if conditions.iter().any(|own| own.len() != region.faces(axis)) =>
                     {
@@ -230,33 +230,34 @@ impl<const D: usize> Problem<D> {
                     Boundary::ByFace(conditions) => conditions.len(),
                     _ => continue,
                 };
-                let needed = first.pairs[axis].len();
-                if found != needed {
-                    return Err(DomainError::Conditions { axis, found, needed });
+                let expected = first.pairs[axis].len();
+                if actual != expected {
+                    return Err(DomainError::ConditionCount { axis, actual, expected });
                 }
             }
-            let [one, other] = sides.each_ref().map(|side| *side == Boundary::Periodic);
+            let [one, other] =
+                boundaries_of_axis.each_ref().map(|condition| *condition == Boundary::Periodic);
             if one != other {
                 return Err(DomainError::Periodic(axis));
             }
         }
         self.check_interlayers()?;
-        self.check_actions(region)
+        self.check_loads_and_sources(region)
     }
 
     /// Checks that the metric has values for all layers and that no part of the problem requires a uniform one.
     fn check_metric(&self) -> Result<(), DomainError> {
         let Some(metric) = &self.metric else { return Ok(()) };
         let is_curved = !metric.curvature.is_empty();
-        let yields = self.media.iter().any(|medium| medium.yields.is_some());
+        let yields = self.media.iter().any(|medium| medium.yield_set.is_some());
         let refuse = |reason| Err(DomainError::Metric(reason));
         if D != 2 {
             return refuse("it is for blocks in the plane");
         }
-        if !metric.is_sound(self.grid.cells[D - 1]) {
+        if !metric.is_valid(self.grid.cells[D - 1]) {
             return refuse("every layer needs a positive spacing, and a curvature if any has one");
         }
-        if self.scheme.alternates() || !self.interlayers.is_empty() {
+        if self.scheme.is_alternating() || !self.interlayers.is_empty() {
             return refuse("sweeps must not alternate, and there must be no interlayers");
         }
         if is_curved && (yields || self.initial_stress.is_some()) {
@@ -269,23 +270,23 @@ impl<const D: usize> Problem<D> {
     }
 
     /// Checks the positions of loads, sources and the initial stress.
-    fn check_actions(&self, region: &Region<D>) -> Result<(), DomainError> {
-        let is_lost = |load: &Load| {
+    fn check_loads_and_sources(&self, region: &Region<D>) -> Result<(), DomainError> {
+        let is_invalid = |load: &Load| {
             load.axis >= D
                 || load.end > 1
                 || load.pair >= self.media[0].pairs[load.axis].len()
                 || load.faces.iter().any(|&(face, _)| face >= region.faces(load.axis))
                 || self.boundaries[load.axis][load.end] == Boundary::Periodic
         };
-        if let Some(index) = self.loads.iter().position(is_lost) {
+        if let Some(index) = self.loads.iter().position(is_invalid) {
             return Err(DomainError::Load(index));
         }
         let fields = &self.media[0].fields;
-        let is_lost = |source: &Source| {
-            source.cells.iter().any(|&(cell, _)| cell >= self.of_cell.len())
+        let is_invalid = |source: &Source| {
+            source.cells.iter().any(|&(cell, _)| cell >= self.cell_media.len())
                 || source.amplitudes.iter().any(|(field, _)| !fields.contains(field))
         };
-        if let Some(index) = self.sources.iter().position(is_lost) {
+        if let Some(index) = self.sources.iter().position(is_invalid) {
             return Err(DomainError::Source(index));
         }
         match &self.initial_stress {
@@ -299,7 +300,7 @@ impl<const D: usize> Problem<D> {
 
 impl<const D: usize> Problem<D> {
     /// Whether the problem has several media or interlayers.
-    pub(crate) fn is_mixed(&self) -> bool {
+    pub(crate) fn has_interfaces(&self) -> bool {
         self.media.len() > 1 || !self.interlayers.is_empty()
     }
 
@@ -321,19 +322,21 @@ impl<const D: usize> Problem<D> {
             if own.laws.len() != self.media[0].pairs[own.axis].len() {
                 return refuse("a law is needed for each pair of waves");
             }
-            let is_sound = |value: f64| value >= 0.0 && value.is_finite();
-            if !own.laws.iter().all(|law| is_sound(law.mass) && is_sound(law.compliance)) {
+            let is_admissible = |value: f64| value >= 0.0 && value.is_finite();
+            if !own.laws.iter().all(|law| is_admissible(law.mass) && is_admissible(law.compliance))
+            {
                 return refuse("masses and compliances must be finite and not negative");
             }
-            if self.scheme.alternates() {
+            if self.scheme.is_alternating() {
                 return refuse("sweeps must not alternate");
             }
             let cells = self.grid.cells[own.axis];
-            if own.every == 0 || own.offset >= cells {
+            if own.block_cells == 0 || own.offset >= cells {
                 return refuse("blocks must have cells, and there must be an interlayer");
             }
-            let behind = (cells - own.offset - 1) % own.every + 1;
-            if self.boundaries[own.axis][0] != Boundary::Periodic && own.offset.min(behind) < BESIDE
+            let behind = (cells - own.offset - 1) % own.block_cells + 1;
+            if self.boundaries[own.axis][0] != Boundary::Periodic
+                && own.offset.min(behind) < CLOSURE_CELLS
             {
                 return refuse("blocks beside sides that are not periodic must have three cells");
             }
@@ -352,7 +355,7 @@ pub enum DomainError {
     Media,
     /// A cell whose medium is not in the list.
     #[error("cell {cell} has medium {medium}, of {count}")]
-    NoSuchMedium {
+    UnknownMedium {
         /// The cell.
         cell: usize,
         /// Index of its medium.
@@ -361,12 +364,12 @@ pub enum DomainError {
         count: usize,
     },
     /// The number of cells with a medium differs from that of the grid.
-    #[error("{found} cells have a medium, of {needed}")]
-    Cells {
+    #[error("{actual} cells have a medium, of {expected}")]
+    CellCount {
         /// Number of cells given.
-        found: usize,
+        actual: usize,
         /// Number of cells of the grid.
-        needed: usize,
+        expected: usize,
     },
     /// A time step beyond the stability limit.
     #[error("Courant number {courant} along axis {axis}: at most 1 is stable")]
@@ -377,14 +380,14 @@ pub enum DomainError {
         courant: f64,
     },
     /// The number of conditions differs from that of wave pairs, or by face from that of faces.
-    #[error("axis {axis}: {found} conditions are given for {needed} pairs of waves")]
-    Conditions {
+    #[error("axis {axis}: {actual} conditions are given for {expected} pairs of waves")]
+    ConditionCount {
         /// The axis, from 0.
         axis: usize,
         /// Number of conditions given.
-        found: usize,
+        actual: usize,
         /// Number of wave pairs of the axis.
-        needed: usize,
+        expected: usize,
     },
     /// A load on missing faces or wave pairs, or on a periodic boundary.
     #[error("load {0} acts on a side, a pair or a face that is not there")]
@@ -397,17 +400,17 @@ pub enum DomainError {
     InitialStress,
     /// An invalid number of subdomains.
     #[error(
-        "{found} parts along axis {axis}: at least 1, and {least} cells in each of several, of {cells}"
+        "{actual} parts along axis {axis}: at least 1, and {min_cells} cells in each of several, of {cells}"
     )]
-    Parts {
+    SubdomainCount {
         /// The axis, from 0.
         axis: usize,
         /// Number of subdomains requested.
-        found: usize,
+        actual: usize,
         /// Number of cells along the axis.
         cells: usize,
         /// Minimum number of cells of a subdomain.
-        least: usize,
+        min_cells: usize,
     },
     /// Invalid interlayers.
     #[error("interlayers {index}: {reason}")]

@@ -1,14 +1,14 @@
 //! Reconstruction: time-averaged characteristic variables at faces from cell averages. First order (Godunov 1959),
 //! limited piecewise linear (van Leer 1977; Roe 1985), or linear fourth order (Strang 1962).
 //!
-//! The limiter (case key `order = "eno2"`) is [`Slopes::half_slope_correction`], with tighter bounds beside other media.
-//! `ghosts` derives its closure from the energy bounds of this limiter, and `tests/solid/energy.rs` searches for states in
-//! which energy grows: a new limiter needs both.
+//! The limiter (case key `order = "eno2"`) is [`Slopes::half_slope_correction`], with tighter bounds beside other
+//! media. `ghosts` derives its closure from the energy bounds of this limiter, and `tests/solid/energy.rs` searches for
+//! states in which energy grows: a new limiter needs both.
 
 use super::cell::CellConstants;
 use super::riemann::{RiemannInvariants, State};
 use crate::simd::{Number, Real};
-use models::solid::waves::Pair;
+use models::solid::waves::VelocityStressPair;
 
 /// Number of ghost cells beyond each end of a line.
 pub const GHOSTS: usize = 2;
@@ -33,18 +33,18 @@ pub enum Slopes {
 }
 
 impl Slopes {
-    /// Constants of a cell for a wave pair. The Courant number may exceed 1 by rounding. `is_mixed`: whether the
+    /// Constants of a cell for a wave pair. The Courant number may exceed 1 by rounding. `has_interfaces`: whether the
     /// problem has several media or interlayers.
-    pub(crate) fn cell_of<T: Real>(
+    pub(crate) fn cell_constants<T: Real>(
         self,
-        pair: &Pair,
+        pair: &VelocityStressPair,
         courant: f64,
-        is_mixed: bool,
+        has_interfaces: bool,
     ) -> CellConstants<T> {
         let (impedance, courant) = (pair.impedance(), courant.min(1.0));
-        match (self, is_mixed) {
-            (Self::Godunov, _) => CellConstants::constant(impedance, courant),
-            (Self::FourthOrder, true) => CellConstants::among_others(impedance, courant),
+        match (self, has_interfaces) {
+            (Self::Godunov, _) => CellConstants::with_constant_reconstruction(impedance, courant),
+            (Self::FourthOrder, true) => CellConstants::with_interfaces(impedance, courant),
             _ => CellConstants::new(impedance, courant),
         }
     }
@@ -61,9 +61,9 @@ impl Slopes {
         [upwind, downwind]: [N; 2],
         cell: &CellConstants<N>,
     ) -> N {
-        let mean = cell.mean_slope * (upwind + downwind);
+        let mean = cell.mean_slope_weight * (upwind + downwind);
         match self {
-            Self::Limited => mean.minmod3(cell.steepest * upwind, downwind),
+            Self::Limited => mean.minmod3(cell.upwind_bound * upwind, downwind),
             Self::Godunov | Self::FourthOrder => N::ZERO,
         }
     }
@@ -78,13 +78,13 @@ impl Slopes {
         cell: &CellConstants<N>,
         contrast: N,
     ) -> N {
-        let mean = cell.mean_slope * (upwind + downwind);
+        let mean = cell.mean_slope_weight * (upwind + downwind);
         match self {
             Self::Limited => {
-                let most = cell.mean_slope + N::HALF * cell.mean_slope;
-                let steepest = cell.steepest + contrast * (most - cell.steepest);
-                let foremost = N::ONE + contrast * (most - N::ONE);
-                mean.minmod3(steepest * upwind, foremost * downwind)
+                let limit = cell.mean_slope_weight + N::HALF * cell.mean_slope_weight;
+                let upwind_bound = cell.upwind_bound + contrast * (limit - cell.upwind_bound);
+                let downwind_bound = N::ONE + contrast * (limit - N::ONE);
+                mean.minmod3(upwind_bound * upwind, downwind_bound * downwind)
             }
             Self::Godunov | Self::FourthOrder => N::ZERO,
         }
@@ -92,7 +92,7 @@ impl Slopes {
 
     /// Returns the stencil data of cell i + 1: its invariants (fourth order), else the difference to it.
     #[inline(always)]
-    pub(crate) fn ahead<N: Number>(
+    pub(crate) fn upper_stencil<N: Number>(
         self,
         own: RiemannInvariants<N>,
         next: RiemannInvariants<N>,
@@ -105,7 +105,7 @@ impl Slopes {
 
     /// Returns the stencil data of cell i − 1: its invariants (fourth order), else the difference from it.
     #[inline(always)]
-    pub(crate) fn behind<N: Number>(
+    pub(crate) fn lower_stencil<N: Number>(
         self,
         last: RiemannInvariants<N>,
         own: RiemannInvariants<N>,
@@ -117,121 +117,137 @@ impl Slopes {
     }
 
     /// Computes the left and right state of the Riemann problem at the lower face of cell i, in one medium: s − zv and
-    /// s + zv, averaged over the step. Also returns the stencil data `known` for the next face.
+    /// s + zv, averaged over the step. Also returns the stencil data `stencil_data` for the next face.
     ///
-    /// `known`: the invariants of cell i − 2 (fourth order), else the left state. `own`: the invariants of cell i.
-    /// `behind`, `ahead`: results of [`Self::behind`] and [`Self::ahead`].
+    /// `stencil_data`: the invariants of cell i − 2 (fourth order), else the left state. `own`: the invariants of cell
+    /// i. `lower_stencil`, `upper_stencil`: results of [`Self::lower_stencil`] and [`Self::upper_stencil`].
     #[inline(always)]
     pub(crate) fn face_values<N: Number>(
         self,
-        known: RiemannInvariants<N>,
+        stencil_data: RiemannInvariants<N>,
         own: RiemannInvariants<N>,
-        [behind, ahead]: [RiemannInvariants<N>; 2],
+        [lower_stencil, upper_stencil]: [RiemannInvariants<N>; 2],
         cell: &CellConstants<N>,
     ) -> ([N; 2], RiemannInvariants<N>) {
         match self {
             Self::FourthOrder => {
-                let right = cell.face_value([known.right, behind.right, own.right, ahead.right]);
-                let left = cell.face_value([ahead.left, own.left, behind.left, known.left]);
-                ([right, left], behind)
+                let right = cell.face_value([
+                    stencil_data.right,
+                    lower_stencil.right,
+                    own.right,
+                    upper_stencil.right,
+                ]);
+                let left = cell.face_value([
+                    upper_stencil.left,
+                    own.left,
+                    lower_stencil.left,
+                    stencil_data.left,
+                ]);
+                ([right, left], lower_stencil)
             }
             Self::Godunov | Self::Limited => {
-                let pieces = Reconstruction::new(own, [behind, ahead], cell, self);
-                ([known.right, pieces.to_left()], pieces.known())
+                let reconstruction =
+                    Reconstruction::new(own, [lower_stencil, upper_stencil], cell, self);
+                ([stencil_data.right, reconstruction.left_outflow()], reconstruction.stencil_data())
             }
         }
     }
 
     /// [`Self::face_values`] for cells i − 2 … i + 1 of any media.
     #[inline(always)]
-    pub(crate) fn face_values_between_media<N: Number>(
+    pub(crate) fn face_values_in_mixed_media<N: Number>(
         self,
-        known: RiemannInvariants<N>,
+        stencil_data: RiemannInvariants<N>,
         states: [State<N>; 3],
         cells: [&CellConstants<N>; 4],
     ) -> ([N; 2], RiemannInvariants<N>) {
-        self.face_values_beside_interlayers(known, states, cells, [N::ONE; 3])
+        self.face_values_with_interlayers(stencil_data, states, cells, [N::ONE; 3])
     }
 
-    /// [`Self::face_values_between_media`] with interlayers at some of the three faces between the cells: `joined` is 0
-    /// at interlayers and 1 at other faces. The stencil does not extend across an interlayer: differences across it are
-    /// zero (constant extrapolation), and the cells on its two sides count as different media. Then no wave gains
-    /// energy for any response of the interlayer (tests of [`crate::solid::interface`]).
+    /// [`Self::face_values_in_mixed_media`] with interlayers at some of the three faces between the cells: `continuity`
+    /// is 0 at interlayers and 1 at other faces. The stencil does not extend across an interlayer: differences across
+    /// it are zero (constant extrapolation), and the cells on its two sides count as different media. Then no wave
+    /// gains energy for any response of the interlayer (tests of [`crate::solid::interface`]).
     #[inline(always)]
-    pub(crate) fn face_values_beside_interlayers<N: Number>(
+    pub(crate) fn face_values_with_interlayers<N: Number>(
         self,
-        known: RiemannInvariants<N>,
+        stencil_data: RiemannInvariants<N>,
         states: [State<N>; 3],
         cells: [&CellConstants<N>; 4],
-        [joined_behind, joined_here, joined_after]: [N; 3],
+        [continuity_behind, continuity_here, continuity_after]: [N; 3],
     ) -> ([N; 2], RiemannInvariants<N>) {
-        let [behind, here, next] = states;
+        let [lower_cell, here, next] = states;
         let [cell_before, cell_behind, cell, cell_after] = cells;
         match self {
             Self::FourthOrder => {
-                let (own_behind, own) =
-                    (RiemannInvariants::of(behind, cell_behind), RiemannInvariants::of(here, cell));
-                let next = RiemannInvariants::of(next, cell_after);
-                let reflection = cell_behind.reflection(cell);
+                let (own_behind, own) = (
+                    RiemannInvariants::from_state(lower_cell, cell_behind),
+                    RiemannInvariants::from_state(here, cell),
+                );
+                let next = RiemannInvariants::from_state(next, cell_after);
+                let reflection = cell_behind.reflection_coefficient(cell);
                 let first = own_behind
-                    .transmitted(known, cell_behind.reflection(cell_before))
+                    .transmit(stencil_data, cell_behind.reflection_coefficient(cell_before))
                     .difference(own_behind)
-                    .scaled(joined_behind);
-                let before = own.transmitted(own_behind, -reflection).difference(own);
-                let before = before.scaled(joined_here);
-                let after = own.difference(own.transmitted(next, cell.reflection(cell_after)));
-                let after = after.scaled(joined_after);
+                    .scale(continuity_behind);
+                let before = own.transmit(own_behind, -reflection).difference(own);
+                let before = before.scale(continuity_here);
+                let after =
+                    own.difference(own.transmit(next, cell.reflection_coefficient(cell_after)));
+                let after = after.scale(continuity_after);
                 // At a material interface the outgoing waves differ from the scattered incoming ones. Mapped back
                 // through the scattering matrix, this gives an additional difference for the stencil.
-                let beyond = own_behind.transmitted(own, reflection);
+                let beyond = own_behind.transmit(own, reflection);
                 let right = cell.one_minus_courant() * before.right;
-                let left = joined_here
+                let left = continuity_here
                     * (cell_behind.one_minus_courant() * (own_behind.left - beyond.left));
                 let across = RiemannInvariants {
                     right: right + reflection * (left - right),
                     left: left + reflection * (left - right),
                 };
-                let [to_first, to_middle, to_last] = CellConstants::alike(cells);
-                let to_first = joined_behind * to_first;
-                let to_middle = joined_here * to_middle;
-                let to_last = joined_after * to_last;
+                let [to_first, to_middle, to_last] = CellConstants::equality_flags(cells);
+                let to_first = continuity_behind * to_first;
+                let to_middle = continuity_here * to_middle;
+                let to_last = continuity_after * to_last;
                 let alike = [to_first, to_middle, to_last];
-                let (weights, weight) = cell_behind.weights(alike);
+                let (weights, weight) = cell_behind.interface_weights(alike);
                 let right = own_behind.right + weight * across.right;
                 let right =
-                    corrected_right(right, weights, [first.right, before.right, after.right]);
-                let (weights, weight) = cell.weights([to_last, to_middle, to_first]);
+                    right_face_value(right, weights, [first.right, before.right, after.right]);
+                let (weights, weight) = cell.interface_weights([to_last, to_middle, to_first]);
                 let left = own.left + weight * across.left;
-                let left = corrected_left(left, weights, [after.left, before.left, first.left]);
+                let left = left_face_value(left, weights, [after.left, before.left, first.left]);
                 // In one medium, identical to `face_values` bit for bit, signs of zeros included: +0 is subtracted.
-                let of_one = to_first * to_middle * to_last;
-                let rest = N::ONE - of_one;
-                let to_right = [known.right, own_behind.right, own.right, next.right];
-                let to_left = [next.left, own.left, own_behind.left, known.left];
-                let right = of_one * cell_behind.face_value(to_right) - (N::ZERO - rest * right);
-                let left = of_one * cell.face_value(to_left) - (N::ZERO - rest * left);
+                let same_medium = to_first * to_middle * to_last;
+                let rest = N::ONE - same_medium;
+                let to_right = [stencil_data.right, own_behind.right, own.right, next.right];
+                let left_outflow = [next.left, own.left, own_behind.left, stencil_data.left];
+                let right =
+                    same_medium * cell_behind.face_value(to_right) - (N::ZERO - rest * right);
+                let left = same_medium * cell.face_value(left_outflow) - (N::ZERO - rest * left);
                 ([right, left], own_behind)
             }
             Self::Godunov | Self::Limited => {
                 let cells = [cell_behind, cell, cell_after];
-                let joined = [joined_here, joined_after];
-                let pieces = Reconstruction::of(states, cells, joined, self);
-                ([known.right, pieces.to_left()], pieces.known())
+                let continuity = [continuity_here, continuity_after];
+                let reconstruction =
+                    Reconstruction::from_mixed_media(states, cells, continuity, self);
+                ([stencil_data.right, reconstruction.left_outflow()], reconstruction.stencil_data())
             }
         }
     }
 
-    /// Computes the stencil data for the first face of a line; see [`Self::face_values_beside_interlayers`].
-    pub(crate) fn known<N: Number>(
+    /// Computes the stencil data for the first face of a line; see [`Self::face_values_with_interlayers`].
+    pub(crate) fn stencil_data<N: Number>(
         self,
         states: [State<N>; 3],
         cells: [&CellConstants<N>; 3],
-        joined: [N; 2],
+        continuity: [N; 2],
     ) -> RiemannInvariants<N> {
         match self {
-            Self::FourthOrder => RiemannInvariants::of(states[0], cells[0]),
+            Self::FourthOrder => RiemannInvariants::from_state(states[0], cells[0]),
             Self::Godunov | Self::Limited => {
-                Reconstruction::of(states, cells, joined, self).known()
+                Reconstruction::from_mixed_media(states, cells, continuity, self).stencil_data()
             }
         }
     }
@@ -239,7 +255,7 @@ impl Slopes {
 
 /// Face value of the right-going wave: cell mean plus weighted differences, ordered from upwind to downwind.
 #[inline(always)]
-fn corrected_right<N: Number>(
+fn right_face_value<N: Number>(
     mean: N,
     [a, b, c]: [N; 3],
     [upwind, central, downwind]: [N; 3],
@@ -249,7 +265,11 @@ fn corrected_right<N: Number>(
 
 /// Face value of the left-going wave; the differences have the opposite sign.
 #[inline(always)]
-fn corrected_left<N: Number>(mean: N, [a, b, c]: [N; 3], [upwind, central, downwind]: [N; 3]) -> N {
+fn left_face_value<N: Number>(
+    mean: N,
+    [a, b, c]: [N; 3],
+    [upwind, central, downwind]: [N; 3],
+) -> N {
     mean - a * upwind - b * central - c * downwind
 }
 
@@ -276,21 +296,24 @@ impl<N: Number> Reconstruction<N> {
         Self { mean, half_slope }
     }
 
-    /// In several media, from the states of cells i − 1, i and i + 1; `joined` is 0 at interlayers between them and 1
-    /// at other faces.
+    /// In several media, from the states of cells i − 1, i and i + 1; `continuity` is 0 at interlayers between them and
+    /// 1 at other faces.
     #[inline(always)]
-    fn of(
+    fn from_mixed_media(
         [before, own, after]: [State<N>; 3],
         [cell_before, cell, cell_after]: [&CellConstants<N>; 3],
-        [joined_before, joined_after]: [N; 2],
+        [continuity_before, continuity_after]: [N; 2],
         slopes: Slopes,
     ) -> Self {
-        let mean = RiemannInvariants::of(own, cell);
-        let (before, after) =
-            (RiemannInvariants::of(before, cell_before), RiemannInvariants::of(after, cell_after));
-        let before = mean.transmitted(before, cell.reflection(cell_before)).difference(mean);
-        let after = mean.difference(mean.transmitted(after, cell.reflection(cell_after)));
-        let (before, after) = (before.scaled(joined_before), after.scaled(joined_after));
+        let mean = RiemannInvariants::from_state(own, cell);
+        let (before, after) = (
+            RiemannInvariants::from_state(before, cell_before),
+            RiemannInvariants::from_state(after, cell_after),
+        );
+        let before =
+            mean.transmit(before, cell.reflection_coefficient(cell_before)).difference(mean);
+        let after = mean.difference(mean.transmit(after, cell.reflection_coefficient(cell_after)));
+        let (before, after) = (before.scale(continuity_before), after.scale(continuity_after));
         let contrast = cell.contrast(cell_before).max(cell.contrast(cell_after));
         let half_slope = RiemannInvariants {
             right: slopes.half_slope_correction_at_contrast(
@@ -309,13 +332,13 @@ impl<N: Number> Reconstruction<N> {
 
     /// Returns the time-averaged outflow to the left: the mean over the leftmost fraction C of the cell.
     #[inline(always)]
-    fn to_left(self) -> N {
+    fn left_outflow(self) -> N {
         self.mean.left - self.half_slope.left
     }
 
     /// Returns the time-averaged outflow to the right and the left state, as stencil data for the next face.
     #[inline(always)]
-    fn known(self) -> RiemannInvariants<N> {
+    fn stencil_data(self) -> RiemannInvariants<N> {
         RiemannInvariants { right: self.mean.right + self.half_slope.right, left: N::ZERO }
     }
 }

@@ -8,8 +8,8 @@ use std::ops::Range;
 /// the coordinate, which wraps around on periodic axes. Cells are numbered with the first axis fastest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Region<const D: usize> {
-    whole: [usize; D],
-    own: [Range<usize>; D],
+    grid_cells: [usize; D],
+    owned: [Range<usize>; D],
     halo: [[usize; 2]; D],
 }
 
@@ -18,22 +18,22 @@ impl<const D: usize> Region<D> {
     /// is zero at ends that are neither cut nor, along the last axis, periodic.
     pub(crate) fn new(whole: [usize; D], own: [Range<usize>; D], halo: [[usize; 2]; D]) -> Self {
         debug_assert!((0..D).all(|axis| own[axis].end <= whole[axis]));
-        Self { whole, own, halo }
+        Self { grid_cells: whole, owned: own, halo }
     }
 
     /// Region of a whole grid, without halo.
-    pub fn whole(cells: [usize; D]) -> Self {
+    pub fn from_grid(cells: [usize; D]) -> Self {
         Self::new(cells, cells.map(|count| 0..count), [[0; 2]; D])
     }
 
     /// Returns the coordinates of the owned cells along an axis of the whole grid.
-    pub fn own(&self, axis: usize) -> Range<usize> {
-        self.own[axis].clone()
+    pub fn owned_range(&self, axis: usize) -> Range<usize> {
+        self.owned[axis].clone()
     }
 
     /// Returns the number of owned cells along each axis.
-    pub fn own_cells(&self) -> [usize; D] {
-        self.own.each_ref().map(ExactSizeIterator::len)
+    pub fn owned_counts(&self) -> [usize; D] {
+        self.owned.each_ref().map(ExactSizeIterator::len)
     }
 
     /// Returns the width of the halo at both ends of an axis, in cells.
@@ -43,13 +43,13 @@ impl<const D: usize> Region<D> {
 
     /// Returns whether the region has neighbours beyond the lower and the upper end of an axis.
     pub fn is_cut(&self, axis: usize) -> [bool; 2] {
-        let is_part = self.own[axis].len() < self.whole[axis];
+        let is_part = self.owned[axis].len() < self.grid_cells[axis];
         self.halo[axis].map(|width| width > 0 && is_part)
     }
 
     /// Returns the number of cells along each axis, halo included.
     pub fn cells(&self) -> [usize; D] {
-        std::array::from_fn(|axis| self.own[axis].len() + self.halo[axis][0] + self.halo[axis][1])
+        std::array::from_fn(|axis| self.owned[axis].len() + self.halo[axis][0] + self.halo[axis][1])
     }
 
     /// Returns the total number of cells, halo included.
@@ -64,60 +64,63 @@ impl<const D: usize> Region<D> {
 
     /// Returns the coordinates in the whole grid of the cells along an axis, halo included.
     pub fn coordinates(&self, axis: usize) -> Vec<usize> {
-        let (whole, halo) = (self.whole[axis], self.halo[axis][0]);
+        let (whole, halo) = (self.grid_cells[axis], self.halo[axis][0]);
         // The halo may be wider than the grid.
-        let first = self.own[axis].start + halo * whole - halo;
+        let first = self.owned[axis].start + halo * whole - halo;
         (first..first + self.cells()[axis]).map(|place| place % whole).collect()
     }
 
     /// Returns the global cell of each cell of the region.
     pub fn global_cells(&self) -> Vec<usize> {
-        products(&std::array::from_fn::<_, D, _>(|axis| self.coordinates(axis)), &self.whole)
+        linear_indices(
+            &std::array::from_fn::<_, D, _>(|axis| self.coordinates(axis)),
+            &self.grid_cells,
+        )
     }
 
     /// Returns the global cell of each owned cell.
-    pub fn own_global_cells(&self) -> Vec<usize> {
-        let own = std::array::from_fn::<_, D, _>(|axis| self.own(axis).collect());
-        products(&own, &self.whole)
+    pub fn owned_global_cells(&self) -> Vec<usize> {
+        let own = std::array::from_fn::<_, D, _>(|axis| self.owned_range(axis).collect());
+        linear_indices(&own, &self.grid_cells)
     }
 
     /// Returns the positions along an axis with a given global coordinate: several if a periodic halo wraps around.
-    fn places(&self, axis: usize, coordinate: usize) -> Vec<usize> {
-        let (whole, halo) = (self.whole[axis], self.halo[axis][0]);
-        let first = (self.own[axis].start + halo * whole - halo) % whole;
+    fn local_positions(&self, axis: usize, coordinate: usize) -> Vec<usize> {
+        let (whole, halo) = (self.grid_cells[axis], self.halo[axis][0]);
+        let first = (self.owned[axis].start + halo * whole - halo) % whole;
         let place = (coordinate + whole - first) % whole;
         (place..self.cells()[axis]).step_by(whole).collect()
     }
 
     /// Returns the cells of the region that are copies of a global cell.
-    pub(crate) fn cells_of(&self, mut cell: usize) -> Vec<usize> {
+    pub(crate) fn local_cells(&self, mut cell: usize) -> Vec<usize> {
         let along: Vec<_> = (0..D)
             .map(|axis| {
-                let coordinate = cell % self.whole[axis];
-                cell /= self.whole[axis];
-                self.places(axis, coordinate)
+                let coordinate = cell % self.grid_cells[axis];
+                cell /= self.grid_cells[axis];
+                self.local_positions(axis, coordinate)
             })
             .collect();
-        products(&along, &self.cells())
+        linear_indices(&along, &self.cells())
     }
 
     /// Returns the faces of a boundary of the region normal to `axis` that are copies of a global face.
-    pub(crate) fn faces_of(&self, axis: usize, mut face: usize) -> Vec<usize> {
+    pub(crate) fn local_faces(&self, axis: usize, mut face: usize) -> Vec<usize> {
         let others: Vec<usize> = (0..D).filter(|other| *other != axis).collect();
         let along = others.iter().map(|&other| {
-            let coordinate = face % self.whole[other];
-            face /= self.whole[other];
-            self.places(other, coordinate)
+            let coordinate = face % self.grid_cells[other];
+            face /= self.grid_cells[other];
+            self.local_positions(other, coordinate)
         });
         let along: Vec<_> = along.collect();
         let cells: Vec<usize> = others.iter().map(|&other| self.cells()[other]).collect();
-        products(&along, &cells)
+        linear_indices(&along, &cells)
     }
 
     /// Returns the global cell of an owned cell, given its number among the owned cells.
-    pub fn own_global_cell(&self, mut number: usize) -> usize {
+    pub fn owned_global_cell(&self, mut number: usize) -> usize {
         let (mut cell, mut stride) = (0, 1);
-        for (own, whole) in self.own.iter().zip(self.whole) {
+        for (own, whole) in self.owned.iter().zip(self.grid_cells) {
             cell += (own.start + number % own.len()) * stride;
             number /= own.len();
             stride *= whole;
@@ -126,9 +129,9 @@ impl<const D: usize> Region<D> {
     }
 
     /// Returns the number among the owned cells of a global cell; `None` if it is not owned.
-    pub fn own_number(&self, cell: usize) -> Option<usize> {
+    pub fn owned_index(&self, cell: usize) -> Option<usize> {
         let (mut rest, mut number, mut stride) = (cell, 0, 1);
-        for (own, whole) in self.own.iter().zip(self.whole) {
+        for (own, whole) in self.owned.iter().zip(self.grid_cells) {
             let place = rest % whole;
             if !own.contains(&place) {
                 return None;
@@ -143,13 +146,13 @@ impl<const D: usize> Region<D> {
     pub fn global_faces(&self, axis: usize) -> Vec<usize> {
         let others = (0..D).filter(|other| *other != axis);
         let (along, cells): (Vec<_>, Vec<_>) =
-            others.map(|other| (self.coordinates(other), self.whole[other])).unzip();
-        products(&along, &cells)
+            others.map(|other| (self.coordinates(other), self.grid_cells[other])).unzip();
+        linear_indices(&along, &cells)
     }
 }
 
 /// Computes linear indices (first axis fastest) from coordinates along each axis, for a grid of `cells`.
-fn products(along: &[Vec<usize>], cells: &[usize]) -> Vec<usize> {
+fn linear_indices(along: &[Vec<usize>], cells: &[usize]) -> Vec<usize> {
     let last_first = along.iter().zip(cells).rev();
     last_first.fold(vec![0], |before, (along, cells)| {
         let finer = |index: usize| along.iter().map(move |place| index * cells + place);
@@ -162,24 +165,24 @@ mod tests {
     use super::Region;
 
     #[test]
-    fn cells_come_round() {
+    fn periodic_halo_cells_wrap_around() {
         let region = Region::new([5, 3], [3..5, 1..2], [[1, 2], [1, 1]]);
         assert_eq!(region.coordinates(0), [2, 3, 4, 0, 1]);
         assert_eq!(region.coordinates(1), [0, 1, 2]);
         assert_eq!(region.global_cells()[..6], [2, 3, 4, 0, 1, 7]);
-        assert_eq!(region.own_global_cells(), [8, 9]);
+        assert_eq!(region.owned_global_cells(), [8, 9]);
         assert_eq!(region.global_faces(1), [2, 3, 4, 0, 1]);
         assert_eq!(region.global_faces(0), [0, 1, 2]);
-        assert_eq!((region.cells_of(7), region.cells_of(1)), (vec![5], vec![4]));
-        assert_eq!((region.faces_of(1, 0), region.faces_of(0, 2)), (vec![3], vec![2]));
+        assert_eq!((region.local_cells(7), region.local_cells(1)), (vec![5], vec![4]));
+        assert_eq!((region.local_faces(1, 0), region.local_faces(0, 2)), (vec![3], vec![2]));
         // Halo wider than the grid.
         let narrow = Region::new([2], std::array::from_fn(|_| 0..2), [[3, 4]]);
         assert_eq!(narrow.coordinates(0), [1, 0, 1, 0, 1, 0, 1, 0, 1]);
-        assert_eq!(narrow.cells_of(1), [0, 2, 4, 6, 8]);
+        assert_eq!(narrow.local_cells(1), [0, 2, 4, 6, 8]);
     }
 
     #[test]
-    fn faces_in_space() {
+    fn global_faces_in_three_dimensions() {
         let region = Region::new([2, 3, 4], [0..2, 1..3, 2..4], [[0, 0], [1, 0], [0, 1]]);
         // Across the second axis: first axis fastest, then the third, with coordinates 2, 3, 0.
         assert_eq!(region.global_faces(1), [4, 5, 6, 7, 0, 1]);

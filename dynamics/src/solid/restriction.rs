@@ -7,11 +7,11 @@ use crate::solid::region::Region;
 use std::borrow::Cow;
 
 impl<const D: usize> Problem<D> {
-    /// Region of the whole grid for passes of `most_steps` steps; on a periodic last axis it has a halo of opposite
+    /// Region of the whole grid for passes of `max_pass_steps` steps; on a periodic last axis it has a halo of opposite
     /// layers.
-    pub(crate) fn uncut_region(&self, most_steps: usize) -> Region<D> {
-        let comes_round = self.boundaries[D - 1][0] == Boundary::Periodic;
-        let width = if comes_round { most_steps * HALO } else { 0 };
+    pub(crate) fn whole_region(&self, max_pass_steps: usize) -> Region<D> {
+        let is_periodic = self.boundaries[D - 1][0] == Boundary::Periodic;
+        let width = if is_periodic { max_pass_steps * HALO } else { 0 };
         let cells = self.grid.cells;
         let halo = std::array::from_fn(|axis| [if axis + 1 == D { width } else { 0 }; 2]);
         Region::new(cells, cells.map(|count| 0..count), halo)
@@ -21,11 +21,11 @@ impl<const D: usize> Problem<D> {
     /// faces of the region. The grid remains the whole one, and so do the layers of the initial stress and of the
     /// metric, and the interlayers.
     #[must_use]
-    pub fn restricted(&self, region: &Region<D>) -> Cow<'_, Self> {
-        if *region == Region::whole(self.grid.cells) {
+    pub fn restrict_to(&self, region: &Region<D>) -> Cow<'_, Self> {
+        if *region == Region::from_grid(self.grid.cells) {
             return Cow::Borrowed(self);
         }
-        let side = |axis: usize, side: &Boundary| match side {
+        let restrict_boundary = |axis: usize, side: &Boundary| match side {
             Boundary::ByFace(pairs) => {
                 let faces = region.global_faces(axis);
                 let of = |own: &Vec<_>| faces.iter().map(|face| own[*face]).collect();
@@ -36,7 +36,7 @@ impl<const D: usize> Problem<D> {
         let load = |own: &Load| {
             let faces = own.faces.iter();
             let places = faces.flat_map(|&(face, amplitude)| {
-                let own = region.faces_of(own.axis, face).into_iter();
+                let own = region.local_faces(own.axis, face).into_iter();
                 own.map(move |face| (face, amplitude))
             });
             Load { faces: places.collect(), ..own.clone() }
@@ -44,7 +44,7 @@ impl<const D: usize> Problem<D> {
         let source = |own: &Source| {
             let cells = own.cells.iter();
             let places = cells.flat_map(|&(cell, share)| {
-                region.cells_of(cell).into_iter().map(move |cell| (cell, share))
+                region.local_cells(cell).into_iter().map(move |cell| (cell, share))
             });
             Source { cells: places.collect(), ..own.clone() }
         };
@@ -52,9 +52,9 @@ impl<const D: usize> Problem<D> {
         Cow::Owned(Self {
             grid: self.grid,
             media: self.media.clone(),
-            of_cell: cells.iter().map(|cell| self.of_cell[*cell]).collect(),
+            cell_media: cells.iter().map(|cell| self.cell_media[*cell]).collect(),
             boundaries: std::array::from_fn(|axis| {
-                self.boundaries[axis].each_ref().map(|own| side(axis, own))
+                self.boundaries[axis].each_ref().map(|own| restrict_boundary(axis, own))
             }),
             step: self.step,
             scheme: self.scheme,
@@ -62,7 +62,7 @@ impl<const D: usize> Problem<D> {
             sources: self.sources.iter().map(source).collect(),
             acceleration: self.acceleration,
             initial_stress: self.initial_stress.clone(),
-            integrals: self.integrals.clone(),
+            integrated_fields: self.integrated_fields.clone(),
             interlayers: self.interlayers.clone(),
             metric: self.metric.clone(),
         })

@@ -23,7 +23,7 @@ impl<N: Number> RiemannInvariants<N> {
     pub(crate) const ZERO: Self = Self { right: N::ZERO, left: N::ZERO };
 
     #[inline(always)]
-    pub(crate) fn of(state: State<N>, cell: &CellConstants<N>) -> Self {
+    pub(crate) fn from_state(state: State<N>, cell: &CellConstants<N>) -> Self {
         let zv = cell.impedance * state.velocity;
         Self { right: state.stress - zv, left: state.stress + zv }
     }
@@ -33,7 +33,7 @@ impl<N: Number> RiemannInvariants<N> {
     /// counter-propagating wave. The same formula gives the outgoing waves, by time reversal. Scattering conserves
     /// energy, so that the unfolded line has no interface.
     #[inline(always)]
-    pub(crate) fn transmitted(self, neighbour: Self, reflection: N) -> Self {
+    pub(crate) fn transmit(self, neighbour: Self, reflection: N) -> Self {
         Self {
             right: neighbour.right + reflection * (self.left - neighbour.right),
             left: neighbour.left + reflection * (self.right - neighbour.left),
@@ -42,7 +42,7 @@ impl<N: Number> RiemannInvariants<N> {
 
     /// Multiplies both invariants by a factor.
     #[inline(always)]
-    pub(crate) fn scaled(self, factor: N) -> Self {
+    pub(crate) fn scale(self, factor: N) -> Self {
         Self { right: factor * self.right, left: factor * self.left }
     }
 
@@ -121,13 +121,13 @@ impl<N: Number> InterfaceState<N> {
 
 /// Finite-volume update of a cell from its two interface states.
 #[inline(always)]
-pub(crate) fn updated<N: Number>(
+pub(crate) fn update_cell<N: Number>(
     own: State<N>,
     [left, right]: [InterfaceState<N>; 2],
     cell: &CellConstants<N>,
 ) -> State<N> {
     State {
-        velocity: own.velocity + cell.to_velocity * (right.sum - left.sum),
+        velocity: own.velocity + cell.velocity_factor * (right.sum - left.sum),
         stress: own.stress + cell.half_courant * (right.difference - left.difference),
     }
 }
@@ -139,13 +139,14 @@ mod tests {
     /// Verifies that [`InterfaceState::riemann`] equals [`InterfaceState::riemann_equal_impedance`] bit for bit for
     /// equal impedances, signs of zeros included.
     #[test]
-    fn a_joint_of_like_cells_is_the_same_to_the_bit() {
+    fn riemann_agrees_bitwise_with_the_solution_for_equal_impedances() {
         let numbers = [0.0, -0.0, 1.0, -1.0 / 3.0, 1e-310, -7e200, 0.1, -0.1];
         for (left, right) in numbers.iter().flat_map(|l| numbers.map(|r| (*l, r))) {
-            let like: InterfaceState<f64> = InterfaceState::riemann_equal_impedance([left, right]);
-            for seen in InterfaceState::riemann([0.7; 2], [left, right]) {
-                assert_eq!(seen.difference.to_bits(), like.difference.to_bits());
-                assert_eq!(seen.sum.to_bits(), like.sum.to_bits());
+            let expected: InterfaceState<f64> =
+                InterfaceState::riemann_equal_impedance([left, right]);
+            for interface_state in InterfaceState::riemann([0.7; 2], [left, right]) {
+                assert_eq!(interface_state.difference.to_bits(), expected.difference.to_bits());
+                assert_eq!(interface_state.sum.to_bits(), expected.sum.to_bits());
             }
         }
     }

@@ -1,6 +1,6 @@
 //! State of a solid for checkpoints.
 
-use crate::solid::ledger::WorkParts;
+use crate::solid::ledger::WorkPartialSums;
 
 /// State of a solid, independent of the solver and the number of subdomains; sufficient to continue it bit for bit.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,11 +10,11 @@ pub struct Snapshot<T> {
     /// Values by field and cell; the axis that is swept first runs fastest.
     pub fields: Vec<Vec<T>>,
     /// Work of boundaries and sources, and numerical dissipation.
-    pub work: WorkParts,
+    pub work_sums: WorkPartialSums,
     /// By cell: plastic dissipation, work of the initial stress and dissipation of dashpots, J/m³, if any medium has
     /// them; then the time integrals of the problem.
-    pub sums: Vec<Vec<f64>>,
+    pub cell_sums: Vec<Vec<f64>>,
     /// V and S of interlayers, in the order of
-    /// [`Domain::interlayer_memory`](crate::solid::domain::Domain::interlayer_memory).
-    pub interlayers: Vec<[T; 2]>,
+    /// [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
+    pub interlayer_history: Vec<[T; 2]>,
 }

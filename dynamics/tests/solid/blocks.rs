@@ -4,9 +4,10 @@
 //! `ROUGH=1000 cargo test --release -p wellposed-dynamics --test solid blocks::` runs 1000 random problems per
 //! dimension.
 
+use crate::support::media::{classical, cosserat};
 use crate::support::noise;
+use crate::support::random::NoiseSequence;
 use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
-use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::decomposition::{DecomposedDomain, Snapshot};
 use wellposed_dynamics::domain::{Domain, SolverReal};
@@ -14,45 +15,21 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::Splitting;
 use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::reference::Reference;
-use wellposed_dynamics::simd::Instructions;
+use wellposed_dynamics::simd::InstructionSet;
 use wellposed_dynamics::solid::interface::{Interlayer, sweep_with_interlayers};
 use wellposed_dynamics::solid::interlayers::Interlayers;
 use wellposed_dynamics::solid::line::{CellConstants, GHOSTS, HALO, Slopes};
 
-/// Reproducible generator of random numbers.
-struct Chance(u64);
-
-impl Chance {
-    fn number(&mut self) -> f64 {
-        self.0 += 1;
-        noise(self.0)
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        ((0.5 * self.number() + 0.5) * count as f64) as usize % count
-    }
-}
-
 /// Returns the numbers of the random problems of a test: `count` of them, or as many as the environment sets.
-fn runs(first: usize, count: usize) -> std::ops::Range<usize> {
+fn problem_numbers(first: usize, count: usize) -> std::ops::Range<usize> {
     let asked = std::env::var("ROUGH").ok().and_then(|count| count.parse().ok());
     first * 1_000_000..first * 1_000_000 + asked.unwrap_or(count)
 }
 
-fn classical(factor: f64) -> Isotropic {
-    Isotropic::new(1.1 * factor, 0.8 * factor, 1.3, None).expect("sound moduli")
-}
-
-fn cosserat(factor: f64) -> Isotropic {
-    let couple = CoupleModuli { beta: 0.3 * factor, gamma: 0.7 * factor, eta: 0.45 * factor };
-    let rotation = Microrotation { alpha: 0.6 * factor, inertia: 0.37, couple: Some(couple) };
-    Isotropic::new(1.1 * factor, 0.8 * factor, 1.3, Some(rotation)).expect("sound moduli")
-}
-
-fn media(chance: &mut Chance, dimensions: usize) -> Vec<Medium> {
+fn random_media(random: &mut NoiseSequence, dimensions: usize) -> Vec<Medium> {
     let classical = |factor| Medium::new(classical(factor), dimensions);
     let cosserat = |factor| Medium::new(cosserat(factor), dimensions);
-    match chance.below(4) {
+    match random.uniform_index(4) {
         0 => vec![classical(1.0)],
         1 => vec![classical(1.0), classical(20.0)],
         2 => vec![cosserat(1.0)],
@@ -60,15 +37,17 @@ fn media(chance: &mut Chance, dimensions: usize) -> Vec<Medium> {
     }
 }
 
-fn side(chance: &mut Chance, medium: &Medium, axis: usize) -> Boundary {
-    match chance.below(5) {
+fn random_boundary(random: &mut NoiseSequence, medium: &Medium, axis: usize) -> Boundary {
+    match random.uniform_index(5) {
         0 => Boundary::Fixed,
         1 => Boundary::NonReflecting,
-        2 => Boundary::symmetry(medium, axis),
-        3 => Boundary::Given(
+        2 => Boundary::new_symmetry(medium, axis),
+        3 => Boundary::ByPair(
             medium.pairs[axis]
                 .iter()
-                .map(|_| [Condition::Velocity(0.0), Condition::Traction(0.0)][chance.below(2)])
+                .map(|_| {
+                    [Condition::Velocity(0.0), Condition::Traction(0.0)][random.uniform_index(2)]
+                })
                 .collect(),
         ),
         _ => Boundary::Free,
@@ -76,35 +55,37 @@ fn side(chance: &mut Chance, medium: &Medium, axis: usize) -> Boundary {
 }
 
 /// Returns a random problem with interlayers across at least one axis, and its description.
-fn blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
-    let mut chance = Chance((number as u64) << 40);
-    let media = media(&mut chance, D);
+fn random_blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
+    let mut random = NoiseSequence::new((number as u64) << 40);
+    let media = random_media(&mut random, D);
     let most = if D == 2 { [40, 29, 33, 24, 16] } else { [18, 13, 17, 12, 16] };
-    let cells: [usize; D] = std::array::from_fn(|_| most[chance.below(5)]);
-    let grid = Grid { cells, spacing: std::array::from_fn(|_| [0.1, 0.13][chance.below(2)]) };
-    let boundaries: [[Boundary; 2]; D] = std::array::from_fn(|axis| match chance.below(3) {
-        0 => [Boundary::Periodic, Boundary::Periodic],
-        _ => [0, 1].map(|_| side(&mut chance, &media[0], axis)),
-    });
-    let courant = [0.4, 0.8, 1.0][chance.below(3)];
+    let cells: [usize; D] = std::array::from_fn(|_| most[random.uniform_index(5)]);
+    let grid =
+        Grid { cells, spacing: std::array::from_fn(|_| [0.1, 0.13][random.uniform_index(2)]) };
+    let boundaries: [[Boundary; 2]; D] =
+        std::array::from_fn(|axis| match random.uniform_index(3) {
+            0 => [Boundary::Periodic, Boundary::Periodic],
+            _ => [0, 1].map(|_| random_boundary(&mut random, &media[0], axis)),
+        });
+    let courant = [0.4, 0.8, 1.0][random.uniform_index(3)];
     let scheme = Scheme::new(
-        [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder][chance.below(3)],
+        [Slopes::Godunov, Slopes::Limited, Slopes::FourthOrder][random.uniform_index(3)],
         PlasticStep::ReturnMapping,
     );
-    let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
+    let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     let step = 2.0 * courant * 0.1 / speed;
-    let of_cell = (0..grid.count()).map(|_| chance.below(media.len()) as u16).collect();
+    let cell_media = (0..grid.count()).map(|_| random.uniform_index(media.len()) as u16).collect();
     let mut interlayers = Vec::new();
     for axis in 0..D {
-        if chance.below(3) == 0 && !(interlayers.is_empty() && axis + 1 == D) {
+        if random.uniform_index(3) == 0 && !(interlayers.is_empty() && axis + 1 == D) {
             continue;
         }
-        let every = [1, 2, 3, 4, 5, 8, 10][chance.below(7)];
+        let every = [1, 2, 3, 4, 5, 8, 10][random.uniform_index(7)];
         let (least, count) = match boundaries[axis][0] == Boundary::Periodic {
             true => (0, cells[axis]),
             false => (3, cells[axis] - 5),
         };
-        let mut offset = least + chance.below(every.min(count));
+        let mut offset = least + random.uniform_index(every.min(count));
         // Leave at least three cells after the last interlayer.
         let mut every = every;
         while least > 0 && (cells[axis] - offset - 1) % every < 2 {
@@ -114,104 +95,107 @@ fn blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
             }
         }
         let laws = media[0].pairs[axis].iter().map(|_| {
-            let mut size = || 0.2 * 10f64.powf(1.5 * chance.number());
+            let mut size = || 0.2 * 10f64.powf(1.5 * random.uniform_symmetric());
             ElasticInterlayer { mass: size(), compliance: size() }
         });
-        interlayers.push(Interlayers { axis, offset, every, laws: laws.collect() });
+        interlayers.push(Interlayers { axis, offset, block_cells: every, laws: laws.collect() });
     }
-    let words = format!(
+    let description = format!(
         "{number}: {cells:?}, {boundaries:?}, courant {courant}, {scheme:?}, {interlayers:?}"
     );
     let problem =
-        Problem { interlayers, ..Problem::new(grid, media, of_cell, boundaries, step, scheme) };
-    (problem, words)
+        Problem { interlayers, ..Problem::new(grid, media, cell_media, boundaries, step, scheme) };
+    (problem, description)
 }
 
 /// Returns a pseudo-random initial value of a field in a cell.
-fn value<T: SolverReal>(index: usize, cell: usize) -> T {
+fn initial_value<T: SolverReal>(index: usize, cell: usize) -> T {
     T::from_f64(noise((index * 1_000_003 + cell) as u64))
 }
 
-fn rough<T: SolverReal, const D: usize>(problem: &Problem<D>) -> DecomposedDomain<T, D> {
-    rough_in(problem, [1; D])
+fn fused_solver<T: SolverReal, const D: usize>(problem: &Problem<D>) -> DecomposedDomain<T, D> {
+    fused_solver_in_subdomains(problem, [1; D])
 }
 
-fn rough_in<T: SolverReal, const D: usize>(
+fn fused_solver_in_subdomains<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
     parts: [usize; D],
 ) -> DecomposedDomain<T, D> {
     let mut domain: DecomposedDomain<T, D> =
-        DecomposedDomain::in_box(0, problem, parts).expect("sound");
+        DecomposedDomain::with_subdomains(0, problem, parts).expect("sound");
     let cells = 0..problem.grid.count();
     for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
-        domain.set(field, &cells.clone().map(|cell| value(index, cell)).collect::<Vec<T>>());
+        domain
+            .set(field, &cells.clone().map(|cell| initial_value(index, cell)).collect::<Vec<T>>());
     }
     domain.initialise_interlayers();
     domain
 }
 
 /// Returns the reference solver with the same random state.
-fn rough_reference<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Reference<T, D> {
+fn reference_solver<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Reference<T, D> {
     let mut solver: Reference<T, D> = Reference::new(problem).expect("sound");
     let cells = 0..problem.grid.count();
     for (index, field) in solver.fields().to_vec().into_iter().enumerate() {
-        solver.set(field, &cells.clone().map(|cell| value(index, cell)).collect::<Vec<T>>());
+        solver
+            .set(field, &cells.clone().map(|cell| initial_value(index, cell)).collect::<Vec<T>>());
     }
     solver.initialise_interlayers();
     solver
 }
 
-fn bits_of<T: SolverReal>(snapshot: &Snapshot<T>) -> Vec<u64> {
-    let fields = snapshot.fields.iter().flatten().chain(snapshot.interlayers.as_flattened());
+fn snapshot_bits<T: SolverReal>(snapshot: &Snapshot<T>) -> Vec<u64> {
+    let fields = snapshot.fields.iter().flatten().chain(snapshot.interlayer_history.as_flattened());
     fields.map(|value| value.to_f64().to_bits()).collect()
 }
 
-fn bits<T: SolverReal, const D: usize>(domain: &DecomposedDomain<T, D>) -> Vec<u64> {
-    bits_of(&domain.snapshot())
+fn domain_bits<T: SolverReal, const D: usize>(domain: &DecomposedDomain<T, D>) -> Vec<u64> {
+    snapshot_bits(&domain.snapshot())
 }
 
-fn fused_as_reference<T: SolverReal, const D: usize>(numbers: std::ops::Range<usize>) {
+fn compare_fused_and_reference<T: SolverReal, const D: usize>(numbers: std::ops::Range<usize>) {
     for number in numbers {
-        let (problem, words) = blocks::<D>(number);
-        let (mut one, mut other) = (rough::<T, D>(&problem), rough_reference::<T, D>(&problem));
-        assert!(!one.interlayer_memory().is_empty(), "{words}");
-        let before = bits(&one);
-        assert!(before == bits_of(&other.snapshot()), "{words}");
+        let (problem, description) = random_blocks::<D>(number);
+        let (mut one, mut other) =
+            (fused_solver::<T, D>(&problem), reference_solver::<T, D>(&problem));
+        assert!(!one.interlayer_history().is_empty(), "{description}");
+        let before = domain_bits(&one);
+        assert!(before == snapshot_bits(&other.snapshot()), "{description}");
         for steps in [1, 2, 3] {
             one.advance(steps);
             other.advance(steps);
-            assert!(bits(&one) == bits_of(&other.snapshot()), "{words}");
-            assert_eq!(one.energy(), other.energy(), "{words}");
+            assert!(domain_bits(&one) == snapshot_bits(&other.snapshot()), "{description}");
+            assert_eq!(one.energy(), other.energy(), "{description}");
         }
-        assert_eq!(one.interlayer_memory(), other.interlayer_memory());
-        let memory = one.interlayer_memory();
-        assert!(memory.iter().flatten().all(|value| value.to_f64() != 0.0), "{words}");
-        assert!(bits(&one) != before);
+        assert_eq!(one.interlayer_history(), other.interlayer_history());
+        let memory = one.interlayer_history();
+        assert!(memory.iter().flatten().all(|value| value.to_f64() != 0.0), "{description}");
+        assert!(domain_bits(&one) != before);
         // Each solver resumes from a snapshot of the other.
         let mut resumed: Reference<T, D> = Reference::new(&problem).expect("sound");
         assert!(resumed.restore(&one.snapshot()));
         assert!(one.restore(&other.snapshot()));
         one.advance(2);
         resumed.advance(2);
-        assert!(bits(&one) == bits_of(&resumed.snapshot()), "{words}");
+        assert!(domain_bits(&one) == snapshot_bits(&resumed.snapshot()), "{description}");
         let mut short = one.snapshot();
-        short.interlayers.pop();
+        short.interlayer_history.pop();
         assert!(!resumed.restore(&short));
     }
 }
 
 #[test]
-fn fused_sweeps_have_the_bits_of_the_reference() {
-    fused_as_reference::<f64, 2>(runs(0, 40));
-    fused_as_reference::<f32, 2>(runs(1, 15));
-    fused_as_reference::<f64, 3>(runs(2, 10));
-    fused_as_reference::<f32, 3>(runs(3, 5));
+fn fused_solver_equals_the_reference_bit_by_bit() {
+    compare_fused_and_reference::<f64, 2>(problem_numbers(0, 40));
+    compare_fused_and_reference::<f32, 2>(problem_numbers(1, 15));
+    compare_fused_and_reference::<f64, 3>(problem_numbers(2, 10));
+    compare_fused_and_reference::<f32, 3>(problem_numbers(3, 5));
 }
 
-fn parts_as_whole<const D: usize>(numbers: std::ops::Range<usize>) {
+fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) {
     for number in numbers {
-        let (problem, words) = blocks::<D>(number);
-        let mut whole = rough::<f64, D>(&problem);
+        let (problem, description) = random_blocks::<D>(number);
+        let mut whole = fused_solver::<f64, D>(&problem);
         let most = problem.grid.cells.map(|cells| (cells / HALO).max(1));
         let cuts = [[1, 1, 2], [1, 1, 3], [2, 1, 1], [3, 1, 2], [2, 2, 1], [2, 2, 2]];
         let cuts = cuts.map(|[first, middle, last]| -> [usize; D] {
@@ -223,10 +207,11 @@ fn parts_as_whole<const D: usize>(numbers: std::ops::Range<usize>) {
         });
         let is_possible = |cut: &[usize; D]| cut.iter().zip(most).all(|(own, most)| *own <= most);
         let cuts = cuts.into_iter().filter(is_possible);
-        let mut parts: Vec<_> = cuts.map(|cut| rough_in(&problem, cut)).collect();
+        let mut parts: Vec<_> = cuts.map(|cut| fused_solver_in_subdomains(&problem, cut)).collect();
         // Other instruction sets, and a run interrupted by reading a snapshot.
-        let mut others: Vec<_> =
-            Instructions::available().map(|own| (own, rough::<f64, D>(&problem))).collect();
+        let mut others: Vec<_> = InstructionSet::available_sets()
+            .map(|own| (own, fused_solver::<f64, D>(&problem)))
+            .collect();
         // A pulse in a domain at rest: values of all magnitudes, and a flush of subnormals during the run.
         let pulse = |own: &mut DecomposedDomain<f64, D>| {
             if number % 2 == 1 {
@@ -243,48 +228,49 @@ fn parts_as_whole<const D: usize>(numbers: std::ops::Range<usize>) {
         whole.advance(13);
         let snapshot = whole.snapshot();
         whole.advance(6);
-        let (expected, ledger) = (bits(&whole), whole.ledger());
+        let (expected, ledger) = (domain_bits(&whole), whole.ledger());
         for own in &mut parts {
             own.advance(19);
-            assert!(bits(own) == expected, "{words}");
-            assert_eq!(own.ledger(), ledger, "{words}");
-            assert_eq!(own.energy(), whole.energy(), "{words}");
+            assert!(domain_bits(own) == expected, "{description}");
+            assert_eq!(own.ledger(), ledger, "{description}");
+            assert_eq!(own.energy(), whole.energy(), "{description}");
             own.initialise_interlayers();
             assert!(own.restore(&snapshot));
             own.advance(6);
-            assert!(bits(own) == expected, "{words}");
+            assert!(domain_bits(own) == expected, "{description}");
             assert_eq!(own.snapshot(), whole.snapshot());
         }
         for (instructions, own) in &mut others {
             own.set_instructions(*instructions);
             own.advance(19);
-            assert!(bits(own) == expected, "{instructions:?}: {words}");
+            assert!(domain_bits(own) == expected, "{instructions:?}: {description}");
         }
     }
 }
 
 #[test]
-fn parts_snapshots_and_instructions_have_the_bits_of_the_whole() {
-    parts_as_whole::<2>(runs(4, 30));
-    parts_as_whole::<3>(runs(5, 6));
+fn decompositions_snapshots_and_instruction_sets_give_the_same_bits() {
+    compare_decompositions::<2>(problem_numbers(4, 30));
+    compare_decompositions::<3>(problem_numbers(5, 6));
 }
 
-fn ledger_closes<const D: usize>(numbers: std::ops::Range<usize>) {
+fn check_ledger<const D: usize>(numbers: std::ops::Range<usize>) {
     let (mut worst, mut moved) = (0.0f64, 0.0f64);
     for number in numbers {
-        let (problem, words) = blocks::<D>(number);
-        let mut domain = rough_reference::<f64, D>(&problem);
+        let (problem, description) = random_blocks::<D>(number);
+        let mut domain = reference_solver::<f64, D>(&problem);
         let start = domain.energy();
         let mut before = start.total();
         for _ in 0..10 {
             domain.advance(1);
             let now = domain.energy().total();
-            assert!(now <= before * (1.0 + 1e-13), "{words}: {now:e} after {before:e}");
+            assert!(now <= before * (1.0 + 1e-13), "{description}: {now:e} after {before:e}");
             before = now;
         }
         let now = domain.energy();
-        let residual = (now.total() - start.total() - domain.ledger().change()) / start.total();
-        assert!(residual.abs() < 1e-12, "{words}: {residual:e}");
+        let residual =
+            (now.total() - start.total() - domain.ledger().energy_change()) / start.total();
+        assert!(residual.abs() < 1e-12, "{description}: {residual:e}");
         worst = worst.max(residual.abs());
         moved = moved.max(now.interlayer_kinetic + now.interlayer_stored);
     }
@@ -293,21 +279,21 @@ fn ledger_closes<const D: usize>(numbers: std::ops::Range<usize>) {
 }
 
 #[test]
-fn the_ledger_of_blocks_closes() {
-    ledger_closes::<2>(runs(6, 40));
-    ledger_closes::<3>(runs(7, 6));
+fn ledger_of_blocks_closes() {
+    check_ledger::<2>(problem_numbers(6, 40));
+    check_ledger::<3>(problem_numbers(7, 6));
 }
 
 #[test]
 fn energy_of_blocks_never_grows() {
-    for number in runs(8, 100) {
-        let (problem, words) = blocks::<2>(number);
-        let mut domain = rough::<f64, 2>(&problem);
+    for number in problem_numbers(8, 100) {
+        let (problem, description) = random_blocks::<2>(number);
+        let mut domain = fused_solver::<f64, 2>(&problem);
         let mut before = domain.energy().total();
         for _ in 0..100 {
             domain.advance(1);
             let now = domain.energy().total();
-            assert!(now <= before * (1.0 + 1e-13), "{words}: {now:e} after {before:e}");
+            assert!(now <= before * (1.0 + 1e-13), "{description}: {now:e} after {before:e}");
             before = now;
         }
     }
@@ -315,7 +301,7 @@ fn energy_of_blocks_never_grows() {
 
 /// Verifies a periodic row of blocks in either axis against one-dimensional sweeps of each pair of fields.
 #[test]
-fn a_row_of_blocks_moves_as_a_line() {
+fn row_of_blocks_equals_a_one_dimensional_line() {
     let medium = Medium::new(classical(1.0), 2);
     let material = ElasticMaterial {
         thickness: 0.05,
@@ -326,10 +312,10 @@ fn a_row_of_blocks_moves_as_a_line() {
     let (count, every, offset) = (30, 10, 4);
     for (axis, slopes) in [(0, Slopes::FourthOrder), (1, Slopes::FourthOrder), (0, Slopes::Limited)]
     {
-        let interlayers = Interlayers::of_material(axis, [offset, every], &material, &medium);
+        let interlayers = Interlayers::from_material(axis, [offset, every], &material, &medium);
         let mut cells = [1; 2];
         cells[axis] = count;
-        let step = 2.0 * 0.9 * 0.1 / medium.greatest_speed();
+        let step = 2.0 * 0.9 * 0.1 / medium.max_speed();
         let boundaries = [0, 1].map(|_| [Boundary::Periodic, Boundary::Periodic]);
         let problem = Problem {
             interlayers: vec![interlayers],
@@ -354,18 +340,20 @@ fn a_row_of_blocks_moves_as_a_line() {
         domain.initialise_interlayers();
         (0..5).for_each(|_| domain.advance());
         for (pair, own) in medium.pairs[axis].iter().enumerate() {
-            let law = [material.tangential(), material.normal()][usize::from(pair == axis)];
+            let law = [material.tangential_interlayer(), material.normal_interlayer()]
+                [usize::from(pair == axis)];
             let mut v = before.values(own.velocity).expect("a field");
             let mut s = before.values(own.stress).expect("a field");
-            let cell = CellConstants::among_others(own.impedance(), own.speed() * 0.5 * step / 0.1);
+            let cell =
+                CellConstants::with_interfaces(own.impedance(), own.speed() * 0.5 * step / 0.1);
             let place = |i: usize| (i + count - GHOSTS) % count;
             let mut layers: Vec<_> = (0..count + 2 * GHOSTS)
                 .filter(|&i| place(i) % every == offset)
                 .map(|i| Interlayer::new(i, law))
                 .collect();
             for own in &mut layers {
-                let i = place(own.place);
-                own.memory[0] = 0.5 * (v[(i + count - 1) % count] + v[i]);
+                let i = place(own.upper_cell);
+                own.history[0] = 0.5 * (v[(i + count - 1) % count] + v[i]);
             }
             for _ in 0..10 {
                 let around = |own: &[f64]| -> Vec<f64> {
@@ -398,8 +386,8 @@ fn a_row_of_blocks_moves_as_a_line() {
 
 /// Verifies that a uniform velocity of all cells and interlayers stays constant up to rounding.
 #[test]
-fn a_rigid_motion_stays_one() {
-    let (mut problem, _) = blocks::<2>(3);
+fn rigid_motion_stays_uniform() {
+    let (mut problem, _) = random_blocks::<2>(3);
     problem.boundaries = [0, 1].map(|_| [Boundary::Free, Boundary::Free]);
     problem.interlayers.truncate(1);
     let mut domain = DecomposedDomain::<f64, 2>::new(&problem, 1).expect("sound");
@@ -414,18 +402,18 @@ fn a_rigid_motion_stays_one() {
 }
 
 #[test]
-fn a_number_that_is_not_finite_is_found_in_interlayers() {
-    let (problem, _) = blocks::<2>(5);
+fn non_finite_interlayer_values_are_detected() {
+    let (problem, _) = random_blocks::<2>(5);
     let mut domain = Domain::<f64, 2>::new(&problem).expect("sound");
     assert_eq!(domain.first_non_finite(), None);
-    let count = domain.interlayer_memory().len();
+    let count = domain.interlayer_history().len();
     let memory = (0..count).map(|i| [0.0, if i + 1 == count { f64::NAN } else { 0.0 }]);
-    domain.set_interlayer_memory(&mut memory.into_iter());
+    domain.set_interlayer_history(&mut memory.into_iter());
     assert!(domain.first_non_finite().is_some());
     let mut reference = Reference::<f64, 2>::new(&problem).expect("sound");
     assert_eq!(reference.first_non_finite(), None);
     let mut snapshot = reference.snapshot();
-    if let Some(last) = snapshot.interlayers.last_mut() {
+    if let Some(last) = snapshot.interlayer_history.last_mut() {
         last[1] = f64::NAN;
     }
     assert!(reference.restore(&snapshot));
@@ -433,17 +421,17 @@ fn a_number_that_is_not_finite_is_found_in_interlayers() {
 }
 
 #[test]
-fn interlayers_that_cannot_be_are_refused() {
-    let (sound, _) = blocks::<2>(7);
+fn invalid_interlayers_are_refused() {
+    let (sound, _) = random_blocks::<2>(7);
     let refused = |change: fn(&mut Problem<2>)| {
         let mut problem = sound.clone();
         problem.boundaries = [0, 1].map(|_| [Boundary::Free, Boundary::Free]);
         problem.interlayers.truncate(1);
         problem.interlayers[0].offset = 3;
-        problem.interlayers[0].every = problem.grid.cells[problem.interlayers[0].axis];
-        assert!(problem.check().is_ok());
+        problem.interlayers[0].block_cells = problem.grid.cells[problem.interlayers[0].axis];
+        assert!(problem.validate().is_ok());
         change(&mut problem);
-        let found = problem.check();
+        let found = problem.validate();
         assert_eq!(Reference::<f64, 2>::new(&problem).err(), found.clone().err());
         matches!(found, Err(DomainError::Interlayers { .. }))
     };
@@ -453,6 +441,6 @@ fn interlayers_that_cannot_be_are_refused() {
     assert!(refused(|own| own.interlayers[0].laws[0].compliance = f64::NAN));
     assert!(refused(|own| own.interlayers[0].laws.clear()));
     assert!(refused(|own| own.interlayers[0].offset = 2));
-    assert!(refused(|own| own.interlayers[0].every = 0));
+    assert!(refused(|own| own.interlayers[0].block_cells = 0));
     assert!(refused(|own| own.scheme.splitting = Splitting::Alternating));
 }

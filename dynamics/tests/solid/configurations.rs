@@ -5,14 +5,16 @@
 //! `CONFIGURATIONS=20000 cargo test --release -p wellposed-dynamics --test solid configurations::` runs 20,000 problems
 //! in each of the four tests.
 
+use crate::support::media::{cubic_compliances, scaled_isotropic};
 use crate::support::noise;
+use crate::support::random::NoiseSequence;
 use models::interface::elastic::ElasticInterlayer;
 use models::rheology::relaxation::StandardLinearSolid;
-use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, PlaneCompliances, Theory};
+use models::solid::parameters::Theory;
 use models::solid::stress::Stress;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use models::yield_set::YieldSet;
-use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::parameters::{InterlayerCoupleLimits, InterlayerYieldSet, Mises};
 use std::sync::Arc;
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::{Boundary, Condition, Load, Signal, Source};
@@ -22,104 +24,59 @@ use wellposed_dynamics::line::{HALO, Slopes};
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
-use wellposed_dynamics::simd::Instructions;
+use wellposed_dynamics::simd::InstructionSet;
 use wellposed_dynamics::solid::interlayers::Interlayers;
 
-/// Reproducible generator of random numbers: seed, and number of values drawn.
-struct Chance {
-    seed: u64,
-    asked: u64,
-}
-
-impl Chance {
-    /// Creates the generator of a problem; seeds are 2³² apart, so that no value is drawn twice.
-    fn new(number: usize) -> Self {
-        Self { seed: (number as u64) << 32, asked: 0 }
-    }
-
-    /// Returns a random number in [−1, 1).
-    fn number(&mut self) -> f64 {
-        self.asked += 1;
-        noise(self.seed + self.asked)
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        ((0.5 * self.number() + 0.5) * count as f64) as usize
-    }
-
-    fn one_in(&mut self, count: usize) -> bool {
-        self.below(count) == 0
-    }
-
-    fn one_of<N: Copy>(&mut self, all: &[N]) -> N {
-        all[self.below(all.len())]
-    }
-}
-
-fn solid(theory: Theory, factor: f64) -> Isotropic {
-    let couple = CoupleModuli { beta: 0.3 * factor, gamma: 0.7 * factor, eta: 0.45 * factor };
-    let couple = (theory == Theory::Cosserat).then_some(couple);
-    let rotation = Microrotation { alpha: 0.6 * factor, inertia: 0.37, couple };
-    let rotation = (theory != Theory::Classical).then_some(rotation);
-    Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli")
-}
-
 /// Adds interlayers with random constants across each axis where the problem remains valid.
-fn add_interlayers<const D: usize>(chance: &mut Chance, problem: &mut Problem<D>) {
+fn add_interlayers<const D: usize>(random: &mut NoiseSequence, problem: &mut Problem<D>) {
     for axis in 0..D {
-        let (every, offset) = (1 + chance.below(8), chance.below(8));
+        let (every, offset) = (1 + random.uniform_index(8), random.uniform_index(8));
         let laws = problem.media[0].pairs[axis].iter().map(|_| {
-            let mut size = || 0.2 * 10f64.powf(1.5 * chance.number());
+            let mut size = || 0.2 * 10f64.powf(1.5 * random.uniform_symmetric());
             ElasticInterlayer { mass: size(), compliance: size() }
         });
-        problem.interlayers.push(Interlayers { axis, offset, every, laws: laws.collect() });
-        if problem.check().is_err() {
+        problem.interlayers.push(Interlayers {
+            axis,
+            offset,
+            block_cells: every,
+            laws: laws.collect(),
+        });
+        if problem.validate().is_err() {
             problem.interlayers.pop();
         }
     }
 }
 
-fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
-    let theory = chance.one_of(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
-    let (yields, relaxes) = (!chance.one_in(4), chance.one_in(3));
-    let medium = |chance: &mut Chance| {
-        let factor = chance.one_of(&[1.0, 1.0, 0.3, 2.3, 40.0]);
-        if D == 2 && theory == Theory::Cosserat && chance.one_in(6) {
-            return Medium::new(
-                PlaneCompliances {
-                    a1: 0.5,
-                    b1: -0.1,
-                    a2: 0.8,
-                    b2: 0.1,
-                    alpha2: 0.9,
-                    density: 1.1,
-                    inertia: 0.4,
-                },
-                2,
-            );
+fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
+    let theory = random.choose(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
+    let (yields, relaxes) = (!random.is_one_in(4), random.is_one_in(3));
+    let medium = |random: &mut NoiseSequence| {
+        let factor = random.choose(&[1.0, 1.0, 0.3, 2.3, 40.0]);
+        if D == 2 && theory == Theory::Cosserat && random.is_one_in(6) {
+            return Medium::new(cubic_compliances(), 2);
         }
-        let solid = solid(theory, factor);
-        let own = match relaxes && chance.one_in(2) {
+        let solid = scaled_isotropic(theory, factor);
+        let own = match relaxes && random.is_one_in(2) {
             true => {
-                let time = chance.one_of(&[1e-3, 0.05, 1.0]);
+                let time = random.choose(&[1e-3, 0.05, 1.0]);
                 let own = StandardLinearSolid::from_unrelaxed(solid, 0.4 * factor, time);
-                Medium::relaxing(own.expect("sound constants"), D)
+                Medium::with_relaxation(own.expect("sound constants"), D)
             }
             false => Medium::new(solid, D),
         };
-        if !yields || chance.one_in(5) {
+        if !yields || random.is_one_in(5) {
             return own;
         }
-        let strength = chance.one_of(&[0.05, 0.05, 0.3, 0.3, 1.0, 100.0]);
-        let friction = chance.one_of(&[0.0, 0.2, 0.5]);
-        let mises = Mises::drucker_prager(strength, friction, friction);
+        let strength = random.choose(&[0.05, 0.05, 0.3, 0.3, 1.0, 100.0]);
+        let friction = random.choose(&[0.0, 0.2, 0.5]);
+        let mises = Mises::new_drucker_prager(strength, friction, friction);
         // Interlayer sets exist in the plane only.
-        own.yielding(match (D == 2 && chance.one_in(4), chance.one_in(2)) {
-            (true, _) => YieldSet::from(Interlayer {
+        own.with_yield_set(match (D == 2 && random.is_one_in(4), random.is_one_in(2)) {
+            (true, _) => YieldSet::from(InterlayerYieldSet {
                 shear_strength: strength,
                 shear_friction: friction,
                 shear_dilatancy: friction,
-                couple: (theory == Theory::Cosserat).then_some(InterlayerCouple {
+                couple: (theory == Theory::Cosserat).then_some(InterlayerCoupleLimits {
                     strength: 0.8 * strength,
                     friction: 0.3,
                     dilatancy: 0.3,
@@ -134,13 +91,18 @@ fn media<const D: usize>(chance: &mut Chance) -> Vec<Medium> {
             }),
         })
     };
-    (0..=chance.below(3)).map(|_| medium(chance)).collect()
+    (0..=random.uniform_index(3)).map(|_| medium(random)).collect()
 }
 
 /// Returns the medium of each cell: uniform, layered, in stripes, or random.
-fn of_cell<const D: usize>(chance: &mut Chance, cells: [usize; D], media: usize) -> Vec<u16> {
+fn random_cell_media<const D: usize>(
+    random: &mut NoiseSequence,
+    cells: [usize; D],
+    media: usize,
+) -> Vec<u16> {
     let count: usize = cells.iter().product();
-    let (kind, width, seed) = (chance.below(4), 1 + chance.below(9), chance.seed + (1 << 31));
+    let (kind, width, seed) =
+        (random.uniform_index(4), 1 + random.uniform_index(9), random.seed() + (1 << 31));
     let of = |number: usize| ((0.5 * noise(seed + number as u64) + 0.5) * media as f64) as u16;
     let medium = |cell: usize| match kind {
         0 => of(0),
@@ -151,34 +113,34 @@ fn of_cell<const D: usize>(chance: &mut Chance, cells: [usize; D], media: usize)
     (0..count).map(medium).collect()
 }
 
-fn side<const D: usize>(
-    chance: &mut Chance,
+fn random_boundary<const D: usize>(
+    random: &mut NoiseSequence,
     media: &[Medium],
     grid: &Grid<D>,
     axis: usize,
 ) -> Boundary {
-    let condition = |chance: &mut Chance| match chance.below(3) {
-        0 => Condition::Velocity(chance.one_of(&[0.0, 0.1])),
-        1 => Condition::Traction(chance.one_of(&[0.0, -0.2])),
+    let condition = |random: &mut NoiseSequence| match random.uniform_index(3) {
+        0 => Condition::Velocity(random.choose(&[0.0, 0.1])),
+        1 => Condition::Traction(random.choose(&[0.0, -0.2])),
         _ => Condition::NonReflecting,
     };
     let pairs = media[0].pairs[axis].len();
-    match chance.below(7) {
+    match random.uniform_index(7) {
         0 => Boundary::Fixed,
         1 => Boundary::Free,
         2 => Boundary::NonReflecting,
-        3 => Boundary::symmetry(&media[0], axis),
-        4 => Boundary::antisymmetry(&media[0], axis),
-        5 => Boundary::Given((0..pairs).map(|_| condition(chance)).collect()),
+        3 => Boundary::new_symmetry(&media[0], axis),
+        4 => Boundary::new_antisymmetry(&media[0], axis),
+        5 => Boundary::ByPair((0..pairs).map(|_| condition(random)).collect()),
         _ => {
-            let mut faces = || (0..grid.faces(axis)).map(|_| condition(chance)).collect();
+            let mut faces = || (0..grid.faces(axis)).map(|_| condition(random)).collect();
             Boundary::ByFace((0..pairs).map(|_| faces()).collect())
         }
     }
 }
 
-fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
-    let media = media::<D>(chance);
+fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
+    let media = random_media::<D>(random);
     // Numbers of cells around the limits of SIMD groups and of tiles of rows and layers.
     let lengths: &[&[usize]] = match D {
         2 => &[
@@ -193,52 +155,55 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
     };
     // Wide grids, whose rows are processed in several tiles.
     let wide: [&[usize]; 3] = [&[126, 255, 300], &[17, 25, 41], &[1, 4, 9]];
-    let is_wide = D == 3 && chance.one_in(20);
+    let is_wide = D == 3 && random.is_one_in(20);
     let lengths = |axis: usize| if is_wide { wide[axis] } else { lengths[axis] };
     let grid = Grid {
-        cells: std::array::from_fn(|axis| chance.one_of(lengths(axis))),
-        spacing: std::array::from_fn(|_| chance.one_of(&[0.1, 0.1, 0.13])),
+        cells: std::array::from_fn(|axis| random.choose(lengths(axis))),
+        spacing: std::array::from_fn(|_| random.choose(&[0.1, 0.1, 0.13])),
     };
     let count = grid.count();
-    let medium_of_cell = of_cell(chance, grid.cells, media.len());
-    let sides = std::array::from_fn(|axis| match chance.one_in(3) {
+    let medium_of_cell = random_cell_media(random, grid.cells, media.len());
+    let sides = std::array::from_fn(|axis| match random.is_one_in(3) {
         true => [Boundary::Periodic, Boundary::Periodic],
-        false => [0, 1].map(|_| side(chance, &media, &grid, axis)),
+        false => [0, 1].map(|_| random_boundary(random, &media, &grid, axis)),
     });
-    let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
-    let step = chance.one_of(&[2.0, 1.9, 0.7]) * 0.1 / speed;
+    let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
+    let step = random.choose(&[2.0, 1.9, 0.7]) * 0.1 / speed;
     let slopes =
-        chance.one_of(&[Slopes::Godunov, Slopes::Limited, Slopes::Limited, Slopes::FourthOrder]);
+        random.choose(&[Slopes::Godunov, Slopes::Limited, Slopes::Limited, Slopes::FourthOrder]);
     let scheme = Scheme {
-        splitting: chance.one_of(&[Splitting::TwoCyclic, Splitting::Alternating]),
+        splitting: random.choose(&[Splitting::TwoCyclic, Splitting::Alternating]),
         ..Scheme::new(
             slopes,
-            chance.one_of(&[PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]),
+            random.choose(&[PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]),
         )
     };
     let fields = media[0].fields.clone();
     let pairs: Vec<usize> = media[0].pairs.iter().map(Vec::len).collect();
     let mut problem = Problem::new(grid, media, medium_of_cell, sides, step, scheme);
     let signal: Signal = Arc::new(move |time: f64| 0.3 * (0.7 * time / step).sin());
-    for _ in 0..chance.below(3) {
-        let (axis, end) = (chance.below(D), chance.below(2));
+    for _ in 0..random.uniform_index(3) {
+        let (axis, end) = (random.uniform_index(D), random.uniform_index(2));
         if problem.boundaries[axis][end] != Boundary::Periodic {
-            let (all, every) = (grid.faces(axis), 1 + chance.below(3));
-            let faces = (chance.below(all)..all).step_by(every).map(|face| (face, 0.4)).collect();
-            let pair = chance.below(pairs[axis]);
+            let (all, every) = (grid.faces(axis), 1 + random.uniform_index(3));
+            let faces =
+                (random.uniform_index(all)..all).step_by(every).map(|face| (face, 0.4)).collect();
+            let pair = random.uniform_index(pairs[axis]);
             problem.loads.push(Load { axis, end, pair, faces, signal: signal.clone() });
         }
     }
-    for _ in 0..chance.below(3) {
-        let cells = (0..=chance.below(3)).map(|_| (chance.below(count), 0.5)).collect();
-        let amplitudes = (0..2).map(|_| (fields[chance.below(fields.len())], 1e-3)).collect();
+    for _ in 0..random.uniform_index(3) {
+        let cells =
+            (0..=random.uniform_index(3)).map(|_| (random.uniform_index(count), 0.5)).collect();
+        let amplitudes =
+            (0..2).map(|_| (fields[random.uniform_index(fields.len())], 1e-3)).collect();
         problem.sources.push(Source { cells, amplitudes, signal: signal.clone() });
     }
-    if chance.one_in(4) {
-        problem.acceleration[chance.below(D)] = 0.3;
+    if random.is_one_in(4) {
+        problem.acceleration[random.uniform_index(D)] = 0.3;
     }
-    if chance.one_in(6) {
-        let axis = chance.below(D);
+    if random.is_one_in(6) {
+        let axis = random.uniform_index(D);
         let stress = |layer: usize| {
             let pressure = -0.1 * layer as f64;
             let force = std::array::from_fn(|i| {
@@ -248,35 +213,37 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
         };
         problem.initial_stress = Some((axis, (0..grid.cells[axis]).map(stress).collect()));
     }
-    if chance.one_in(3) {
-        let moves = |field: &Field| matches!(field, Field::Velocity(_) | Field::Spin(_));
-        let all: Vec<Field> = fields.iter().copied().filter(moves).collect();
-        problem.integrals = (0..=chance.below(2)).map(|_| chance.one_of(&all)).collect();
+    if random.is_one_in(3) {
+        let moves =
+            |field: &SolidField| matches!(field, SolidField::Velocity(_) | SolidField::Spin(_));
+        let all: Vec<SolidField> = fields.iter().copied().filter(moves).collect();
+        problem.integrated_fields =
+            (0..=random.uniform_index(2)).map(|_| random.choose(&all)).collect();
     }
-    if chance.one_in(2) {
-        add_interlayers(chance, &mut problem);
+    if random.is_one_in(2) {
+        add_interlayers(random, &mut problem);
     }
     problem
 }
 
 /// Random initial values.
 #[derive(Clone, Copy)]
-struct Start {
+struct InitialValues {
     seed: u64,
     /// Magnitude of the values.
-    scale: f64,
+    magnitude: f64,
     /// Fraction of cells with non-zero values; the others have zeros of either sign.
-    share: f64,
+    nonzero_fraction: f64,
 }
 
-impl Start {
+impl InitialValues {
     /// Returns the initial values by field and cell.
     fn values<T: SolverReal, const D: usize>(self, problem: &Problem<D>) -> Vec<Vec<T>> {
-        let Self { seed, scale, share } = self;
+        let Self { seed, magnitude, nonzero_fraction } = self;
         let value = |number: usize| {
             let number = seed + number as u64;
-            let is_zero = 0.5 * noise(number + (1 << 29)) + 0.5 >= share;
-            T::from_f64(scale * noise(number) * if is_zero { 0.0 } else { 1.0 })
+            let is_zero = 0.5 * noise(number + (1 << 29)) + 0.5 >= nonzero_fraction;
+            T::from_f64(magnitude * noise(number) * if is_zero { 0.0 } else { 1.0 })
         };
         let count = problem.grid.count();
         let of_field = |index: usize| (index * count..(index + 1) * count).map(value).collect();
@@ -285,9 +252,9 @@ impl Start {
 }
 
 /// Runs the reference solver for `steps` steps.
-fn reference<T: SolverReal, const D: usize>(
+fn run_reference<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
-    start: Start,
+    start: InitialValues,
     steps: usize,
 ) -> Reference<T, D> {
     let mut reference: Reference<T, D> = Reference::new(problem).expect("a sound problem");
@@ -298,18 +265,18 @@ fn reference<T: SolverReal, const D: usize>(
     reference
 }
 
-/// Runs the fused solver and returns its snapshot, output fields and energy. `ways`: numbers of parts along each axis,
+/// Runs the fused solver and returns its snapshot, output fields and energy. `runs`: numbers of parts along each axis,
 /// and steps with this decomposition; each following run resumes from the snapshot of the previous one.
-fn after<T: SolverReal, const D: usize>(
+fn run_fused<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
-    start: Start,
-    instructions: Instructions,
-    ways: &[([usize; D], usize)],
+    start: InitialValues,
+    instructions: InstructionSet,
+    runs: &[([usize; D], usize)],
 ) -> (Snapshot<T>, Vec<Vec<f64>>, Energy) {
     let mut last: Option<(Snapshot<T>, Vec<Vec<f64>>, Energy)> = None;
-    for &(parts, steps) in ways {
+    for &(parts, steps) in runs {
         let mut split: DecomposedDomain<T, D> =
-            DecomposedDomain::in_box(0, problem, parts).expect("a sound problem");
+            DecomposedDomain::with_subdomains(0, problem, parts).expect("a sound problem");
         split.set_instructions(instructions);
         match &last {
             Some((snapshot, ..)) => assert!(split.restore(snapshot)),
@@ -322,72 +289,72 @@ fn after<T: SolverReal, const D: usize>(
         split.advance(steps);
         last = Some((split.snapshot(), split.output_fields(), split.energy()));
     }
-    last.expect("a way")
+    last.expect("a run")
 }
 
-fn bits<T: SolverReal>(all: &[Vec<T>]) -> Vec<Vec<u64>> {
+fn to_bits<T: SolverReal>(all: &[Vec<T>]) -> Vec<Vec<u64>> {
     all.iter().map(|own| own.iter().map(|value| value.to_f64().to_bits()).collect()).collect()
 }
 
-fn numbers<T: SolverReal>(memory: &[[T; 2]]) -> [Vec<T>; 1] {
+fn flatten_history<T: SolverReal>(memory: &[[T; 2]]) -> [Vec<T>; 1] {
     [memory.as_flattened().to_vec()]
 }
 
 /// Compares all runs of the random problems from number `first` on; `small`: magnitude of the initial values that are
 /// flushed to zero.
-fn same<T: SolverReal, const D: usize>(first: usize, small: f64) {
+fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small: f64) {
     let wanted = std::env::var("CONFIGURATIONS").ok();
     let wanted = wanted.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
     let (mut yielding, mut divided, mut relaxing, mut layered) = (0, 0, 0, 0);
     let count = wanted.unwrap_or(if D == 2 { 100 } else { 50 });
     for number in first..first + count {
-        let mut chance = Chance::new(number);
-        let problem = problem::<D>(&mut chance);
-        let steps = [chance.below(4), chance.one_of(&[1, 1, 2, 7, 20, 20])];
-        let start = Start {
-            seed: chance.seed + (3 << 30),
-            scale: chance.one_of(&[1.0, 1.0, 1.0, small]),
-            share: chance.one_of(&[1.0, 1.0, 0.5, 0.05]),
+        let mut random = NoiseSequence::new((number as u64) << 32);
+        let problem = random_problem::<D>(&mut random);
+        let steps = [random.uniform_index(4), random.choose(&[1, 1, 2, 7, 20, 20])];
+        let start = InitialValues {
+            seed: random.seed() + (3 << 30),
+            magnitude: random.choose(&[1.0, 1.0, 1.0, small]),
+            nonzero_fraction: random.choose(&[1.0, 1.0, 0.5, 0.05]),
         };
         // Along the first axis the stencil of output needs two more cells.
         let most = |axis: usize| {
             let cells = problem.grid.cells[axis];
             if axis == 0 { (cells / (HALO + 2)).clamp(1, 3) } else { (cells / HALO).clamp(1, 4) }
         };
-        let mut some_parts = || std::array::from_fn(|axis| 1 + chance.below(most(axis)));
+        let mut some_parts = || std::array::from_fn(|axis| 1 + random.uniform_index(most(axis)));
         let parts: [[[usize; D]; 2]; 2] = std::array::from_fn(|_| [0, 1].map(|_| some_parts()));
         let whole = [([1; D], steps[0] + steps[1])];
-        let reference: Reference<T, D> = reference(&problem, start, steps[0] + steps[1]);
+        let reference: Reference<T, D> = run_reference(&problem, start, steps[0] + steps[1]);
         let expected: Snapshot<T> = reference.snapshot();
-        let (values, sums) = (bits(&expected.fields), bits(&expected.sums));
-        let memory = bits(&numbers(&expected.interlayers));
+        let (values, sums) = (to_bits(&expected.fields), to_bits(&expected.cell_sums));
+        let memory = to_bits(&flatten_history(&expected.interlayer_history));
         let energies = [reference.energy()];
         let all = expected.fields.iter().flatten().map(|value| value.to_f64());
-        let mut all = all.chain(expected.sums.iter().flatten().copied());
+        let mut all = all.chain(expected.cell_sums.iter().flatten().copied());
         assert!(all.all(f64::is_finite), "problem {number}");
         let mut inflow = None;
-        for instructions in Instructions::available() {
+        for instructions in InstructionSet::available_sets() {
             let stops = parts.map(|[one, other]| [(one, steps[0]), (other, steps[1])]);
             for way in [whole.as_slice(), stops[0].as_slice(), stops[1].as_slice()] {
                 let (found, shown, found_energy) =
-                    after::<T, D>(&problem, start, instructions, way);
+                    run_fused::<T, D>(&problem, start, instructions, way);
                 let what = format!("problem {number}: {instructions:?}, {way:?}");
-                assert!(values == bits(&found.fields), "{what}");
-                assert!(sums == bits(&found.sums), "{what}");
-                assert!(memory == bits(&numbers(&found.interlayers)), "{what}");
-                assert!(bits(&reference.output_fields()) == bits(&shown), "{what}");
-                assert_eq!(expected.work[1], found.work[1], "{what}");
-                assert_eq!(expected.work[3], found.work[3], "{what}");
-                let inflow = inflow.get_or_insert_with(|| found.work[0].clone());
-                assert_eq!(*inflow, found.work[0], "{what}");
+                assert!(values == to_bits(&found.fields), "{what}");
+                assert!(sums == to_bits(&found.cell_sums), "{what}");
+                assert!(memory == to_bits(&flatten_history(&found.interlayer_history)), "{what}");
+                assert!(to_bits(&reference.output_fields()) == to_bits(&shown), "{what}");
+                assert_eq!(expected.work_sums[1], found.work_sums[1], "{what}");
+                assert_eq!(expected.work_sums[3], found.work_sums[3], "{what}");
+                let inflow = inflow.get_or_insert_with(|| found.work_sums[0].clone());
+                assert_eq!(*inflow, found.work_sums[0], "{what}");
                 assert!(energies == [found_energy], "{what}");
             }
         }
-        yielding += usize::from(expected.sums[0].iter().any(|lost| *lost > 0.0));
+        yielding += usize::from(expected.cell_sums[0].iter().any(|lost| *lost > 0.0));
         divided +=
             usize::from(parts.iter().flatten().any(|parts| parts[..D - 1] != [1; 2][..D - 1]));
-        relaxing += usize::from(reference.ledger().viscous > 0.0);
-        layered += usize::from(!expected.interlayers.is_empty());
+        relaxing += usize::from(reference.ledger().viscous_dissipation > 0.0);
+        layered += usize::from(!expected.interlayer_history.is_empty());
     }
     // At least a quarter of the problems yield, a quarter are split along an axis other than the last, a tenth relax,
     // and a tenth have interlayers.
@@ -396,24 +363,24 @@ fn same<T: SolverReal, const D: usize>(first: usize, small: f64) {
 }
 
 /// Initial magnitudes close to the flush threshold 2⁴⁰·MIN_POSITIVE, in double and single precision.
-const SMALL: [f64; 2] = [f64::MIN_POSITIVE * 2e13, f32::MIN_POSITIVE as f64 * 2e13];
+const FLUSHED_MAGNITUDES: [f64; 2] = [f64::MIN_POSITIVE * 2e13, f32::MIN_POSITIVE as f64 * 2e13];
 
 #[test]
-fn in_the_plane() {
-    same::<f64, 2>(0, SMALL[0]);
+fn fused_solver_equals_the_reference_in_the_plane() {
+    compare_solvers::<f64, 2>(0, FLUSHED_MAGNITUDES[0]);
 }
 
 #[test]
-fn in_space() {
-    same::<f64, 3>(1_000_000, SMALL[0]);
+fn fused_solver_equals_the_reference_in_space() {
+    compare_solvers::<f64, 3>(1_000_000, FLUSHED_MAGNITUDES[0]);
 }
 
 #[test]
-fn in_single_precision_in_the_plane() {
-    same::<f32, 2>(2_000_000, SMALL[1]);
+fn fused_solver_equals_the_reference_in_single_precision_in_the_plane() {
+    compare_solvers::<f32, 2>(2_000_000, FLUSHED_MAGNITUDES[1]);
 }
 
 #[test]
-fn in_single_precision_in_space() {
-    same::<f32, 3>(3_000_000, SMALL[1]);
+fn fused_solver_equals_the_reference_in_single_precision_in_space() {
+    compare_solvers::<f32, 3>(3_000_000, FLUSHED_MAGNITUDES[1]);
 }

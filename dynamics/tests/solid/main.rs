@@ -4,14 +4,14 @@
 
 mod blocks;
 mod configurations;
-mod cuts;
+mod decomposition;
 mod domain;
 mod energy;
 mod interlayers;
 mod ledger;
 mod line;
 mod metric;
-mod order;
+mod plane_waves;
 mod plastic;
 mod plastic_fronts;
 mod rayleigh;
@@ -19,7 +19,8 @@ mod relaxation;
 mod return_mapping;
 mod simple_waves;
 mod simulation;
-mod split;
+mod subdomain_regions;
 mod support;
+mod sweep_order;
 mod uniaxial;
 mod verification;

@@ -1,8 +1,9 @@
 //! Blocks in the plane whose spacing differs between layers, and polar blocks.
 
+use crate::support::media::isotropic;
 use crate::support::noise;
-use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
-use models::solid::waves::Field;
+use models::solid::parameters::Theory;
+use models::solid::waves::SolidField;
 use models::yield_set::YieldSet;
 use models::yield_set::parameters::Mises;
 use num_complex::Complex64;
@@ -16,37 +17,29 @@ use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme, Splitting};
 use wellposed_dynamics::reference::Reference;
-use wellposed_dynamics::simd::Instructions;
+use wellposed_dynamics::simd::InstructionSet;
 use wellposed_dynamics::solid::metric::Metric;
 
 const LAMBDA: f64 = 1.4;
 const MU: f64 = 0.9;
 const DENSITY: f64 = 1.2;
 
-fn solid(theory: Theory, factor: f64) -> Isotropic {
-    let couple = CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 };
-    let couple = (theory == Theory::Cosserat).then_some(couple);
-    let rotation = Microrotation { alpha: 0.6, inertia: 0.37, couple };
-    let rotation = (theory != Theory::Classical).then_some(rotation);
-    Isotropic::new(LAMBDA * factor, MU * factor, DENSITY, rotation).expect("sound moduli")
-}
-
 /// Inner radius and width of polar blocks, m.
-const INNER: f64 = 0.5;
-const WIDTH: f64 = 2.0;
+const INNER_RADIUS: f64 = 0.5;
+const RADIAL_WIDTH: f64 = 2.0;
 
-fn polar(cells: [usize; 2]) -> (Grid<2>, Metric) {
-    let spacing = [TAU / cells[0] as f64, WIDTH / cells[1] as f64];
-    (Grid { cells, spacing }, Metric::polar(INNER, cells[1], spacing))
+fn polar_grid(cells: [usize; 2]) -> (Grid<2>, Metric) {
+    let spacing = [TAU / cells[0] as f64, RADIAL_WIDTH / cells[1] as f64];
+    (Grid { cells, spacing }, Metric::new_polar(INNER_RADIUS, cells[1], spacing))
 }
 
 /// Returns the time step, s, for which sweeps of half a step have the Courant number 0.9 in the smallest cell.
-fn step(grid: &Grid<2>, metric: &Metric, medium: &Medium) -> f64 {
+fn time_step(grid: &Grid<2>, metric: &Metric, medium: &Medium) -> f64 {
     let least = metric.spacing.iter().copied().fold(grid.spacing[1], f64::min);
-    1.8 * least / medium.greatest_speed()
+    1.8 * least / medium.max_speed()
 }
 
-fn fill<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(Field, &[T])) {
+fn fill_with_noise<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(SolidField, &[T])) {
     for (index, field) in problem.fields().into_iter().enumerate() {
         let value = |cell: usize| T::from_f64(noise((100_003 * index + cell) as u64));
         set(field, &(0..problem.grid.count()).map(value).collect::<Vec<_>>());
@@ -55,74 +48,76 @@ fn fill<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(Field, &[T])) {
 
 /// Compares the fused solver, with decompositions and instruction sets, and the reference solver, on two media at
 /// random and a random state; verifies the ledger.
-fn same<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
+fn compare_with_reference<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
     let cells = [23, 17];
-    let (grid, polar) = polar(cells);
+    let (grid, polar) = polar_grid(cells);
     let spacing = (0..cells[1]).map(|layer| 0.1 * (1.5 + noise(layer as u64))).collect();
     let metric = if is_polar { polar } else { Metric { spacing, curvature: Vec::new() } };
-    let set = YieldSet::from(Mises::von_mises(0.3));
-    let soft = Medium::new(solid(theory, 1.0), 2);
-    let soft = if is_polar { soft } else { soft.yielding(set) };
-    let media = vec![soft, Medium::new(solid(theory, 2.3), 2)];
-    let of_cell = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
+    let set = YieldSet::from(Mises::new_von_mises(0.3));
+    let soft = Medium::new(isotropic(theory, 1.0), 2);
+    let soft = if is_polar { soft } else { soft.with_yield_set(set) };
+    let media = vec![soft, Medium::new(isotropic(theory, 2.3), 2)];
+    let cell_media = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
     let sides =
         [[Boundary::NonReflecting, Boundary::Free], [Boundary::Free, Boundary::NonReflecting]];
-    let step = step(&grid, &metric, &media[1]);
+    let step = time_step(&grid, &metric, &media[1]);
     let scheme = Scheme::new(slopes, PlasticStep::ReturnMapping);
-    let problem =
-        Problem { metric: Some(metric), ..Problem::new(grid, media, of_cell, sides, step, scheme) };
+    let problem = Problem {
+        metric: Some(metric),
+        ..Problem::new(grid, media, cell_media, sides, step, scheme)
+    };
     let mut reference: Reference<T, 2> = Reference::new(&problem).expect("sound");
-    fill(&problem, |field, values: &[T]| reference.set(field, values));
+    fill_with_noise(&problem, |field, values: &[T]| reference.set(field, values));
     let start = reference.energy().total();
     reference.advance(15);
     let expected = reference.snapshot();
-    let error = reference.energy().total() - start - reference.ledger().change();
+    let error = reference.energy().total() - start - reference.ledger().energy_change();
     let limit = if size_of::<T>() == 4 { 1e-5 } else { 1e-13 };
     assert!(error.abs() < limit * start, "{error:e} of {start}");
-    assert!(reference.ledger().inflow != 0.0);
+    assert!(reference.ledger().boundary_work != 0.0);
     let bits = |all: &[Vec<T>]| -> Vec<u64> {
         all.iter().flatten().map(|value| value.to_f64().to_bits()).collect()
     };
     for parts in [[1, 1], [1, 3], [2, 1], [2, 2]] {
-        for instructions in Instructions::available() {
+        for instructions in InstructionSet::available_sets() {
             let mut split: DecomposedDomain<T, 2> =
-                DecomposedDomain::in_box(0, &problem, parts).expect("sound");
+                DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
             split.set_instructions(instructions);
-            fill(&problem, |field, values: &[T]| split.set(field, values));
+            fill_with_noise(&problem, |field, values: &[T]| split.set(field, values));
             split.advance(4);
             split.advance(11);
             let found = split.snapshot();
             assert!(bits(&found.fields) == bits(&expected.fields), "{parts:?} {instructions:?}");
-            assert_eq!(found.sums, expected.sums);
-            assert_eq!(found.work[0], expected.work[0]);
+            assert_eq!(found.cell_sums, expected.cell_sums);
+            assert_eq!(found.work_sums[0], expected.work_sums[0]);
             assert_eq!(split.energy(), reference.energy());
         }
     }
 }
 
 #[test]
-fn bits_are_those_of_the_reference_solver() {
+fn fused_solver_equals_the_reference_with_a_metric() {
     for is_polar in [true, false] {
-        same::<f64>(Theory::Classical, is_polar, Slopes::Limited);
-        same::<f64>(Theory::Cosserat, is_polar, Slopes::FourthOrder);
-        same::<f32>(Theory::Reduced, is_polar, Slopes::Limited);
+        compare_with_reference::<f64>(Theory::Classical, is_polar, Slopes::Limited);
+        compare_with_reference::<f64>(Theory::Cosserat, is_polar, Slopes::FourthOrder);
+        compare_with_reference::<f32>(Theory::Reduced, is_polar, Slopes::Limited);
     }
 }
 
 /// Verifies that a metric with the spacing of the grid in all layers changes no bit.
 #[test]
-fn equal_layers_change_no_bit() {
+fn uniform_metric_changes_no_bit() {
     let grid = Grid { cells: [15, 12], spacing: [0.1, 0.13] };
-    let medium = Medium::new(solid(Theory::Cosserat, 1.0), 2);
+    let medium = Medium::new(isotropic(Theory::Cosserat, 1.0), 2);
     let sides = [[Boundary::Periodic, Boundary::Periodic], [Boundary::Fixed, Boundary::Free]];
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-    let step = 0.19 / medium.greatest_speed();
+    let step = 0.19 / medium.max_speed();
     let plain = Problem::new(grid, vec![medium], vec![0; 180], sides, step, scheme);
     let metric = Some(Metric { spacing: vec![0.1; 12], curvature: Vec::new() });
     let with = Problem { metric, ..plain.clone() };
     let [plain, with] = [plain, with].map(|problem| {
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-        fill(&problem, |field, values: &[f64]| domain.set(field, values));
+        fill_with_noise(&problem, |field, values: &[f64]| domain.set(field, values));
         (0..20).for_each(|_| domain.advance());
         let values = domain.fields().to_vec().into_iter().map(|field| domain.values(field));
         values.collect::<Vec<_>>()
@@ -132,12 +127,12 @@ fn equal_layers_change_no_bit() {
 
 /// Computes Bessel's function Jₙ(x) from its integral; the trapezoidal rule is exact to rounding.
 fn bessel(order: i32, x: f64) -> f64 {
-    const POINTS: usize = 64;
+    const QUADRATURE_POINTS: usize = 64;
     let term = |index: usize| {
-        let angle = TAU * index as f64 / POINTS as f64;
+        let angle = TAU * index as f64 / QUADRATURE_POINTS as f64;
         (f64::from(order) * angle - x * angle.sin()).cos()
     };
-    (0..POINTS).map(term).sum::<f64>() / POINTS as f64
+    (0..QUADRATURE_POINTS).map(term).sum::<f64>() / QUADRATURE_POINTS as f64
 }
 
 /// Computes a standing P wave u = ∇φ sin(ωt)/ω, φ = J₂(kr) cos 2θ: v_θ, v_r, then the stresses σ_θθ, σ_rr, σ_rθ.
@@ -160,16 +155,16 @@ fn standing_wave(k: f64, [theta, r]: [f64; 2], time: f64) -> [f64; 5] {
     ]
 }
 
-const FIELDS: [Field; 5] = [
-    Field::Velocity(0),
-    Field::Velocity(1),
-    Field::Stress(0, 0),
-    Field::Stress(1, 1),
-    Field::Stress(0, 1),
+const PLANE_STRAIN_FIELDS: [SolidField; 5] = [
+    SolidField::Velocity(0),
+    SolidField::Velocity(1),
+    SolidField::Stress(0, 0),
+    SolidField::Stress(1, 1),
+    SolidField::Stress(0, 1),
 ];
 
 /// Computes a standing P wave in Cartesian coordinates, φ = cos 2x cos ly, k² = 4 + l²; fields as in [`standing_wave`].
-fn plane_wave(k: f64, [x, y]: [f64; 2], time: f64) -> [f64; 5] {
+fn plane_standing_wave(k: f64, [x, y]: [f64; 2], time: f64) -> [f64; 5] {
     let l = (k * k - 4.0).sqrt();
     let speed = ((LAMBDA + 2.0 * MU) / DENSITY).sqrt();
     let ((sx, cx), (sy, cy)) = ((2.0 * x).sin_cos(), (l * y).sin_cos());
@@ -187,13 +182,13 @@ fn plane_wave(k: f64, [x, y]: [f64; 2], time: f64) -> [f64; 5] {
 
 /// Computes the L2 error of a standing wave over all fields, relative to its norm: in all layers, and in the layers
 /// that no wave from the boundaries, whose velocities are prescribed, can have reached.
-fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
-    let (grid, metric) = polar(cells);
-    let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
+fn standing_wave_errors(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
+    let (grid, metric) = polar_grid(cells);
+    let medium = Medium::new(isotropic(Theory::Classical, 1.0), 2);
     let (k, time) = (3.0, 0.3);
-    let steps = (time / step(&grid, &metric, &medium)).ceil();
-    let speed = medium.greatest_speed();
-    let given = |_| Boundary::Given(vec![Condition::Velocity(0.0); 2]);
+    let steps = (time / time_step(&grid, &metric, &medium)).ceil();
+    let speed = medium.max_speed();
+    let given = |_| Boundary::ByPair(vec![Condition::Velocity(0.0); 2]);
     let sides = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(given)];
     let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
     let mut problem =
@@ -201,12 +196,12 @@ fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
     problem.metric = Some(metric).filter(|_| is_polar);
     let exact_at = |place: [f64; 2], time: f64| match is_polar {
         true => standing_wave(k, place, time).map(|value| place[1].sqrt() * value),
-        false => plane_wave(k, place, time),
+        false => plane_standing_wave(k, place, time),
     };
     let angle = |index: usize| (index as f64 + 0.5) * grid.spacing[0];
-    for (end, radius) in [INNER, INNER + WIDTH].into_iter().enumerate() {
+    for (end, radius) in [INNER_RADIUS, INNER_RADIUS + RADIAL_WIDTH].into_iter().enumerate() {
         for (pair, own) in problem.media[0].pairs[1].iter().enumerate() {
-            let Field::Velocity(component) = own.velocity else { panic!("a velocity") };
+            let SolidField::Velocity(component) = own.velocity else { panic!("a velocity") };
             let value = |face: usize| exact_at([angle(face), radius], 0.0)[component];
             let faces = (0..cells[0]).map(|face| (face, value(face))).collect();
             let signal = Arc::new(move |time: f64| (speed * k * time).cos());
@@ -214,21 +209,24 @@ fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
         }
     }
     let place = |cell: usize| {
-        [angle(cell % cells[0]), INNER + ((cell / cells[0]) as f64 + 0.5) * grid.spacing[1]]
+        [angle(cell % cells[0]), INNER_RADIUS + ((cell / cells[0]) as f64 + 0.5) * grid.spacing[1]]
     };
     let exact = |index: usize, time: f64| -> Vec<f64> {
         (0..grid.count()).map(|cell| exact_at(place(cell), time)[index]).collect()
     };
     let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
-    FIELDS.iter().enumerate().for_each(|(index, field)| domain.set(*field, &exact(index, 0.0)));
+    PLANE_STRAIN_FIELDS
+        .iter()
+        .enumerate()
+        .for_each(|(index, field)| domain.set(*field, &exact(index, 0.0)));
     (0..steps as usize).for_each(|_| domain.advance());
     let (mut error, mut size) = ([0.0; 2], [0.0; 2]);
-    for (index, field) in FIELDS.into_iter().enumerate() {
+    for (index, field) in PLANE_STRAIN_FIELDS.into_iter().enumerate() {
         let found = domain.values(field).expect("a field");
         for (cell, (found, exact)) in found.iter().zip(exact(index, time)).enumerate() {
-            let depth = place(cell)[1] - INNER;
+            let depth = place(cell)[1] - INNER_RADIUS;
             // Margin of 30 %, since errors of short waves may travel faster.
-            let is_reached = depth.min(WIDTH - depth) < 1.3 * speed * time;
+            let is_reached = depth.min(RADIAL_WIDTH - depth) < 1.3 * speed * time;
             for which in 0..if is_reached { 1 } else { 2 } {
                 error[which] += (found - exact) * (found - exact);
                 size[which] += exact * exact;
@@ -244,7 +242,7 @@ fn errors_of_standing_wave(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
 fn standing_waves_of_a_polar_block_are_second_order() {
     let grids = [[32, 16], [64, 32], [128, 64], [256, 128]];
     let [polar, plane] = [true, false].map(|is_polar| {
-        let errors = grids.map(|cells| errors_of_standing_wave(cells, is_polar));
+        let errors = grids.map(|cells| standing_wave_errors(cells, is_polar));
         println!("{errors:?}");
         // All layers: order of the last refinement; interior: mean order of all three.
         [(errors[2][0] / errors[3][0]).log2(), (errors[0][1] / errors[3][1]).log2() / 3.0]
@@ -257,7 +255,7 @@ fn standing_waves_of_a_polar_block_are_second_order() {
 /// Verifies rotation about the centre and translation of a Cosserat solid: stresses vanish with the cell size, at an
 /// order lower by one half at moving boundaries.
 #[test]
-fn rigid_motions_stay_so() {
+fn rigid_motions_cause_no_stress() {
     let motion = |is_rotation: bool, [theta, r]: [f64; 2]| match is_rotation {
         // The third axis of (θ, r) points opposite to that of (x, y).
         true => [r, 0.0, -1.0],
@@ -265,19 +263,19 @@ fn rigid_motions_stay_so() {
     };
     for is_rotation in [true, false] {
         let stresses = [[24, 8], [48, 16], [96, 32]].map(|cells| {
-            let (grid, metric) = polar(cells);
-            let medium = Medium::new(solid(Theory::Cosserat, 1.0), 2);
-            let steps = (0.7 / step(&grid, &metric, &medium)).ceil();
+            let (grid, metric) = polar_grid(cells);
+            let medium = Medium::new(isotropic(Theory::Cosserat, 1.0), 2);
+            let steps = (0.7 / time_step(&grid, &metric, &medium)).ceil();
             let faces = |end: usize| {
-                let radius = INNER + WIDTH * end as f64;
-                let value = |velocity: Field, face: usize| {
+                let radius = INNER_RADIUS + RADIAL_WIDTH * end as f64;
+                let value = |velocity: SolidField, face: usize| {
                     let theta = (face as f64 + 0.5) * grid.spacing[0];
                     let [v0, v1, spin] = motion(is_rotation, [theta, radius]);
                     Condition::Velocity(
                         radius.sqrt()
                             * match velocity {
-                                Field::Velocity(0) => v0,
-                                Field::Velocity(_) => v1,
+                                SolidField::Velocity(0) => v0,
+                                SolidField::Velocity(_) => v1,
                                 _ => spin,
                             },
                     )
@@ -289,17 +287,17 @@ fn rigid_motions_stay_so() {
             let sides = [[Boundary::Periodic, Boundary::Periodic], [0, 1].map(faces)];
             let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
             let media = vec![medium.clone()];
-            let of_cell = vec![0; grid.count()];
+            let cell_media = vec![0; grid.count()];
             let problem = Problem {
                 metric: Some(metric),
-                ..Problem::new(grid, media, of_cell, sides, 0.7 / steps, scheme)
+                ..Problem::new(grid, media, cell_media, sides, 0.7 / steps, scheme)
             };
             let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
             let places = (0..grid.count()).map(|cell| {
-                let radius = INNER + ((cell / cells[0]) as f64 + 0.5) * grid.spacing[1];
+                let radius = INNER_RADIUS + ((cell / cells[0]) as f64 + 0.5) * grid.spacing[1];
                 [((cell % cells[0]) as f64 + 0.5) * grid.spacing[0], radius]
             });
-            let fields = [Field::Velocity(0), Field::Velocity(1), Field::Spin(2)];
+            let fields = [SolidField::Velocity(0), SolidField::Velocity(1), SolidField::Spin(2)];
             for (index, field) in fields.into_iter().enumerate() {
                 let value = |at: [f64; 2]| at[1].sqrt() * motion(is_rotation, at)[index];
                 domain.set(field, &places.clone().map(value).collect::<Vec<_>>());
@@ -314,21 +312,21 @@ fn rigid_motions_stay_so() {
 }
 
 /// Complex amplitudes of v₀, v₁, σ₀₀, σ₁₁, σ₀₁ at nodes across the layers.
-type State = Vec<[Complex64; 5]>;
+type LayerAmplitudes = Vec<[Complex64; 5]>;
 
 /// Computes waves with one period along rows whose length depends on y, periodic in y: trigonometric collocation across
 /// layers, fourth-order Runge–Kutta in time. Returns v₀, v₁, σ₀₀, σ₁₁, σ₀₁ at the positions `at`.
-fn spectral(length: impl Fn(f64) -> f64, time: f64, at: &[f64]) -> State {
-    const N: usize = 40;
-    let node = |i: usize| i as f64 / N as f64;
+fn solve_by_collocation(length: impl Fn(f64) -> f64, time: f64, at: &[f64]) -> LayerAmplitudes {
+    const NODE_COUNT: usize = 40;
+    let node = |i: usize| i as f64 / NODE_COUNT as f64;
     let derivative = |i: usize, j: usize| {
         let apart = i as f64 - j as f64;
         let sign = if (i + j).is_multiple_of(2) { PI } else { -PI };
-        if i == j { 0.0 } else { sign / (PI * apart / N as f64).tan() }
+        if i == j { 0.0 } else { sign / (PI * apart / NODE_COUNT as f64).tan() }
     };
-    let rates = |state: &State| -> State {
+    let rates = |state: &LayerAmplitudes| -> LayerAmplitudes {
         let along_y = |i: usize, field: usize| -> Complex64 {
-            (0..N).map(|j| derivative(i, j) * state[j][field]).sum()
+            (0..NODE_COUNT).map(|j| derivative(i, j) * state[j][field]).sum()
         };
         let rate = |i: usize| {
             let ik = Complex64::new(0.0, TAU / length(node(i)));
@@ -342,16 +340,17 @@ fn spectral(length: impl Fn(f64) -> f64, time: f64, at: &[f64]) -> State {
                 MU * (ik * v1 + along_y(i, 0)),
             ]
         };
-        (0..N).map(rate).collect()
+        (0..NODE_COUNT).map(rate).collect()
     };
-    let plus = |state: &State, rates: &State, time: f64| -> State {
+    let plus = |state: &LayerAmplitudes, rates: &LayerAmplitudes, time: f64| -> LayerAmplitudes {
         let cells = state.iter().zip(rates);
         cells.map(|(own, rate)| std::array::from_fn(|i| own[i] + time * rate[i])).collect()
     };
-    let mut state: State = (0..N).map(|i| start(node(i)).map(Complex64::from)).collect();
-    const STEPS: usize = 1000;
-    let step = time / STEPS as f64;
-    for _ in 0..STEPS {
+    let mut state: LayerAmplitudes =
+        (0..NODE_COUNT).map(|i| initial_fields(node(i)).map(Complex64::from)).collect();
+    const RUNGE_KUTTA_STEPS: usize = 1000;
+    let step = time / RUNGE_KUTTA_STEPS as f64;
+    for _ in 0..RUNGE_KUTTA_STEPS {
         let one = rates(&state);
         let two = rates(&plus(&state, &one, 0.5 * step));
         let three = rates(&plus(&state, &two, 0.5 * step));
@@ -368,16 +367,19 @@ fn spectral(length: impl Fn(f64) -> f64, time: f64, at: &[f64]) -> State {
             let apart = y - node(i);
             match apart.abs() < 1e-12 {
                 true => 1.0,
-                false => (PI * N as f64 * apart).sin() / (N as f64 * (PI * apart).tan()),
+                false => {
+                    (PI * NODE_COUNT as f64 * apart).sin()
+                        / (NODE_COUNT as f64 * (PI * apart).tan())
+                }
             }
         };
-        std::array::from_fn(|field| (0..N).map(|i| cardinal(i) * state[i][field]).sum())
+        std::array::from_fn(|field| (0..NODE_COUNT).map(|i| cardinal(i) * state[i][field]).sum())
     };
     at.iter().map(interpolate).collect()
 }
 
 /// Initial fields: v₀ only.
-fn start(y: f64) -> [f64; 5] {
+fn initial_fields(y: f64) -> [f64; 5] {
     [(PI * y).sin().powi(2), 0.0, 0.0, 0.0, 0.0]
 }
 
@@ -392,8 +394,8 @@ fn waves_along_layers_of_different_spacing_are_second_order() {
         let spacing: Vec<f64> = (0..cells).map(|layer| length(place(layer)) * width).collect();
         let metric = Metric { spacing, curvature: Vec::new() };
         let grid = Grid { cells: [cells; 2], spacing: [width; 2] };
-        let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
-        let steps = (time / step(&grid, &metric, &medium)).ceil();
+        let medium = Medium::new(isotropic(Theory::Classical, 1.0), 2);
+        let steps = (time / time_step(&grid, &metric, &medium)).ceil();
         let sides = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
         let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
         let problem = Problem {
@@ -402,15 +404,15 @@ fn waves_along_layers_of_different_spacing_are_second_order() {
         };
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("sound");
         let phase = |cell: usize| TAU * (cell % cells) as f64 * width;
-        let value = |cell: usize| start(place(cell / cells))[0] * phase(cell).cos();
-        domain.set(Field::Velocity(0), &(0..count).map(value).collect::<Vec<_>>());
+        let value = |cell: usize| initial_fields(place(cell / cells))[0] * phase(cell).cos();
+        domain.set(SolidField::Velocity(0), &(0..count).map(value).collect::<Vec<_>>());
         let before = domain.energy().total();
         (0..steps as usize).for_each(|_| domain.advance());
         assert!(domain.energy().total() <= before * (1.0 + 1e-14));
         let places: Vec<f64> = (0..cells).map(place).collect();
-        let exact = spectral(length, time, &places);
+        let exact = solve_by_collocation(length, time, &places);
         let (mut error, mut size) = (0.0, 0.0);
-        for (index, field) in FIELDS.into_iter().enumerate() {
+        for (index, field) in PLANE_STRAIN_FIELDS.into_iter().enumerate() {
             let found = domain.values(field).expect("a field");
             for (cell, found) in found.into_iter().enumerate() {
                 let turn = Complex64::from_polar(1.0, phase(cell));
@@ -428,12 +430,12 @@ fn waves_along_layers_of_different_spacing_are_second_order() {
 }
 
 #[test]
-fn other_metrics_are_refused() {
-    let (grid, metric) = polar([24, 10]);
-    let medium = Medium::new(solid(Theory::Classical, 1.0), 2);
+fn invalid_metrics_are_refused() {
+    let (grid, metric) = polar_grid([24, 10]);
+    let medium = Medium::new(isotropic(Theory::Classical, 1.0), 2);
     let sides = || std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-    let step = step(&grid, &metric, &medium);
+    let step = time_step(&grid, &metric, &medium);
     let plain = Problem::new(grid, vec![medium.clone()], vec![0; 240], sides(), step, scheme);
     let refused = |metric: &Metric, change: &dyn Fn(&mut Problem<2>)| {
         let mut problem = Problem { metric: Some(metric.clone()), ..plain.clone() };
@@ -449,9 +451,9 @@ fn other_metrics_are_refused() {
     assert!(refused(&none, &|_| ()));
     assert!(refused(&metric, &|problem| problem.scheme.splitting = Splitting::Alternating));
     assert!(refused(&metric, &|problem| problem.acceleration = [0.0, 1.0]));
-    let set = YieldSet::from(Mises::von_mises(0.3));
+    let set = YieldSet::from(Mises::new_von_mises(0.3));
     assert!(refused(&metric, &|problem| {
-        problem.media = vec![medium.clone().yielding(set.clone())];
+        problem.media = vec![medium.clone().with_yield_set(set.clone())];
     }));
     // Layers must remain normal to the second axis.
     let polar = Problem { metric: Some(metric.clone()), ..plain.clone() };

@@ -1,7 +1,7 @@
 //! Rayleigh waves along a free boundary against the exact solution, compared with plane S waves of equal wavelength.
 
 use models::solid::parameters::Isotropic;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use wellposed_dynamics::boundary::Boundary;
@@ -11,26 +11,26 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting};
 
 /// Propagation distance, wavelengths.
-const PATH: f64 = 6.0;
+const PROPAGATION_WAVELENGTHS: f64 = 6.0;
 /// Depth of the grid, wavelengths.
-const DEPTH: usize = 4;
-const COURANT: f64 = 0.9;
+const DEPTH_WAVELENGTHS: usize = 4;
+const COURANT_NUMBER: f64 = 0.9;
 
 /// Returns a solid of Poisson's ratio ¼ with unit density and S-wave speed.
-fn medium() -> Medium {
+fn quarter_poisson_medium() -> Medium {
     let solid = Isotropic::new(1.0, 1.0, 1.0, None).expect("sound moduli");
     Medium::new(solid, 2)
 }
 
 /// Computes the Rayleigh speed over c_s for λ = μ: c²/c_s² = 2 − 2/√3, the root of Rayleigh's equation.
-fn speed() -> f64 {
+fn rayleigh_speed() -> f64 {
     (2.0 - 2.0 / 3.0f64.sqrt()).sqrt()
 }
 
 /// Computes the Rayleigh wave of wavelength 1 (Rayleigh 1885) at a position along the boundary, a depth and a time:
 /// velocities along the boundary and into the solid; normal stress along it, normal stress across it, shear stress.
-fn rayleigh(along: f64, depth: f64, time: f64) -> [f64; 5] {
-    let (c, k) = (speed(), TAU);
+fn rayleigh_wave(along: f64, depth: f64, time: f64) -> [f64; 5] {
+    let (c, k) = (rayleigh_speed(), TAU);
     let (p, s) = ((1.0 - c * c / 3.0).sqrt(), (1.0 - c * c).sqrt());
     let i = Complex64::i();
     let (a, b) = (Complex64::from(1.0), i * 2.0 * p / (1.0 + s * s));
@@ -56,19 +56,24 @@ fn rayleigh(along: f64, depth: f64, time: f64) -> [f64; 5] {
 
 /// Orientation of the grid: the axis normal to the free boundary, and whether the boundary is at its upper end.
 #[derive(Clone, Copy)]
-struct Lie {
-    axis: usize,
+struct Orientation {
+    normal_axis: usize,
     is_upper: bool,
 }
 
-/// Computes the relative L2 error of the velocities in the boundary cells after [`PATH`] wavelengths.
-fn error(cells: usize, lie: Lie, splitting: Splitting, slopes: Slopes) -> f64 {
-    let Lie { axis, is_upper } = lie;
+/// Computes the relative L2 error of the velocities in the boundary cells after [`PROPAGATION_WAVELENGTHS`] wavelengths.
+fn rayleigh_error(
+    cells: usize,
+    orientation: Orientation,
+    splitting: Splitting,
+    slopes: Slopes,
+) -> f64 {
+    let Orientation { normal_axis: axis, is_upper } = orientation;
     let (h, along) = (1.0 / cells as f64, 1 - axis);
     let mut count = [0; 2];
-    (count[axis], count[along]) = (DEPTH * cells, cells);
-    let duration = PATH / speed();
-    let steps = (duration / (2.0 * COURANT * h / 3.0f64.sqrt())).ceil();
+    (count[axis], count[along]) = (DEPTH_WAVELENGTHS * cells, cells);
+    let duration = PROPAGATION_WAVELENGTHS / rayleigh_speed();
+    let steps = (duration / (2.0 * COURANT_NUMBER * h / 3.0f64.sqrt())).ceil();
     let mut boundaries = std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]);
     boundaries[axis] = match is_upper {
         true => [Boundary::Fixed, Boundary::Free],
@@ -76,7 +81,7 @@ fn error(cells: usize, lie: Lie, splitting: Splitting, slopes: Slopes) -> f64 {
     };
     let problem = Problem::new(
         Grid { cells: count, spacing: [h; 2] },
-        vec![medium()],
+        vec![quarter_poisson_medium()],
         vec![0; count[0] * count[1]],
         boundaries,
         duration / steps,
@@ -87,13 +92,13 @@ fn error(cells: usize, lie: Lie, splitting: Splitting, slopes: Slopes) -> f64 {
         let index = [cell % count[0], cell / count[0]];
         let depth = if is_upper { count[axis] - 1 - index[axis] } else { index[axis] };
         let [depth, place] = [depth, index[along]].map(|i| (i as f64 + 0.5) * h);
-        rayleigh(place, depth, time)
+        rayleigh_wave(place, depth, time)
     };
-    let value = |field: Field, own: [f64; 5]| match field {
-        Field::Velocity(i) if i == along => own[0],
-        Field::Velocity(_) => sign * own[1],
-        Field::Stress(i, j) if i == j && i == along => own[2],
-        Field::Stress(i, j) if i == j => own[3],
+    let value = |field: SolidField, own: [f64; 5]| match field {
+        SolidField::Velocity(i) if i == along => own[0],
+        SolidField::Velocity(_) => sign * own[1],
+        SolidField::Stress(i, j) if i == j && i == along => own[2],
+        SolidField::Stress(i, j) if i == j => own[3],
         _ => sign * own[4],
     };
     let mut split = DecomposedDomain::<f64, 2>::new(&problem, 1).unwrap();
@@ -106,7 +111,7 @@ fn error(cells: usize, lie: Lie, splitting: Splitting, slopes: Slopes) -> f64 {
     let (fields, shown) = (split.fields().to_vec(), split.output_fields());
     let mut sums = [0.0; 2];
     for (field, values) in
-        fields.iter().zip(&shown).filter(|own| matches!(own.0, Field::Velocity(_)))
+        fields.iter().zip(&shown).filter(|own| matches!(own.0, SolidField::Velocity(_)))
     {
         for (cell, found) in values.iter().enumerate() {
             let index = [cell % count[0], cell / count[0]][axis];
@@ -120,16 +125,16 @@ fn error(cells: usize, lie: Lie, splitting: Splitting, slopes: Slopes) -> f64 {
     (sums[0] / sums[1]).sqrt()
 }
 
-/// Computes the relative L2 error of the velocity of a plane S wave along the first axis after [`PATH`] wavelengths.
+/// Computes the relative L2 error of the velocity of a plane S wave along the first axis after [`PROPAGATION_WAVELENGTHS`] wavelengths.
 fn plane_wave_error(cells: usize, slopes: Slopes) -> f64 {
     let h = 1.0 / cells as f64;
-    let steps = (PATH / (2.0 * COURANT * h / 3.0f64.sqrt())).ceil();
+    let steps = (PROPAGATION_WAVELENGTHS / (2.0 * COURANT_NUMBER * h / 3.0f64.sqrt())).ceil();
     let problem = Problem::new(
         Grid { cells: [cells, 4], spacing: [h; 2] },
-        vec![medium()],
+        vec![quarter_poisson_medium()],
         vec![0; 4 * cells],
         std::array::from_fn(|_| [Boundary::Periodic, Boundary::Periodic]),
-        PATH / steps,
+        PROPAGATION_WAVELENGTHS / steps,
         Scheme {
             splitting: Splitting::Alternating,
             ..Scheme::new(slopes, PlasticStep::ReturnMapping)
@@ -138,39 +143,43 @@ fn plane_wave_error(cells: usize, slopes: Slopes) -> f64 {
     let exact: Vec<f64> =
         (0..4 * cells).map(|cell| (TAU * h * ((cell % cells) as f64 + 0.5)).cos()).collect();
     let mut split = DecomposedDomain::<f64, 2>::new(&problem, 1).unwrap();
-    split.set(Field::Velocity(1), &exact);
-    let shear =
-        split.fields().iter().copied().find(|own| matches!(own, Field::Stress(i, j) if i != j));
+    split.set(SolidField::Velocity(1), &exact);
+    let shear = split
+        .fields()
+        .iter()
+        .copied()
+        .find(|own| matches!(own, SolidField::Stress(i, j) if i != j));
     split.set(shear.unwrap(), &exact.iter().map(|v| -v).collect::<Vec<_>>());
     split.advance(steps as usize);
-    let place = split.fields().iter().position(|own| *own == Field::Velocity(1)).unwrap();
+    let place = split.fields().iter().position(|own| *own == SolidField::Velocity(1)).unwrap();
     let found = &split.output_fields()[place];
     let square = |all: &mut dyn Iterator<Item = f64>| all.map(|x| x * x).sum::<f64>();
     (square(&mut found.iter().zip(&exact).map(|(a, b)| a - b)) / square(&mut exact.iter().copied()))
         .sqrt()
 }
 
-const LIES: [Lie; 4] = [
-    Lie { axis: 1, is_upper: true },
-    Lie { axis: 1, is_upper: false },
-    Lie { axis: 0, is_upper: true },
-    Lie { axis: 0, is_upper: false },
+const ORIENTATIONS: [Orientation; 4] = [
+    Orientation { normal_axis: 1, is_upper: true },
+    Orientation { normal_axis: 1, is_upper: false },
+    Orientation { normal_axis: 0, is_upper: true },
+    Orientation { normal_axis: 0, is_upper: false },
 ];
 
 /// Verifies an error below 2 % after six wavelengths at 40 cells per wavelength, and below half the error of two-cyclic
 /// splitting. `cargo test --release -p wellposed-dynamics --test solid rayleigh:: -- --nocapture` prints the table.
 #[test]
-fn rayleigh_waves_along_every_side() {
-    let all = [Slopes::FourthOrder, Slopes::Limited].map(|slopes| LIES.map(|lie| (slopes, lie)));
-    for (slopes, lie) in all.into_iter().flatten() {
+fn rayleigh_wave_errors_are_bounded_along_every_boundary() {
+    let all = [Slopes::FourthOrder, Slopes::Limited]
+        .map(|slopes| ORIENTATIONS.map(|orientation| (slopes, orientation)));
+    for (slopes, orientation) in all.into_iter().flatten() {
         let found = [20, 40].map(|cells| {
             let [two_cyclic, alternating] = [Splitting::TwoCyclic, Splitting::Alternating]
-                .map(|splitting| error(cells, lie, splitting, slopes));
+                .map(|splitting| rayleigh_error(cells, orientation, splitting, slopes));
             println!(
                 "{slopes:?}, side across x{}, upper {}, {cells} cells: two-cyclic {two_cyclic:.4}, alternating \
                  {alternating:.4}, plane S wave {:.4}",
-                lie.axis + 1,
-                lie.is_upper,
+                orientation.normal_axis + 1,
+                orientation.is_upper,
                 plane_wave_error(cells, slopes)
             );
             assert!(alternating < 0.5 * two_cyclic);

@@ -1,16 +1,18 @@
 //! Vectorised return mapping of total stresses: bits of the scalar projection, and the closest stress of the yield set
 //! as computed by a conic solver.
 
+use crate::support::media::{isotropic, scaled_isotropic};
 use crate::support::noise;
+use crate::support::random::NoiseSequence;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, SecondOrderConeT, SolverStatus,
 };
-use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
+use models::solid::parameters::{Isotropic, Theory};
 use models::solid::stress::Stress;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use models::yield_set::YieldSet;
-use models::yield_set::parameters::{Interlayer, InterlayerCouple, Mises};
+use models::yield_set::parameters::{InterlayerCoupleLimits, InterlayerYieldSet, Mises};
 use wellposed_dynamics::SolverReal;
 use wellposed_dynamics::boundary::Boundary;
 use wellposed_dynamics::decomposition::{DecomposedDomain, Snapshot};
@@ -18,44 +20,21 @@ use wellposed_dynamics::domain::Domain;
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
-use wellposed_dynamics::simd::Instructions;
-
-/// Reproducible generator of random choices.
-struct Chance(u64);
-
-impl Chance {
-    /// Returns a random number in [0, 1).
-    fn number(&mut self) -> f64 {
-        self.0 += 1;
-        0.5 * noise(self.0) + 0.5
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.number() * count as f64) as usize
-    }
-
-    fn one_of<N: Copy>(&mut self, all: &[N]) -> N {
-        all[self.below(all.len())]
-    }
-}
-
-fn solid(theory: Theory, factor: f64) -> Isotropic {
-    let couple = CoupleModuli { beta: 0.3 * factor, gamma: 0.7 * factor, eta: 0.45 * factor };
-    let couple = (theory == Theory::Cosserat).then_some(couple);
-    let rotation = Microrotation { alpha: 0.6 * factor, inertia: 0.37, couple };
-    let rotation = (theory != Theory::Classical).then_some(rotation);
-    Isotropic::new(1.4 * factor, 0.9 * factor, 1.2, rotation).expect("sound moduli")
-}
+use wellposed_dynamics::simd::InstructionSet;
 
 /// Returns a medium with a yield set of a kind, or without one (kind 0).
-fn medium<const D: usize>(chance: &mut Chance, theory: Theory, kind: usize) -> Medium {
-    let factor = chance.one_of(&[1.0, 0.3, 2.3]);
-    let strength = chance.one_of(&[0.02, 0.1, 0.1, 0.5]);
-    let friction = chance.one_of(&[0.0, 0.2, 0.5, 1.5]);
-    let own = Medium::new(solid(theory, factor), D);
-    let cone = Mises::drucker_prager(strength, friction, friction);
+fn random_medium<const D: usize>(
+    random: &mut NoiseSequence,
+    theory: Theory,
+    kind: usize,
+) -> Medium {
+    let factor = random.choose(&[1.0, 0.3, 2.3]);
+    let strength = random.choose(&[0.02, 0.1, 0.1, 0.5]);
+    let friction = random.choose(&[0.0, 0.2, 0.5, 1.5]);
+    let own = Medium::new(scaled_isotropic(theory, factor), D);
+    let cone = Mises::new_drucker_prager(strength, friction, friction);
     let is_cosserat = theory == Theory::Cosserat;
-    own.clone().yielding(match kind {
+    own.clone().with_yield_set(match kind {
         0 => return own,
         1 => YieldSet::from(cone),
         2 => YieldSet::from(Mises {
@@ -64,11 +43,11 @@ fn medium<const D: usize>(chance: &mut Chance, theory: Theory, kind: usize) -> M
             antisymmetric_length: is_cosserat.then_some(0.7),
             ..cone
         }),
-        _ => YieldSet::from(Interlayer {
+        _ => YieldSet::from(InterlayerYieldSet {
             shear_strength: strength,
             shear_friction: friction,
             shear_dilatancy: friction,
-            couple: is_cosserat.then_some(InterlayerCouple {
+            couple: is_cosserat.then_some(InterlayerCoupleLimits {
                 strength: 0.8 * strength,
                 friction: 0.3,
                 dilatancy: 0.3,
@@ -78,37 +57,38 @@ fn medium<const D: usize>(chance: &mut Chance, theory: Theory, kind: usize) -> M
 }
 
 /// Returns a random problem in which total stresses are mapped.
-fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
-    let theory = chance.one_of(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
-    let kinds: &[usize] = match (D, chance.below(3)) {
+fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
+    let theory = random.choose(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
+    let kinds: &[usize] = match (D, random.uniform_index(3)) {
         (2, 0) => &[1, 3],
         (2, 1) => &[0, 1, 2, 3],
         _ => &[2, 0],
     };
-    let media: Vec<Medium> = kinds.iter().map(|kind| medium::<D>(chance, theory, *kind)).collect();
+    let media: Vec<Medium> =
+        kinds.iter().map(|kind| random_medium::<D>(random, theory, *kind)).collect();
     let cells: [usize; D] = std::array::from_fn(|axis| match axis {
-        0 => chance.one_of(&[1, 7, 15, 16, 30, 47, 130]),
-        _ => chance.one_of(&[3, 5, 8]),
+        0 => random.choose(&[1, 7, 15, 16, 30, 47, 130]),
+        _ => random.choose(&[3, 5, 8]),
     });
     let grid = Grid { cells, spacing: [0.1; D] };
     // Media by layers normal to the last axis, by stripes of five cells across the first axis, or at random.
-    let (kind, count) = (chance.below(3), media.len());
+    let (kind, count) = (random.uniform_index(3), media.len());
     let of = |cell: usize| match kind {
         0 => cell / (grid.count() / cells[D - 1]) % count,
         1 => cell % cells[0] / 5 % count,
         _ => ((0.5 * noise(77 + cell as u64) + 0.5) * count as f64) as usize,
     };
-    let of_cell = (0..grid.count()).map(|cell| of(cell) as u16).collect();
-    let speed = media.iter().map(Medium::greatest_speed).fold(0.0, f64::max);
+    let cell_media = (0..grid.count()).map(|cell| of(cell) as u16).collect();
+    let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
     let mut plastic_step =
-        chance.one_of(&[PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]);
-    let stress = chance.below(4);
+        random.choose(&[PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]);
+    let stress = random.uniform_index(4);
     if stress == 0 && !kinds.contains(&3) {
         plastic_step = PlasticStep::MidpointReflection;
     }
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, plastic_step);
-    let mut problem = Problem::new(grid, media, of_cell, sides, 1.8 * 0.1 / speed, scheme);
+    let mut problem = Problem::new(grid, media, cell_media, sides, 1.8 * 0.1 / speed, scheme);
     let axis = [0, D - 1, 1][stress % 3];
     let layers = |layer: usize| {
         let mut own = Stress::default();
@@ -129,17 +109,17 @@ fn problem<const D: usize>(chance: &mut Chance) -> Problem<D> {
     problem
 }
 
-fn run<T: SolverReal, const D: usize>(
+fn run_solver<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
     seed: u64,
-    instructions: Instructions,
-    one_by_one: bool,
+    instructions: InstructionSet,
+    is_scalar: bool,
 ) -> Snapshot<T> {
     let mut split: DecomposedDomain<T, D> =
         DecomposedDomain::new(problem, 1).expect("a sound problem");
     split.set_instructions(instructions);
-    if one_by_one {
-        split.map_stresses_one_by_one();
+    if is_scalar {
+        split.use_scalar_mapping();
     }
     let count = problem.grid.count();
     for (index, field) in split.fields().to_vec().into_iter().enumerate() {
@@ -154,50 +134,53 @@ fn run<T: SolverReal, const D: usize>(
     split.snapshot()
 }
 
-fn same<T: SolverReal, const D: usize>(first: u64) {
+fn compare_vector_and_scalar_mapping<T: SolverReal, const D: usize>(first: u64) {
     let bits = |all: &[Vec<T>]| -> Vec<u64> {
         all.iter().flatten().map(|value| value.to_f64().to_bits()).collect()
     };
-    let (mut yielding, mut released) = (0, 0);
+    let (mut yielding, mut with_initial_stress) = (0, 0);
     for number in first..first + 40 {
-        let mut chance = Chance(number << 32);
-        let problem = problem::<D>(&mut chance);
-        let seed = chance.0 + (1 << 30);
-        let expected: Snapshot<T> = run(&problem, seed, Instructions::Baseline, true);
-        let lost = expected.sums[0].iter().filter(|lost| **lost > 0.0).count();
-        yielding += usize::from(4 * lost > expected.sums[0].len());
-        released += usize::from(expected.sums[1].iter().any(|own| *own != 0.0));
-        for instructions in Instructions::available() {
-            let found: Snapshot<T> = run(&problem, seed, instructions, false);
+        let mut random = NoiseSequence::new(number << 32);
+        let problem = random_problem::<D>(&mut random);
+        let seed = random.seed() + random.drawn_count() + (1 << 30);
+        let expected: Snapshot<T> = run_solver(&problem, seed, InstructionSet::Baseline, true);
+        let lost = expected.cell_sums[0].iter().filter(|lost| **lost > 0.0).count();
+        yielding += usize::from(4 * lost > expected.cell_sums[0].len());
+        with_initial_stress += usize::from(expected.cell_sums[1].iter().any(|own| *own != 0.0));
+        for instructions in InstructionSet::available_sets() {
+            let found: Snapshot<T> = run_solver(&problem, seed, instructions, false);
             let what = format!("problem {number}, {instructions:?}");
             assert!(bits(&expected.fields) == bits(&found.fields), "{what}: fields");
-            assert_eq!(expected.sums, found.sums, "{what}");
-            assert_eq!(expected.work, found.work, "{what}");
+            assert_eq!(expected.cell_sums, found.cell_sums, "{what}");
+            assert_eq!(expected.work_sums, found.work_sums, "{what}");
         }
     }
-    assert!(yielding > 10 && released > 5, "{yielding} yield, {released} have initial stress");
+    assert!(
+        yielding > 10 && with_initial_stress > 5,
+        "{yielding} yield, {with_initial_stress} have initial stress"
+    );
 }
 
 #[test]
-fn lanes_have_the_bits_of_single_stresses_in_the_plane() {
-    same::<f64, 2>(0);
+fn vectorised_return_mapping_equals_the_scalar_one_in_the_plane() {
+    compare_vector_and_scalar_mapping::<f64, 2>(0);
 }
 
 #[test]
-fn lanes_have_the_bits_of_single_stresses_in_space() {
-    same::<f64, 3>(1000);
+fn vectorised_return_mapping_equals_the_scalar_one_in_space() {
+    compare_vector_and_scalar_mapping::<f64, 3>(1000);
 }
 
 #[test]
-fn lanes_have_the_bits_of_single_stresses_in_single_precision() {
-    same::<f32, 2>(2000);
+fn vectorised_return_mapping_equals_the_scalar_one_in_single_precision() {
+    compare_vector_and_scalar_mapping::<f32, 2>(2000);
 }
 
 /// Stress components σ₁₁, σ₂₂, σ₃₃, σ₁₂, Pa.
-type Plane = [f64; 4];
+type PlaneStrainStress = [f64; 4];
 
 /// Computes the compliance of an isotropic solid, 1/Pa: the energy density ½s·Cs is (σ:σ − λ/(3λ + 2μ) tr²)/4μ.
-fn compliance(solid: &Isotropic) -> [Plane; 4] {
+fn compliance(solid: &Isotropic) -> [PlaneStrainStress; 4] {
     let share = solid.lambda / (3.0 * solid.lambda + 2.0 * solid.mu);
     std::array::from_fn(|i| {
         std::array::from_fn(|j| match (i, j) {
@@ -208,7 +191,7 @@ fn compliance(solid: &Isotropic) -> [Plane; 4] {
     })
 }
 
-fn energy(compliance: &[Plane; 4], stress: &Plane) -> f64 {
+fn energy_density(compliance: &[PlaneStrainStress; 4], stress: &PlaneStrainStress) -> f64 {
     let rows = compliance.iter().zip(stress);
     0.5 * rows
         .map(|(row, s)| s * row.iter().zip(stress).map(|(c, t)| c * t).sum::<f64>())
@@ -216,7 +199,11 @@ fn energy(compliance: &[Plane; 4], stress: &Plane) -> f64 {
 }
 
 /// Computes the stress of a cone closest to a trial stress in the energy norm, with a conic solver.
-fn nearest(solid: &Isotropic, set: &Mises, trial: &Plane) -> Plane {
+fn find_closest_stress(
+    solid: &Isotropic,
+    set: &Mises,
+    trial: &PlaneStrainStress,
+) -> PlaneStrainStress {
     let own = compliance(solid);
     let matrix: Vec<Vec<f64>> = own
         .iter()
@@ -254,17 +241,17 @@ fn nearest(solid: &Isotropic, set: &Mises, trial: &Plane) -> Plane {
 }
 
 #[test]
-fn mapped_whole_stresses_are_the_nearest_of_a_conic_solver() {
-    let solid = solid(Theory::Classical, 1.0);
+fn mapped_total_stresses_are_the_closest_by_a_conic_solver() {
+    let solid = isotropic(Theory::Classical, 1.0);
     let compliance = compliance(&solid);
     let (mut mapped, mut apex) = (0, 0);
     for friction in [0.0, 0.4, 1.2] {
-        let set = Mises::drucker_prager(0.3, friction, friction);
-        let medium = Medium::new(solid, 2).yielding(YieldSet::from(set));
+        let set = Mises::new_drucker_prager(0.3, friction, friction);
+        let medium = Medium::new(solid, 2).with_yield_set(YieldSet::from(set));
         let grid = Grid { cells: [17, 6], spacing: [0.1; 2] };
         let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
         let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
-        let step = 0.1 / medium.greatest_speed();
+        let step = 0.1 / medium.max_speed();
         let mut problem =
             Problem::new(grid, vec![medium], vec![0; grid.count()], sides, step, scheme);
         let stress = |layer: usize| {
@@ -278,24 +265,25 @@ fn mapped_whole_stresses_are_the_nearest_of_a_conic_solver() {
         let mut domain: Domain<f64, 2> = Domain::new(&problem).expect("a sound problem");
         for (index, field) in domain.fields().to_vec().into_iter().enumerate() {
             // A third of the cells is in tension; some of them return to the apex.
-            let is_normal = matches!(field, Field::Stress(i, j) if i == j);
+            let is_normal = matches!(field, SolidField::Stress(i, j) if i == j);
             let value = |cell: usize| {
                 let tension = if is_normal && cell.is_multiple_of(3) { 2.0 } else { 0.0 };
                 tension + 1.5 * noise((1000 * index + cell) as u64)
             };
             domain.set(field, &(0..grid.count()).map(value).collect::<Vec<_>>());
         }
-        let plane = |stress: &Stress| -> Plane {
+        let plane = |stress: &Stress| -> PlaneStrainStress {
             [stress.force[0][0], stress.force[1][1], stress.force[2][2], stress.force[0][1]]
         };
-        let after = domain.admissible();
+        let after = domain.to_admissible();
         for cell in 0..grid.count() {
             let trial = plane(&domain.total_stress(cell));
             let own = plane(&after.total_stress(cell));
-            let distance =
-                |s: &Plane| energy(&compliance, &std::array::from_fn(|i| s[i] - trial[i]));
-            let theirs = nearest(&solid, &set, &trial);
-            let scale = energy(&compliance, &trial);
+            let distance = |s: &PlaneStrainStress| {
+                energy_density(&compliance, &std::array::from_fn(|i| s[i] - trial[i]))
+            };
+            let theirs = find_closest_stress(&solid, &set, &trial);
+            let scale = energy_density(&compliance, &trial);
             // As close as the solution of the conic solver, and in the set: the closest stress is unique.
             let excess = (distance(&own) - distance(&theirs)) / scale;
             assert!(excess <= 1e-9, "{excess:e} at {trial:?}");

@@ -1,63 +1,63 @@
 //! Simulation driver: its output, bitwise reproducibility after interruptions, and runs that end with a fault.
 
+use crate::support::shear_flow::simple_shear;
 use models::interface::elastic::ElasticMaterial;
 use models::solid::parameters::Isotropic;
-use models::solid::waves::Field;
-use std::f64::consts::{FRAC_PI_6, TAU};
+use models::solid::waves::SolidField;
 use std::fmt::Debug;
 use std::sync::Arc;
 use wellposed_dynamics::boundary::{Boundary, Source};
-use wellposed_dynamics::flow::perturbation::{Lattice, wave};
+use wellposed_dynamics::flow::perturbation::{Lattice, plane_wave};
 use wellposed_dynamics::flow::{self, Closure};
 use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::probe::Probe;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::simulation::{
-    End, FlowSimulation, Observer, OutputTimes, RegularTimes, Simulation, SolidSimulation,
-    SolverChoice, State, TimeSteps, drive,
+    DueSnapshot, FlowSimulation, Observer, OutputTimes, RegularTimes, Simulation,
+    SimulationOutcome, SimulationState, SolidSimulation, SolverChoice, TimeSteps, run_simulation,
 };
 use wellposed_dynamics::solid::interlayers::Interlayers;
 
-/// Observer that logs all output and interrupts the run after every `interruption` calls of `after_steps`.
+/// Observer that logs all output and interrupts the run after every `interruption_interval` calls of `on_steps_done`.
 #[derive(Default)]
-struct Log {
+struct OutputLog {
     records: Vec<String>,
     accounts: Vec<String>,
     snapshots: Vec<String>,
-    looks: usize,
-    interruption: Option<usize>,
-    /// Number of calls of `after_steps` after which a state is saved while the run continues.
-    saving: Option<usize>,
+    batch_count: usize,
+    interruption_interval: Option<usize>,
+    /// Number of calls of `on_steps_done` after which a state is saved while the run continues.
+    save_after: Option<usize>,
     /// Number of batches of steps that were repeated.
-    replays: usize,
+    replay_count: usize,
     /// Number of repeated batches after which the run is interrupted.
-    patience: Option<usize>,
+    max_replays: Option<usize>,
 }
 
-impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for Log {
+impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for OutputLog {
     /// State at the interruption.
-    type Error = State;
+    type Error = SimulationState;
 
-    fn record(&mut self, time: f64, values: &[f64]) -> Result<(), State> {
+    fn on_record(&mut self, time: f64, values: &[f64]) -> Result<(), SimulationState> {
         self.records.push(format!("{time:?} {values:?}"));
         Ok(())
     }
 
-    fn account(&mut self, account: &S::Account) -> Result<(), State> {
+    fn on_account(&mut self, account: &S::Account) -> Result<(), SimulationState> {
         self.accounts.push(format!("{account:?}"));
         Ok(())
     }
 
-    fn snapshot(&mut self, _: &S, index: usize, time: f64, own: S::Fields) -> Result<(), State> {
-        self.snapshots.push(format!("{index} {time:?} {own:?}"));
+    fn on_snapshot(&mut self, _: &S, due: DueSnapshot<S::Fields>) -> Result<(), SimulationState> {
+        self.snapshots.push(format!("{due:?}"));
         Ok(())
     }
 
-    fn replay(&mut self) -> Result<(), State> {
-        self.replays += 1;
-        match self.patience {
-            Some(patience) if self.replays > patience => Err(State {
+    fn on_replay(&mut self) -> Result<(), SimulationState> {
+        self.replay_count += 1;
+        match self.max_replays {
+            Some(max_replays) if self.replay_count > max_replays => Err(SimulationState {
                 steps: 0,
                 time: 0.0,
                 initial_energy: 0.0,
@@ -67,46 +67,49 @@ impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for Log {
         }
     }
 
-    fn after_steps(&mut self, simulation: &S, _: &S::Account) -> Result<(), State> {
-        self.looks += 1;
-        if self.saving == Some(self.looks) {
+    fn on_steps_done(&mut self, simulation: &S, _: &S::Account) -> Result<(), SimulationState> {
+        self.batch_count += 1;
+        if self.save_after == Some(self.batch_count) {
             simulation.state();
         }
-        if self.interruption.is_some_and(|looks| self.looks.is_multiple_of(looks)) {
+        if self
+            .interruption_interval
+            .is_some_and(|interval| self.batch_count.is_multiple_of(interval))
+        {
             return Err(simulation.state());
         }
         Ok(())
     }
 }
 
-/// Runs a simulation, interrupting and resuming it after every `interruption` calls; returns its log, end and state.
-fn run<S: Simulation<Account: Debug, Fields: Debug>>(
-    new: impl Fn() -> S,
+/// Runs a simulation, interrupting and resuming it after every `interruption_interval` calls; returns its log, end and state.
+fn run_with_interruptions<S: Simulation<Account: Debug, Fields: Debug>>(
+    create: impl Fn() -> S,
     output: &OutputTimes,
-    interruption: Option<usize>,
-) -> (Log, End<S>, State) {
-    let mut log = Log { interruption, ..Log::default() };
-    let mut from: Option<State> = None;
+    interruption_interval: Option<usize>,
+) -> (OutputLog, SimulationOutcome<S>, SimulationState) {
+    let mut log = OutputLog { interruption_interval, ..OutputLog::default() };
+    let mut from: Option<SimulationState> = None;
     loop {
-        let mut simulation = new();
+        let mut simulation = create();
         if let Some(state) = &from {
             assert!(simulation.restore(state));
         }
-        match drive(&mut simulation, output, from.is_some(), &mut log) {
+        match run_simulation(&mut simulation, output, from.is_some(), &mut log) {
             Ok(end) => return (log, end, simulation.state()),
             Err(state) => from = Some(state),
         }
     }
 }
 
-fn interruptions_change_nothing<S: Simulation<Account: Debug, Fields: Debug>>(
-    new: impl Fn() -> S,
+fn check_interruptions<S: Simulation<Account: Debug, Fields: Debug>>(
+    create: impl Fn() -> S,
     output: &OutputTimes,
 ) {
-    let (whole, end, state) = run(&new, output, None);
+    let (whole, end, state) = run_with_interruptions(&create, output, None);
     assert!(end.fault.is_none());
-    for looks in [1, 2, 5] {
-        let (log, end, same) = run(&new, output, Some(looks));
+    for interval in [1, 2, 5] {
+        let (log, end, same) = run_with_interruptions(&create, output, Some(interval));
         assert!(end.fault.is_none());
         assert_eq!(log.records, whole.records);
         assert_eq!(log.accounts, whole.accounts);
@@ -115,18 +118,19 @@ fn interruptions_change_nothing<S: Simulation<Account: Debug, Fields: Debug>>(
     }
 }
 
-const DURATION: f64 = 4.0;
+const RUN_DURATION: f64 = 4.0;
 
 /// The fused solver with two subdomains, and the reference solver.
-const SOLVERS: [SolverChoice; 2] = [SolverChoice::Fused { threads: 2 }, SolverChoice::Reference];
+const SOLVER_CHOICES: [SolverChoice; 2] =
+    [SolverChoice::Fused { threads: 2 }, SolverChoice::Reference];
 
 /// Creates a simulation of a pulse in plane blocks with interlayers, and a source with the time function `signal`.
-fn solid(signal: fn(f64) -> f64, solver: SolverChoice) -> SolidSimulation<f64, 2> {
-    solid_for(signal, solver, DURATION)
+fn pulse_simulation(signal: fn(f64) -> f64, solver: SolverChoice) -> SolidSimulation<f64, 2> {
+    pulse_simulation_with_duration(signal, solver, RUN_DURATION)
 }
 
-/// Creates the simulation of [`solid`] with a duration, s.
-fn solid_for(
+/// Creates the simulation of [`pulse_simulation`] with a duration, s.
+fn pulse_simulation_with_duration(
     signal: fn(f64) -> f64,
     solver: SolverChoice,
     duration: f64,
@@ -137,13 +141,13 @@ fn solid_for(
     let steps = steps.expect("few steps");
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
     let scheme = Scheme::new(Slopes::FourthOrder, PlasticStep::ReturnMapping);
-    let of_cell = vec![0; 240];
-    let probe = Probe::interpolating(&cells, &[false; 2], &of_cell, 105, &[5.3, 4.9]);
+    let cell_media = vec![0; 240];
+    let probe = Probe::with_interpolation(&cells, &[false; 2], &cell_media, 105, &[5.3, 4.9]);
     let mut problem =
-        Problem::new(Grid { cells, spacing }, vec![medium], of_cell, sides, steps.step, scheme);
+        Problem::new(Grid { cells, spacing }, vec![medium], cell_media, sides, steps.step, scheme);
     problem.sources = vec![Source {
         cells: vec![(50, 1.0)],
-        amplitudes: vec![(Field::Velocity(0), 1.0)],
+        amplitudes: vec![(SolidField::Velocity(0), 1.0)],
         signal: Arc::new(signal),
     }];
     let material = ElasticMaterial {
@@ -152,14 +156,14 @@ fn solid_for(
         longitudinal_speed: 0.6,
         shear_speed: 0.3,
     };
-    problem.interlayers = vec![Interlayers::of_material(0, [5, 5], &material, &problem.media[0])];
+    problem.interlayers = vec![Interlayers::from_material(0, [5, 5], &material, &problem.media[0])];
     let pulse = (0..240).map(|cell| if cell % 20 < 4 { 1.0 } else { 0.0 }).collect();
-    let initial = vec![(Field::Velocity(1), pulse)];
-    SolidSimulation::new(problem, steps, initial, vec![probe, Probe::nearest(17)], solver)
+    let initial = vec![(SolidField::Velocity(1), pulse)];
+    SolidSimulation::new(problem, steps, initial, vec![probe, Probe::from_cell(17)], solver)
         .expect("a sound problem")
 }
 
-fn output(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
+fn output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
     OutputTimes {
         accounts: RegularTimes::new(accounts, duration),
         snapshots: Some(RegularTimes::new(snapshots, duration)),
@@ -168,19 +172,19 @@ fn output(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
 
 /// Verifies solids: snapshots are taken between steps, records in every step.
 #[test]
-fn solids_go_on_with_the_same_bits() {
+fn resumed_solid_runs_deliver_the_same_bits() {
     let mut logs = Vec::new();
-    for solver in SOLVERS {
-        let new = || solid(f64::sin, solver);
+    for solver in SOLVER_CHOICES {
+        let new = || pulse_simulation(f64::sin, solver);
         let steps = new().time_steps();
-        let output = output(7.0 * steps.step, 0.31, DURATION);
-        interruptions_change_nothing(new, &output);
-        let (log, end, state) = run(new, &output, None);
+        let output = output_times(7.0 * steps.step, 0.31, RUN_DURATION);
+        check_interruptions(new, &output);
+        let (log, end, state) = run_with_interruptions(new, &output, None);
         assert_eq!((log.records.len(), state.steps), (steps.count + 1, steps.count));
         assert_eq!(log.accounts.len(), steps.count.div_ceil(7) + 1);
         assert_eq!(log.snapshots.len(), 14);
         // The residual is rounding in the full ledger, and the numerical dissipation in the other one.
-        let (balance, energy) = (end.last.balance().abs(), end.last.energy.total());
+        let (balance, energy) = (end.last_account.balance().abs(), end.last_account.energy.total());
         match solver {
             SolverChoice::Reference => assert!(balance < 1e-13 * energy, "{balance:e}"),
             SolverChoice::Fused { .. } => assert!(balance > 1e-4 * energy, "{balance:e}"),
@@ -192,111 +196,102 @@ fn solids_go_on_with_the_same_bits() {
 
 /// Verifies that a source that becomes infinite ends the run with the last finite state, and with all output up to it.
 #[test]
-fn faults_leave_the_last_sound_state() {
-    SOLVERS.into_iter().for_each(leaves_the_last_sound_state);
+fn faults_end_the_run_at_the_last_sound_state() {
+    SOLVER_CHOICES.into_iter().for_each(check_fault);
 }
 
-fn leaves_the_last_sound_state(solver: SolverChoice) {
+fn check_fault(solver: SolverChoice) {
     let strength = |t: f64| if t < 2.2 { t.sin() } else { f64::INFINITY };
-    let new = || solid(strength, solver);
+    let new = || pulse_simulation(strength, solver);
     let steps = new().time_steps();
-    let output = output(7.0 * steps.step, 0.31, DURATION);
-    let (sound, _, _) = run(|| solid(f64::sin, solver), &output, None);
-    let (whole, end, state) = run(new, &output, None);
+    let output = output_times(7.0 * steps.step, 0.31, RUN_DURATION);
+    let (sound, _, _) =
+        run_with_interruptions(|| pulse_simulation(f64::sin, solver), &output, None);
+    let (whole, end, state) = run_with_interruptions(new, &output, None);
     let fault = end.fault.expect("a fault");
-    assert!(fault.place.is_some() && fault.time > state.time);
+    assert!(fault.location.is_some() && fault.time > state.time);
     assert!((state.time - 2.2).abs() < 2.0 * steps.step, "{}", state.time);
-    assert_eq!(state.time, end.last.time);
+    assert_eq!(state.time, end.last_account.time);
     assert_eq!(whole.records.len(), state.steps + 1);
     assert_eq!(whole.records, sound.records[..=state.steps]);
     // Accounts that were due, and the account of the last state.
     let due = state.steps / 7 + 1;
     assert!(!state.steps.is_multiple_of(7));
     assert_eq!(whole.accounts[..due], sound.accounts[..due]);
-    assert_eq!(whole.accounts[due..], [format!("{:?}", end.last)]);
-    let (log, _, same) = run(new, &output, Some(2));
+    assert_eq!(whole.accounts[due..], [format!("{:?}", end.last_account)]);
+    let (log, _, same) = run_with_interruptions(new, &output, Some(2));
     assert_eq!((log.records, log.accounts, same), (whole.records, whole.accounts, state));
 }
 
 /// Verifies that after a fault only the steps since the last saved state are repeated, in batches between which the run
 /// can be interrupted, and that the result does not depend on the saved state.
 #[test]
-fn faults_are_found_from_the_last_saved_state() {
-    const LONG: f64 = 40.0;
-    const END: f64 = 37.0;
-    let strength = |t: f64| if t < END { t.sin() } else { f64::INFINITY };
-    let new = || solid_for(strength, SOLVERS[0], LONG);
+fn faults_are_located_from_the_last_saved_state() {
+    const LONG_DURATION: f64 = 40.0;
+    const FAULT_TIME: f64 = 37.0;
+    let strength = |t: f64| if t < FAULT_TIME { t.sin() } else { f64::INFINITY };
+    let new = || pulse_simulation_with_duration(strength, SOLVER_CHOICES[0], LONG_DURATION);
     let step = new().time_steps().step;
     // A long account interval, so that steps are made in large batches.
-    let output = OutputTimes { accounts: RegularTimes::new(LONG, LONG), snapshots: None };
+    let output =
+        OutputTimes { accounts: RegularTimes::new(LONG_DURATION, LONG_DURATION), snapshots: None };
     let mut all = Vec::new();
-    for saving in [None, Some(1), Some(usize::MAX)] {
+    for save_after in [None, Some(1), Some(usize::MAX)] {
         let mut simulation = new();
-        let looks = (END / step) as usize / 64;
-        let saving = saving.map(|own: usize| own.min(looks));
-        let mut log = Log { saving, ..Log::default() };
-        let end = drive(&mut simulation, &output, false, &mut log).expect("no interruption");
+        let batch_count = (FAULT_TIME / step) as usize / 64;
+        let save_after = save_after.map(|own: usize| own.min(batch_count));
+        let mut log = OutputLog { save_after, ..OutputLog::default() };
+        let end =
+            run_simulation(&mut simulation, &output, false, &mut log).expect("no interruption");
         assert!(end.fault.is_some());
-        let batches = match saving {
-            None => looks,
-            Some(saved) => looks - saved,
+        let replayed = match save_after {
+            None => batch_count,
+            Some(saved) => batch_count - saved,
         };
-        assert_eq!(log.replays, batches, "{saving:?}");
-        assert!(looks > 1, "{looks}");
+        assert_eq!(log.replay_count, replayed, "{save_after:?}");
+        assert!(batch_count > 1, "{batch_count}");
         all.push((log.records, log.accounts, simulation.state()));
         // Interrupted between two batches.
-        if batches > 1 {
-            let mut log = Log { saving, patience: Some(1), ..Log::default() };
-            assert!(drive(&mut new(), &output, false, &mut log).is_err());
-            assert_eq!(log.replays, 2);
+        if replayed > 1 {
+            let mut log = OutputLog { save_after, max_replays: Some(1), ..OutputLog::default() };
+            assert!(run_simulation(&mut new(), &output, false, &mut log).is_err());
+            assert_eq!(log.replay_count, 2);
         }
     }
     assert!(all.windows(2).all(|pair| pair[0] == pair[1]));
     // Starting from a restored state.
     let mut first = new();
-    let mut log = Log { interruption: Some(1), ..Log::default() };
-    let state = drive(&mut first, &output, false, &mut log).err().expect("an interruption");
+    let mut log = OutputLog { interruption_interval: Some(1), ..OutputLog::default() };
+    let state =
+        run_simulation(&mut first, &output, false, &mut log).err().expect("an interruption");
     let mut second = new();
     assert!(second.restore(&state));
-    let mut log = Log::default();
-    drive(&mut second, &output, true, &mut log).expect("no interruption");
-    assert_eq!(log.replays, (END / step) as usize / 64 - 1);
+    let mut log = OutputLog::default();
+    run_simulation(&mut second, &output, true, &mut log).expect("no interruption");
+    assert_eq!(log.replay_count, (FAULT_TIME / step) as usize / 64 - 1);
     assert_eq!(second.state(), all[0].2);
 }
 
 /// Verifies flows: accounts and snapshots are taken between steps.
 #[test]
-fn flows_go_on_with_the_same_bits() {
-    let rate = 25.0;
-    let problem = flow::Problem {
-        closure: Closure::HarrisGrekova,
-        density: 1600.0,
-        friction_angle: FRAC_PI_6,
-        rotation_ratio: FRAC_PI_6.sin(),
-        cohesion: 100.0,
-        pressure: 1000.0,
-        velocity_gradient: [[0.0, 2.0 * rate], [0.0, 0.0]],
-        stress_angle: TAU / 8.0 - 0.3,
-        spin: -rate - rate * 0.6f64.sin() / FRAC_PI_6.sin(),
-        spin_acceleration: 0.0,
-        points: [16; 2],
-        lengths: [0.1; 2],
+fn resumed_flow_runs_deliver_the_same_bits() {
+    let problem = flow::FlowProblem {
         tolerance: 1e-5,
         pressure_tolerance: 1e-9,
-        least_shear_rate: 1e-3,
+        ..simple_shear(Closure::HarrisGrekova, 16, 0.3)
     };
     let duration = 1e-3;
-    let waves = [wave([1, 0], 1e-3, 0.3), wave([1, -2], 2e-3, 1.0)];
-    let [v1, v2] =
-        Lattice { count: problem.points, lengths: problem.lengths }.transverse(&waves, None);
+    let waves = [plane_wave([1, 0], 1e-3, 0.3), plane_wave([1, -2], 2e-3, 1.0)];
+    let [v1, v2] = Lattice { points: problem.points, lengths: problem.lengths }
+        .evaluate_transverse(&waves, None);
     let new = || {
         let mut own = FlowSimulation::new(&problem, duration, vec![3, 77]).expect("a problem");
         own.perturb([&v1, &v2], &[0.0; 256]).expect("a stress");
         own
     };
-    let output = output(duration / 13.0, duration / 7.5, duration);
-    interruptions_change_nothing(new, &output);
-    let (log, _, state) = run(new, &output, None);
+    let output = output_times(duration / 13.0, duration / 7.5, duration);
+    check_interruptions(new, &output);
+    let (log, _, state) = run_with_interruptions(new, &output, None);
     assert_eq!(log.records.len(), state.steps + 1);
     assert_eq!((log.accounts.len(), log.snapshots.len()), (14, 9));
 }

@@ -18,7 +18,7 @@ const MIN_JUMP: f64 = 1e-9;
 
 /// Constants of a bar.
 #[derive(Clone, Copy, Debug)]
-pub struct Bar {
+pub struct ElasticPlasticBar {
     /// Density ρ, kg/m³.
     pub density: f64,
     /// Elastic modulus of uniaxial strain M, Pa.
@@ -35,18 +35,18 @@ pub struct Bar {
 
 /// State of a section of the bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State {
+pub struct UniaxialState {
     /// Velocity v, m/s.
     pub velocity: f64,
     /// Longitudinal stress σ, tension positive, Pa.
     pub stress: f64,
     /// Stress difference φ = σ − σ₂, Pa.
-    pub difference: f64,
+    pub stress_difference: f64,
 }
 
 /// Boundary condition at an end of the bar.
 #[derive(Clone, Copy, Debug)]
-pub enum End {
+pub enum EndCondition {
     /// Prescribed stress σ, Pa.
     Stress(f64),
     /// Prescribed velocity v, m/s.
@@ -57,20 +57,20 @@ pub enum End {
 #[derive(Clone, Copy, Debug)]
 pub struct Front {
     /// Position, m.
-    pub place: f64,
+    pub position: f64,
     /// Speed dx/dt, m/s; 0 for a contact.
     pub speed: f64,
 }
 
 /// Bar at a time, s: states in the order of x, and the fronts between them.
 #[derive(Clone, Debug)]
-pub struct Profile {
+pub struct BarProfile {
     pub time: f64,
-    pub states: Vec<State>,
+    pub states: Vec<UniaxialState>,
     pub fronts: Vec<Front>,
 }
 
-impl Bar {
+impl ElasticPlasticBar {
     pub fn new(solid: &Isotropic, strength: f64, length: f64) -> Self {
         Self {
             density: solid.density,
@@ -95,21 +95,28 @@ impl Bar {
     /// Computes the waves that change a state to a stress, Pa: state behind the elastic front and speed of the front;
     /// if the material yields, the same for the plastic front. Waves travel to larger x (direction 1) or to smaller x
     /// (−1).
-    fn wave(&self, ahead: State, stress: f64, direction: f64) -> Vec<(State, f64)> {
+    fn waves_to_stress(
+        &self,
+        ahead: UniaxialState,
+        stress: f64,
+        direction: f64,
+    ) -> Vec<(UniaxialState, f64)> {
         let [elastic, plastic] = self.speeds();
         let per_stress = 2.0 * self.shear_modulus / self.elastic_modulus;
         let limit = self.yield_stress.copysign(stress - ahead.stress);
-        let room = (limit - ahead.difference) / per_stress;
+        let elastic_change = (limit - ahead.stress_difference) / per_stress;
         let change = stress - ahead.stress;
-        let first = if change.abs() <= room.abs() { change } else { room };
-        let behind = |ahead: State, change: f64, difference: f64, speed: f64| State {
-            velocity: ahead.velocity - direction * change / (self.density * speed),
-            stress: ahead.stress + change,
-            difference,
-        };
-        let is_plastic = change.abs() > room.abs();
-        let difference = if is_plastic { limit } else { ahead.difference + per_stress * change };
-        let yielded = behind(ahead, first, difference, elastic);
+        let first = if change.abs() <= elastic_change.abs() { change } else { elastic_change };
+        let behind =
+            |ahead: UniaxialState, change: f64, stress_difference: f64, speed: f64| UniaxialState {
+                velocity: ahead.velocity - direction * change / (self.density * speed),
+                stress: ahead.stress + change,
+                stress_difference,
+            };
+        let is_plastic = change.abs() > elastic_change.abs();
+        let stress_difference =
+            if is_plastic { limit } else { ahead.stress_difference + per_stress * change };
+        let yielded = behind(ahead, first, stress_difference, elastic);
         let mut fronts = vec![(yielded, direction * elastic)];
         if is_plastic {
             fronts.push((behind(yielded, change - first, limit, plastic), direction * plastic));
@@ -118,12 +125,14 @@ impl Bar {
     }
 
     /// Computes the velocity behind the waves that change a state to a stress.
-    fn velocity(&self, ahead: State, stress: f64, direction: f64) -> f64 {
-        self.wave(ahead, stress, direction).last().map_or(ahead.velocity, |last| last.0.velocity)
+    fn velocity_at_stress(&self, ahead: UniaxialState, stress: f64, direction: f64) -> f64 {
+        self.waves_to_stress(ahead, stress, direction)
+            .last()
+            .map_or(ahead.velocity, |last| last.0.velocity)
     }
 
     /// Finds the zero of an increasing piecewise linear function of the stress with the given kinks.
-    fn zero(&self, mut kinks: Vec<f64>, value: impl Fn(f64) -> f64) -> f64 {
+    fn find_zero(&self, mut kinks: Vec<f64>, value: impl Fn(f64) -> f64) -> f64 {
         kinks.sort_by(f64::total_cmp);
         let scale = self.elastic_limit();
         kinks.insert(0, kinks[0] - scale);
@@ -136,41 +145,49 @@ impl Bar {
     }
 
     /// Computes the stresses at which the response of a state has kinks.
-    fn kinks(&self, state: State) -> [f64; 3] {
+    fn response_kinks(&self, state: UniaxialState) -> [f64; 3] {
         let per_stress = 2.0 * self.shear_modulus / self.elastic_modulus;
-        [-self.yield_stress, state.difference, self.yield_stress]
-            .map(|difference| state.stress + (difference - state.difference) / per_stress)
+        [-self.yield_stress, state.stress_difference, self.yield_stress].map(|stress_difference| {
+            state.stress + (stress_difference - state.stress_difference) / per_stress
+        })
     }
 
     /// Computes the stress between two states that meet (Riemann problem).
-    fn stress_between(&self, left: State, right: State) -> f64 {
-        let kinks = [self.kinks(left), self.kinks(right)].concat();
-        self.zero(kinks, |stress| {
-            self.velocity(left, stress, -1.0) - self.velocity(right, stress, 1.0)
+    fn solve_riemann(&self, left: UniaxialState, right: UniaxialState) -> f64 {
+        let kinks = [self.response_kinks(left), self.response_kinks(right)].concat();
+        self.find_zero(kinks, |stress| {
+            self.velocity_at_stress(left, stress, -1.0)
+                - self.velocity_at_stress(right, stress, 1.0)
         })
     }
 
     /// Computes the stress at an end whose waves travel in `direction` into a state.
-    fn stress_at(&self, end: End, state: State, direction: f64) -> f64 {
+    fn stress_at_end(&self, end: EndCondition, state: UniaxialState, direction: f64) -> f64 {
         match end {
-            End::Stress(stress) => stress,
-            End::Velocity(velocity) => self.zero(self.kinks(state).to_vec(), |stress| {
-                direction * (velocity - self.velocity(state, stress, direction))
-            }),
+            EndCondition::Stress(stress) => stress,
+            EndCondition::Velocity(velocity) => self
+                .find_zero(self.response_kinks(state).to_vec(), |stress| {
+                    direction * (velocity - self.velocity_at_stress(state, stress, direction))
+                }),
         }
     }
 
     /// Advances a profile to the time `until`, s. `ends`: by end, times from which a condition holds, in increasing
     /// order, the first 0.
-    pub fn advance(&self, initial: &Profile, ends: &[Vec<(f64, End)>; 2], until: f64) -> Profile {
+    pub fn advance(
+        &self,
+        initial: &BarProfile,
+        ends: &[Vec<(f64, EndCondition)>; 2],
+        until: f64,
+    ) -> BarProfile {
         let mut profile = initial.clone();
         let close = 1e-11 * self.length;
         let condition = |end: usize, time: f64| {
             let own = ends[end].iter().rev().find(|(from, _)| *from <= time);
-            own.map_or(End::Stress(0.0), |own| own.1)
+            own.map_or(EndCondition::Stress(0.0), |own| own.1)
         };
         // Resolves all initial jumps, and both ends.
-        self.resolve(&mut profile, [0, 1].map(|end| Some(condition(end, 0.0))), close, true);
+        self.resolve_fronts(&mut profile, [0, 1].map(|end| Some(condition(end, 0.0))), close, true);
         loop {
             let now = profile.time;
             let mut next = until;
@@ -183,18 +200,18 @@ impl Bar {
             for pair in fronts.windows(2) {
                 let closing = pair[0].speed - pair[1].speed;
                 if closing > 0.0 {
-                    next = next.min(now + (pair[1].place - pair[0].place).max(0.0) / closing);
+                    next = next.min(now + (pair[1].position - pair[0].position).max(0.0) / closing);
                 }
             }
             for front in fronts {
                 if front.speed < 0.0 {
-                    next = next.min(now - front.place.max(0.0) / front.speed);
+                    next = next.min(now - front.position.max(0.0) / front.speed);
                 } else if front.speed > 0.0 {
-                    next = next.min(now + (self.length - front.place).max(0.0) / front.speed);
+                    next = next.min(now + (self.length - front.position).max(0.0) / front.speed);
                 }
             }
             for front in &mut profile.fronts {
-                front.place += front.speed * (next - now);
+                front.position += front.speed * (next - now);
             }
             profile.time = next;
             if next >= until {
@@ -204,32 +221,40 @@ impl Bar {
                 let at = [0.0, self.length][end];
                 let own = if end == 0 { profile.fronts.first() } else { profile.fronts.last() };
                 let is_there = own.is_some_and(|front| {
-                    (front.place - at).abs() < close && front.speed * (at - 0.5 * self.length) > 0.0
+                    (front.position - at).abs() < close
+                        && front.speed * (at - 0.5 * self.length) > 0.0
                 });
                 let changes = ends[end].iter().any(|(from, _)| *from == next);
                 (changes || is_there).then(|| condition(end, next))
             });
-            self.resolve(&mut profile, reached, close, false);
+            self.resolve_fronts(&mut profile, reached, close, false);
         }
     }
 
     /// Solves the Riemann problems where fronts meet (`all`: at every front), and at the ends with a given condition.
-    fn resolve(&self, profile: &mut Profile, ends: [Option<End>; 2], close: f64, all: bool) {
+    fn resolve_fronts(
+        &self,
+        profile: &mut BarProfile,
+        ends: [Option<EndCondition>; 2],
+        close: f64,
+        all: bool,
+    ) {
         let (mut states, mut fronts) = (Vec::new(), Vec::new());
-        let add = |states: &mut Vec<State>, fronts: &mut Vec<Front>, place, (speed, state)| {
-            if states.last() != Some(&state) {
-                fronts.push(Front { place, speed });
-                states.push(state);
-            }
-        };
+        let add =
+            |states: &mut Vec<UniaxialState>, fronts: &mut Vec<Front>, position, (speed, state)| {
+                if states.last() != Some(&state) {
+                    fronts.push(Front { position, speed });
+                    states.push(state);
+                }
+            };
         let old = &profile.fronts;
         let (mut first, mut last) = (0, old.len());
         if let Some(end) = ends[0] {
-            while old.get(first).is_some_and(|front| front.place < close) {
+            while old.get(first).is_some_and(|front| front.position < close) {
                 first += 1;
             }
             let ahead = profile.states[first];
-            let wave = self.wave(ahead, self.stress_at(end, ahead, 1.0), 1.0);
+            let wave = self.waves_to_stress(ahead, self.stress_at_end(end, ahead, 1.0), 1.0);
             states.push(wave.last().map_or(ahead, |own| own.0));
             // From the plastic front to the elastic one, each with the state ahead of it.
             for index in (0..wave.len()).rev() {
@@ -240,55 +265,60 @@ impl Bar {
             states.push(profile.states[0]);
         }
         if ends[1].is_some() {
-            while last > first && old[last - 1].place > self.length - close {
+            while last > first && old[last - 1].position > self.length - close {
                 last -= 1;
             }
         }
         let mut at = first;
         while at < last {
             let mut end = at + 1;
-            while end < last && old[end].place - old[at].place < close {
+            while end < last && old[end].position - old[at].position < close {
                 end += 1;
             }
-            let place = old[at].place;
+            let position = old[at].position;
             if end == at + 1 && !all {
-                add(&mut states, &mut fronts, place, (old[at].speed, profile.states[end]));
+                add(&mut states, &mut fronts, position, (old[at].speed, profile.states[end]));
                 at = end;
                 continue;
             }
             let (left, right) = (profile.states[at], profile.states[end]);
-            let stress = self.stress_between(left, right);
-            let [to_left, to_right] =
-                [self.wave(left, stress, -1.0), self.wave(right, stress, 1.0)];
+            let stress = self.solve_riemann(left, right);
+            let [to_left, to_right] = [
+                self.waves_to_stress(left, stress, -1.0),
+                self.waves_to_stress(right, stress, 1.0),
+            ];
             for &(state, speed) in &to_left {
-                add(&mut states, &mut fronts, place, (speed, state));
+                add(&mut states, &mut fronts, position, (speed, state));
             }
             // Contact: velocity and stress are continuous up to rounding, φ jumps.
             let inner = to_right.last().map_or(right, |own| own.0);
             let scale = MIN_JUMP * self.elastic_limit();
-            let is_contact =
-                states.last().is_some_and(|own| (own.difference - inner.difference).abs() > scale);
+            let is_contact = states
+                .last()
+                .is_some_and(|own| (own.stress_difference - inner.stress_difference).abs() > scale);
             if is_contact {
-                add(&mut states, &mut fronts, place, (0.0, inner));
+                add(&mut states, &mut fronts, position, (0.0, inner));
             }
             for index in (0..to_right.len()).rev() {
                 let state = if index > 0 { to_right[index - 1].0 } else { right };
-                add(&mut states, &mut fronts, place, (to_right[index].1, state));
+                add(&mut states, &mut fronts, position, (to_right[index].1, state));
             }
             at = end;
         }
         if let Some(end) = ends[1] {
             let ahead = profile.states[last];
-            for (state, speed) in self.wave(ahead, self.stress_at(end, ahead, -1.0), -1.0) {
+            for (state, speed) in
+                self.waves_to_stress(ahead, self.stress_at_end(end, ahead, -1.0), -1.0)
+            {
                 add(&mut states, &mut fronts, self.length, (speed, state));
             }
         }
         (profile.states, profile.fronts) = (states, fronts);
-        self.drop_least(profile);
+        self.drop_negligible_fronts(profile);
     }
 
     /// Drops fronts whose jumps are all below [`MIN_JUMP`].
-    fn drop_least(&self, profile: &mut Profile) {
+    fn drop_negligible_fronts(&self, profile: &mut BarProfile) {
         let scale = MIN_JUMP * self.elastic_limit();
         let impedance = (self.density * self.elastic_modulus).sqrt();
         let mut index = 0;
@@ -296,7 +326,7 @@ impl Bar {
             let [a, b] = [profile.states[index], profile.states[index + 1]];
             let jumps = [
                 a.stress - b.stress,
-                a.difference - b.difference,
+                a.stress_difference - b.stress_difference,
                 impedance * (a.velocity - b.velocity),
             ];
             if jumps.iter().all(|jump| jump.abs() < scale) {
@@ -309,29 +339,30 @@ impl Bar {
     }
 }
 
-impl Profile {
+impl BarProfile {
     /// Creates a stress-free profile of piecewise constant velocity.
-    pub fn moving(velocities: &[f64], places: &[f64]) -> Self {
-        let state = |&velocity: &f64| State { velocity, stress: 0.0, difference: 0.0 };
+    pub fn with_velocities(velocities: &[f64], places: &[f64]) -> Self {
+        let state =
+            |&velocity: &f64| UniaxialState { velocity, stress: 0.0, stress_difference: 0.0 };
         Self {
             time: 0.0,
             states: velocities.iter().map(state).collect(),
-            fronts: places.iter().map(|&place| Front { place, speed: 0.0 }).collect(),
+            fronts: places.iter().map(|&position| Front { position, speed: 0.0 }).collect(),
         }
     }
 
     /// Computes the mean state over an interval of x.
-    pub fn mean(&self, from: f64, to: f64) -> State {
+    pub fn mean_state(&self, from: f64, to: f64) -> UniaxialState {
         let mut sum = [0.0; 3];
         for (index, state) in self.states.iter().enumerate() {
-            let start = if index == 0 { f64::MIN } else { self.fronts[index - 1].place };
-            let end = self.fronts.get(index).map_or(f64::MAX, |front| front.place);
+            let start = if index == 0 { f64::MIN } else { self.fronts[index - 1].position };
+            let end = self.fronts.get(index).map_or(f64::MAX, |front| front.position);
             let share = (to.min(end) - from.max(start)).max(0.0) / (to - from);
-            let values = [state.velocity, state.stress, state.difference];
+            let values = [state.velocity, state.stress, state.stress_difference];
             for (sum, value) in sum.iter_mut().zip(values) {
                 *sum += share * value;
             }
         }
-        State { velocity: sum[0], stress: sum[1], difference: sum[2] }
+        UniaxialState { velocity: sum[0], stress: sum[1], stress_difference: sum[2] }
     }
 }

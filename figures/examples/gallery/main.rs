@@ -7,45 +7,49 @@ mod sampling;
 mod verdict_maps;
 mod waves;
 
-use crate::fields::{field_bar, field_curves, field_hill, field_materials, field_wave, moving};
-use crate::growth_rates::{directions, growth, polar};
-use crate::records::{ledger, seismogram};
-use crate::sampling::grid;
-use crate::verdict_maps::{every_verdict, noncoaxiality};
-use crate::waves::{dispersion, speeds, sphere};
+use crate::fields::{
+    build_bar_field, build_crack_field, build_energy_field, build_two_material_field,
+    build_wave_field, build_wave_frame,
+};
+use crate::growth_rates::{build_directions_figure, build_growth_figure, build_polar_figure};
+use crate::records::{build_ledger, build_seismogram};
+use crate::sampling::sample_interval;
+use crate::verdict_maps::{build_all_verdicts_map, build_noncoaxiality_map};
+use crate::waves::{build_dispersion_figure, build_speeds_figure, build_sphere_figure};
 use std::error::Error;
 use std::path::PathBuf;
-use wellposed_figures::{FieldFigure, FigureError, Format, animate};
+use wellposed_figures::{FieldFigure, FigureError, FigureFormat, animate};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("usage: gallery FOLDER")?;
     let folder = PathBuf::from(folder);
     std::fs::create_dir_all(&folder)?;
-    let save = |name: &str, draw: &dyn Fn(Format) -> Result<Vec<u8>, FigureError>| {
-        for (format, ending) in [(Format::Png, "png"), (Format::Svg, "svg")] {
+    let save = |name: &str, draw: &dyn Fn(FigureFormat) -> Result<Vec<u8>, FigureError>| {
+        for (format, ending) in [(FigureFormat::Png, "png"), (FigureFormat::Svg, "svg")] {
             std::fs::write(folder.join(name).with_extension(ending), draw(format)?)?;
         }
         Ok::<(), Box<dyn Error>>(())
     };
-    save("noncoaxiality", &|format| noncoaxiality().draw(format))?;
-    save("every_verdict", &|format| every_verdict().draw(format))?;
-    save("growth", &|format| growth().draw(format))?;
-    save("polar", &|format| polar().draw(format))?;
-    save("directions", &|format| directions().draw(format))?;
-    save("dispersion", &|format| dispersion(false).draw(format))?;
-    save("dispersion_growth", &|format| dispersion(true).draw(format))?;
-    save("field_wave", &|format| field_wave().draw(format))?;
-    save("field_materials", &|format| field_materials().draw(format))?;
-    save("field_bar", &|format| field_bar().draw(format))?;
-    save("field_curves", &|format| field_curves().draw(format))?;
-    save("field_hill", &|format| field_hill().draw(format))?;
-    save("seismogram", &|format| seismogram([6, 3], 4_000).draw(format))?;
-    save("seismogram_long", &|format| seismogram([3, 10], 1_000_000).draw(format))?;
-    save("ledger", &|format| ledger(true).draw(format))?;
-    save("ledger_residual", &|format| ledger(false).draw(format))?;
-    let frames: Vec<FieldFigure> = grid(0.0, 0.4, 25).into_iter().map(moving).collect();
+    save("noncoaxiality", &|format| build_noncoaxiality_map().draw(format))?;
+    save("every_verdict", &|format| build_all_verdicts_map().draw(format))?;
+    save("growth", &|format| build_growth_figure().draw(format))?;
+    save("polar", &|format| build_polar_figure().draw(format))?;
+    save("directions", &|format| build_directions_figure().draw(format))?;
+    save("dispersion", &|format| build_dispersion_figure(false).draw(format))?;
+    save("dispersion_growth", &|format| build_dispersion_figure(true).draw(format))?;
+    save("field_wave", &|format| build_wave_field().draw(format))?;
+    save("field_materials", &|format| build_two_material_field().draw(format))?;
+    save("field_bar", &|format| build_bar_field().draw(format))?;
+    save("field_curves", &|format| build_crack_field().draw(format))?;
+    save("field_hill", &|format| build_energy_field().draw(format))?;
+    save("seismogram", &|format| build_seismogram([6, 3], 4_000).draw(format))?;
+    save("seismogram_long", &|format| build_seismogram([3, 10], 1_000_000).draw(format))?;
+    save("ledger", &|format| build_ledger(true).draw(format))?;
+    save("ledger_residual", &|format| build_ledger(false).draw(format))?;
+    let frames: Vec<FieldFigure> =
+        sample_interval(0.0, 0.4, 25).into_iter().map(build_wave_frame).collect();
     std::fs::write(folder.join("wave.gif"), animate(&frames, 0.08, 800)?)?;
-    save("speeds", &|format| speeds().draw(format))?;
-    save("sphere", &|format| sphere(false).draw(format))?;
-    save("sphere_growth", &|format| sphere(true).draw(format))
+    save("speeds", &|format| build_speeds_figure().draw(format))?;
+    save("sphere", &|format| build_sphere_figure(false).draw(format))?;
+    save("sphere_growth", &|format| build_sphere_figure(true).draw(format))
 }

@@ -1,10 +1,10 @@
 //! Example seismograms and energy ledgers.
 
-use crate::sampling::grid;
+use crate::sampling::sample_interval;
 use wellposed_figures::{LedgerFigure, LedgerTerm, SeismogramFigure, SeismogramPanel, Trace};
 
 /// Builds pulses recorded at receivers; the last quantity is zero, and one receiver has NaN values in an interval.
-pub fn seismogram([panels, receivers]: [usize; 2], samples: usize) -> SeismogramFigure {
+pub fn build_seismogram([panels, receivers]: [usize; 2], samples: usize) -> SeismogramFigure {
     let labels = [
         "velocity v₁, m/s",
         "velocity v₂, m/s",
@@ -13,7 +13,7 @@ pub fn seismogram([panels, receivers]: [usize; 2], samples: usize) -> Seismogram
         "rotation rate Ω₃, 1/s",
         "couple stress μ₃₁, N/m",
     ];
-    let times = grid(0.0, 0.8, samples);
+    let times = sample_interval(0.0, 0.8, samples);
     let sizes = [3e-3, 1.4e-3, 2.2e4, 9e3, 4e-7, 0.0];
     let value = |panel: usize, receiver: usize, time: f64| {
         let arrival = 0.12 + 0.11 * receiver as f64;
@@ -50,8 +50,8 @@ pub fn seismogram([panels, receivers]: [usize; 2], samples: usize) -> Seismogram
 
 /// Builds the energy ledger of a shot in a yielding solid, with a balance of a few percent if `is_coarse`, otherwise
 /// with a residual of the order of rounding.
-pub fn ledger(is_coarse: bool) -> LedgerFigure {
-    let times = grid(0.0, 0.5, 2_000);
+pub fn build_ledger(is_coarse: bool) -> LedgerFigure {
+    let times = sample_interval(0.0, 0.5, 2_000);
     let term = |name: &str, value: &dyn Fn(f64) -> f64| LedgerTerm {
         name: name.to_owned(),
         values: times.iter().map(|time| value(*time)).collect(),
@@ -72,7 +72,7 @@ pub fn ledger(is_coarse: bool) -> LedgerFigure {
         title: "Where the energy goes".to_owned(),
         subtitle: "Cosserat solid, 400 × 300 cells".to_owned(),
         time_label: "time t, s".to_owned(),
-        label: "energy, J/m".to_owned(),
+        energy_label: "energy, J/m".to_owned(),
         terms: vec![
             term("kinetic", &|t| all(t) * swings(t)),
             term("stored", &|t| all(t) * (1.0 - swings(t))),
@@ -83,6 +83,6 @@ pub fn ledger(is_coarse: bool) -> LedgerFigure {
             term("dissipation of the scheme", &|t| 160.0 * t),
         ],
         times: times.clone(),
-        balance,
+        residual: balance,
     }
 }

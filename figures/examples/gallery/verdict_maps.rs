@@ -1,15 +1,17 @@
 //! Example verdict maps.
 
-use crate::sampling::grid;
-use wellposed_figures::{Axis, Category, Curve, Look, VerdictMap};
+use crate::sampling::sample_interval;
+use wellposed_figures::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 
-fn category(label: &str, look: Look) -> Category {
-    Category { label: label.to_owned(), look }
+fn build_categories<const N: usize>(entries: [(&str, FillStyle); N]) -> Vec<VerdictCategory> {
+    let categories =
+        entries.map(|(label, fill_style)| VerdictCategory { label: label.to_owned(), fill_style });
+    categories.to_vec()
 }
 
 /// Builds a map with bounds at ±45°, towards which the growth increases.
-pub fn noncoaxiality() -> VerdictMap {
-    let (x, y) = (grid(-90.0, 90.0, 361), grid(1.0, 60.0, 237));
+pub fn build_noncoaxiality_map() -> VerdictMap {
+    let (x, y) = (sample_interval(-90.0, 90.0, 361), sample_interval(1.0, 60.0, 237));
     let (mut cells, mut level) = (Vec::new(), Vec::new());
     for friction in &y {
         for delta in &x {
@@ -23,30 +25,30 @@ pub fn noncoaxiality() -> VerdictMap {
             });
         }
     }
-    let bound = |at: f64| Curve {
+    let bound = |at: f64| MapCurve {
         label: "bound |Δ| = 45°".to_owned(),
         points: vec![[at, -10.0], [at, 100.0]],
     };
     VerdictMap {
         title: "Harris–Grekova model, ν = 0: where is it well-posed?".to_owned(),
         subtitle: "p = 10 kPa, ρ = 1600 kg/m³, Q = 1 s⁻¹, ψ = 30°, m/p = 0.1".to_owned(),
-        x: Axis { label: "non-coaxiality Δ (°)".to_owned(), values: x },
-        y: Axis { label: "friction angle φ (°)".to_owned(), values: y },
-        categories: vec![
-            category("well-posed", Look::WellPosed),
-            category("ill-posed, order 1", Look::IllPosed),
-            category("marginal", Look::Marginal),
-        ],
-        category: cells,
-        level,
+        x: VerdictMapAxis { label: "non-coaxiality Δ (°)".to_owned(), values: x },
+        y: VerdictMapAxis { label: "friction angle φ (°)".to_owned(), values: y },
+        categories: build_categories([
+            ("well-posed", FillStyle::WellPosed),
+            ("ill-posed, order 1", FillStyle::IllPosed),
+            ("marginal", FillStyle::Marginal),
+        ]),
+        category_indices: cells,
+        growth_levels: level,
         level_label: "growth coefficient lim Re ς / k (m/s)".to_owned(),
         curves: vec![bound(-45.0), bound(45.0)],
     }
 }
 
 /// Builds a map with all fill styles, two orders of growth and levels over many decades.
-pub fn every_verdict() -> VerdictMap {
-    let (x, y) = (grid(-90.0, 90.0, 241), grid(0.0, 40.0, 161));
+pub fn build_all_verdicts_map() -> VerdictMap {
+    let (x, y) = (sample_interval(-90.0, 90.0, 241), sample_interval(0.0, 40.0, 161));
     let (mut cells, mut level) = (Vec::new(), Vec::new());
     for dilatancy in &y {
         for delta in &x {
@@ -70,27 +72,27 @@ pub fn every_verdict() -> VerdictMap {
             let (sin, cos) = t.to_radians().sin_cos();
             [60.0 * scale * cos, 14.0 + 12.0 * scale * sin]
         };
-        let points = grid(0.0, 360.0, 181).into_iter().map(point).collect();
-        Curve { label: label.to_owned(), points }
+        let points = sample_interval(0.0, 360.0, 181).into_iter().map(point).collect();
+        MapCurve { label: label.to_owned(), points }
     };
     VerdictMap {
         title: "Dilatant domain: every answer the program can give".to_owned(),
         subtitle: "Made-up verdicts over non-coaxiality and dilatancy angle; φ = 35°, \
                    p = 10 kPa, ρ = 1600 kg/m³, Q = 1 s⁻¹"
             .to_owned(),
-        x: Axis { label: "non-coaxiality Δ (°)".to_owned(), values: x },
-        y: Axis { label: "dilatancy angle ν (°)".to_owned(), values: y },
-        categories: vec![
-            category("well-posed", Look::WellPosed),
-            category("ill-posed, order 1", Look::IllPosed),
-            category("ill-posed, order ½", Look::IllPosed),
-            category("marginal", Look::Marginal),
-            category("unbounded at finite k", Look::UnboundedAtFiniteWaveNumber),
-            category("indeterminate", Look::Indeterminate),
-            category("outside the model", Look::OutsideModel),
-        ],
-        category: cells,
-        level,
+        x: VerdictMapAxis { label: "non-coaxiality Δ (°)".to_owned(), values: x },
+        y: VerdictMapAxis { label: "dilatancy angle ν (°)".to_owned(), values: y },
+        categories: build_categories([
+            ("well-posed", FillStyle::WellPosed),
+            ("ill-posed, order 1", FillStyle::IllPosed),
+            ("ill-posed, order ½", FillStyle::IllPosed),
+            ("marginal", FillStyle::Marginal),
+            ("unbounded at finite k", FillStyle::UnboundedAtFiniteWaveNumber),
+            ("indeterminate", FillStyle::Indeterminate),
+            ("outside the model", FillStyle::OutsideModel),
+        ]),
+        category_indices: cells,
+        growth_levels: level,
         level_label: "growth coefficient lim Re ς / kᵐ (mᵐ/s)".to_owned(),
         curves: vec![bound(0.615, "bound in closed form"), bound(1.05, "sufficient condition")],
     }

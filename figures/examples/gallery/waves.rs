@@ -1,14 +1,14 @@
 //! Example dispersion relations, wave speeds, and flutter over the sphere.
 
-use crate::sampling::grid;
+use crate::sampling::sample_interval;
 use wellposed_figures::{
-    Band, Branch, DispersionFigure, Level, Response, SpeedCurve, SpeedsFigure, SphereFigure,
-    SphereMark, Vanishing,
+    DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel, SolidResponse, SpeedCurve,
+    SpeedsFigure, SphereFigure, SphereMark, ZeroSpeedNormal,
 };
 
-/// Builds the dispersion relation of an elastic Cosserat medium; with `growing` on logarithmic axes and with synthetic
+/// Builds the dispersion relation of an elastic Cosserat medium; with `has_growth` on logarithmic axes and with synthetic
 /// growth of the transverse waves.
-pub fn dispersion(growing: bool) -> DispersionFigure {
+pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
     let [rho, lambda, mu, alpha] = [2700.0, 8.1e9, 8.1e9, 1.005e9_f64];
     let [j, beta, gamma, eta] = [2700.0, 7.75e8, 1.5e8, 3e8_f64];
     let longitudinal = ((lambda + 2.0 * mu) / rho).sqrt();
@@ -22,10 +22,10 @@ pub fn dispersion(growing: bool) -> DispersionFigure {
         // The second form avoids cancellation for long waves.
         if upper { (half + root).sqrt() } else { (product / (half + root)).sqrt() }
     };
-    let numbers: Vec<f64> = if growing {
-        grid(-2.0, 2.0, 401).into_iter().map(|exponent| 10_f64.powf(exponent)).collect()
+    let numbers: Vec<f64> = if has_growth {
+        sample_interval(-2.0, 2.0, 401).into_iter().map(|exponent| 10_f64.powf(exponent)).collect()
     } else {
-        grid(0.0, 3.0, 401)
+        sample_interval(0.0, 3.0, 401)
     };
     let branch = |label: &str, omega: &dyn Fn(f64) -> f64, growth: &dyn Fn(f64) -> f64| {
         let slope = |k: f64| {
@@ -34,15 +34,15 @@ pub fn dispersion(growing: bool) -> DispersionFigure {
             (omega(k + step) - omega(below)) / (k + step - below)
         };
         let over = |f: &dyn Fn(f64) -> f64| numbers.iter().map(|&k| [k, f(k)]).collect();
-        Branch {
+        DispersionBranch {
             label: label.to_owned(),
             frequency: over(omega),
             group_speed: over(&slope),
-            measured: over(omega).into_iter().skip(20).step_by(60).collect(),
-            growth: if growing { over(growth) } else { Vec::new() },
+            measured_frequency: over(omega).into_iter().skip(20).step_by(60).collect(),
+            growth_rate: if has_growth { over(growth) } else { Vec::new() },
         }
     };
-    let level = |label: String, value: f64| Level { label, value };
+    let level = |label: String, value: f64| ReferenceLevel { label, value };
     let speeds = [
         ("cₚ", longitudinal),
         ("√((μ+α)/ρ)", ((mu + alpha) / rho).sqrt()),
@@ -59,8 +59,8 @@ pub fn dispersion(growing: bool) -> DispersionFigure {
         frequency_label: "angular frequency ω (rad/s)".to_owned(),
         speed_label: "speed (m/s)".to_owned(),
         growth_label: "growth rate Re ς (1/s)".to_owned(),
-        k_log: growing,
-        frequency_log: growing,
+        is_k_log: has_growth,
+        is_frequency_log: has_growth,
         branches: vec![
             branch("longitudinal", &|k| longitudinal * k, &|_| -2.0),
             branch("torsion", &torsion, &|k| -0.5 * k),
@@ -69,10 +69,10 @@ pub fn dispersion(growing: bool) -> DispersionFigure {
             }),
             branch("transverse, fast (double)", &|k| transverse(k, true), &|k| -30.0 * k.sqrt()),
         ],
-        bands: vec![Band {
+        bands: vec![FrequencyBand {
             label: "forbidden band of rotational waves".to_owned(),
-            from: if growing { 600.0 } else { 0.0 },
-            to: cutoff,
+            low: if has_growth { 600.0 } else { 0.0 },
+            high: cutoff,
         }],
         cutoffs: vec![level(format!("ω* = {cutoff:.0} rad/s"), cutoff)],
         speed_limits: speeds.map(|(symbol, value)| level(symbol.to_owned(), value)).to_vec(),
@@ -80,8 +80,8 @@ pub fn dispersion(growing: bool) -> DispersionFigure {
 }
 
 /// Builds the speeds of a solid that loses hyperbolicity in two directions and flutters in sectors.
-pub fn speeds() -> SpeedsFigure {
-    let angles = grid(0.0, 180.0, 721);
+pub fn build_speeds_figure() -> SpeedsFigure {
+    let angles = sample_interval(0.0, 180.0, 721);
     let curve = |label: &str, response, multiplicity, f: &dyn Fn(f64) -> f64| SpeedCurve {
         label: label.to_owned(),
         points: angles.iter().map(|&angle| [angle, f(angle)]).collect(),
@@ -92,7 +92,7 @@ pub fn speeds() -> SpeedsFigure {
     // Difference of two speeds that coalesce where their squares would become complex.
     let gap = |angle: f64| (0.55 - wave(angle)).max(0.0).sqrt();
     let pair = |angle: f64, sign: f64| 620.0 + 60.0 * wave(angle) + sign * 150.0 * gap(angle);
-    let (elastic, yielding) = (Response::Elastic, Response::Yielding);
+    let (elastic, yielding) = (SolidResponse::Elastic, SolidResponse::Yielding);
     SpeedsFigure {
         title: "Characteristic speeds in the plane of shear".to_owned(),
         subtitle: "Cosserat solid, ρ = 2700 kg/m³, h = 0.08 μ, φ = 35°, ν = 5°".to_owned(),
@@ -112,18 +112,18 @@ pub fn speeds() -> SpeedsFigure {
             curve("yielding: rotational", yielding, 1, &|a| pair(a, 1.0)),
             curve("yielding: rotational", yielding, 1, &|a| pair(a, -1.0)),
         ],
-        flutter: vec![[-16.2, 40.2]],
-        imaginary: vec![[61.5, 118.5]],
-        vanishing: vec![
-            Vanishing { label: "shear band".to_owned(), angle_deg: 61.5 },
-            Vanishing { label: "shear band".to_owned(), angle_deg: 118.5 },
+        flutter_sectors: vec![[-16.2, 40.2]],
+        imaginary_sectors: vec![[61.5, 118.5]],
+        zero_speed_normals: vec![
+            ZeroSpeedNormal { label: "shear band".to_owned(), angle_deg: 61.5 },
+            ZeroSpeedNormal { label: "shear band".to_owned(), angle_deg: 118.5 },
         ],
     }
 }
 
-/// Builds the slowest speed over all wave normals or, with `growing`, the growth rate where speeds are complex.
-pub fn sphere(growing: bool) -> SphereFigure {
-    let (polar, azimuth) = (grid(0.0, 90.0, 91), grid(0.0, 360.0, 361));
+/// Builds the slowest speed over all wave normals or, with `has_growth`, the growth rate where speeds are complex.
+pub fn build_sphere_figure(has_growth: bool) -> SphereFigure {
+    let (polar, azimuth) = (sample_interval(0.0, 90.0, 91), sample_interval(0.0, 360.0, 361));
     let band = [0.62_f64, 0.0, 0.785];
     let worst = [0.35_f64, 0.75, 0.561];
     let mut values = Vec::new();
@@ -132,7 +132,7 @@ pub fn sphere(growing: bool) -> SphereFigure {
             let (sin, cos) = theta.to_radians().sin_cos();
             let n = [sin * phi.to_radians().cos(), sin * phi.to_radians().sin(), cos];
             let along = |m: [f64; 3]| m.iter().zip(n).map(|(a, b)| a * b).sum::<f64>().powi(2);
-            values.push(if growing {
+            values.push(if has_growth {
                 let level = along(worst) + 0.2 * n[1] * n[1] - 0.75;
                 if level > 0.0 { 900.0 * level.sqrt() } else { f64::NAN }
             } else {
@@ -142,25 +142,25 @@ pub fn sphere(growing: bool) -> SphereFigure {
     }
     let mark = |label: &str, normal| SphereMark { label: label.to_owned(), normal };
     let mut marks = vec![mark("normal of the shear band", band)];
-    if growing {
+    if has_growth {
         marks.push(mark("worst flutter", worst));
         marks.push(mark("intermediate stress axis", [0.0, 1.0, 0.0]));
     }
-    let label = if growing {
+    let label = if has_growth {
         "growth rate per wave number |Im c| (m/s)"
     } else {
         "slowest speed, yielding to elastic c/c₀ (1)"
     };
     SphereFigure {
-        title: if growing { "Flutter over all wave normals" } else { "Loss of hyperbolicity" }
+        title: if has_growth { "Flutter over all wave normals" } else { "Loss of hyperbolicity" }
             .to_owned(),
         subtitle: "Cosserat solid, ρ = 2700 kg/m³, h = 0.08 μ, φ = 35°, ν = 5°".to_owned(),
         polar_deg: polar,
         azimuth_deg: azimuth,
         values,
         value_label: label.to_owned(),
-        value_log: false,
-        dark_is_low: !growing,
+        is_value_log: false,
+        is_dark_low: !has_growth,
         missing_label: "all speeds are real".to_owned(),
         marks,
     }

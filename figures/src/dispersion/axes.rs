@@ -2,41 +2,43 @@
 
 use super::figure::DispersionFigure;
 use crate::page::{self};
-use crate::scale::{self, SymmetricLog, Tick};
-
-/// Magnitude above which numbers are treated as infinite, since differences would overflow.
-const FINITE: f64 = 1e300;
+use crate::scale::{self, FINITE_LIMIT, SymmetricLog, Tick};
 
 /// Mapping from values to axis positions.
 #[derive(Clone, Copy)]
-pub(super) enum Kind {
+pub(super) enum ScaleKind {
     Linear,
-    Log,
-    Symmetric(SymmetricLog),
+    Logarithmic,
+    SymmetricLogarithmic(SymmetricLog),
 }
 
 /// An axis with its range, in axis positions.
 #[derive(Clone, Copy)]
-pub(super) struct Scale {
-    pub(super) kind: Kind,
+pub(super) struct AxisScale {
+    pub(super) kind: ScaleKind,
     pub(super) low: f64,
     pub(super) high: f64,
 }
 
-impl Scale {
-    fn forward(kind: Kind, value: f64) -> f64 {
+impl AxisScale {
+    fn to_position(kind: ScaleKind, value: f64) -> f64 {
         match kind {
-            Kind::Linear => value,
-            Kind::Log => value.log10(),
-            Kind::Symmetric(scale) => scale.forward(value),
+            ScaleKind::Linear => value,
+            ScaleKind::Logarithmic => value.log10(),
+            ScaleKind::SymmetricLogarithmic(scale) => scale.to_position(value),
         }
     }
 
-    /// Computes the range of the finite positions of `values`, extended at the lower and upper end by the shares `room`
+    /// Computes the range of the finite positions of `values`, extended at the lower and upper end by the fractions `margins`
     /// of its length.
-    pub(super) fn of(kind: Kind, values: impl Iterator<Item = f64>, room: [f64; 2]) -> Self {
-        let places =
-            values.map(|value| Self::forward(kind, value)).filter(|place| place.abs() < FINITE);
+    pub(super) fn from_values(
+        kind: ScaleKind,
+        values: impl Iterator<Item = f64>,
+        margins: [f64; 2],
+    ) -> Self {
+        let places = values
+            .map(|value| Self::to_position(kind, value))
+            .filter(|place| place.abs() < FINITE_LIMIT);
         let (mut low, mut high) = places
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
                 (low.min(place), high.max(place))
@@ -44,26 +46,31 @@ impl Scale {
         if low > high {
             (low, high) = (0.0, 1.0);
         } else if high - low <= 1e-9 * low.abs().max(high.abs()) || low == high {
-            let half = if matches!(kind, Kind::Log) { 0.5 } else { 0.5 * low.abs().max(1.0) };
+            let half =
+                if matches!(kind, ScaleKind::Logarithmic) { 0.5 } else { 0.5 * low.abs().max(1.0) };
             (low, high) = (low - half, high + half);
         }
         let extent = high - low;
-        Self { kind, low: low - room[0] * extent, high: high + room[1] * extent }
+        Self { kind, low: low - margins[0] * extent, high: high + margins[1] * extent }
     }
 
-    pub(super) fn share(&self, value: f64) -> f64 {
-        (Self::forward(self.kind, value) - self.low) / (self.high - self.low)
+    pub(super) fn fraction(&self, value: f64) -> f64 {
+        (Self::to_position(self.kind, value) - self.low) / (self.high - self.low)
     }
 
-    /// Computes the ticks, located by their share of the axis; `length` in pixels.
-    pub(super) fn ticks(&self, length: f64, upright: bool) -> Vec<Tick> {
+    /// Computes the ticks, located by their fraction of the axis length; `length` in pixels.
+    pub(super) fn ticks(&self, length: f64, is_vertical: bool) -> Vec<Tick> {
         let (low, high) = (self.low, self.high);
         let mut ticks = match self.kind {
-            Kind::Linear => {
-                page::spaced(length, upright, |most| scale::ticks(low, high, most, false))
+            ScaleKind::Linear => page::choose_ticks(length, is_vertical, |max_count| {
+                scale::linear_ticks(low, high, max_count, false)
+            }),
+            ScaleKind::Logarithmic => page::choose_ticks(length, is_vertical, |max_count| {
+                scale::log_ticks(low, high, max_count)
+            }),
+            ScaleKind::SymmetricLogarithmic(scale) => {
+                scale.ticks(low, high, (length / 48.0) as usize)
             }
-            Kind::Log => page::spaced(length, upright, |most| scale::log_ticks(low, high, most)),
-            Kind::Symmetric(scale) => scale.ticks(low, high, (length / 48.0) as usize),
         };
         ticks.retain(|(place, _)| (low - 1e-9..=high + 1e-9).contains(place));
         let share = |place: f64| (place - self.low) / (self.high - self.low);
@@ -73,53 +80,66 @@ impl Scale {
 
 impl DispersionFigure {
     /// Computes the axes of wave numbers, frequencies, speeds and growth rates.
-    pub(super) fn scales(&self) -> [Scale; 4] {
+    pub(super) fn axis_scales(&self) -> [AxisScale; 4] {
         let branches = || self.branches.iter();
-        let kind = |log: bool| if log { Kind::Log } else { Kind::Linear };
+        let kind = |log: bool| if log { ScaleKind::Logarithmic } else { ScaleKind::Linear };
         let numbers = || {
             branches()
                 .flat_map(|b| {
-                    b.frequency.iter().chain(&b.group_speed).chain(&b.growth).chain(&b.measured)
+                    b.frequency
+                        .iter()
+                        .chain(&b.group_speed)
+                        .chain(&b.growth_rate)
+                        .chain(&b.measured_frequency)
                 })
                 .map(|point| point[0])
         };
-        let mut k = Scale::of(kind(self.k_log), numbers(), [0.0; 2]);
-        if !self.k_log && k.low > 0.0 && k.low < 0.2 * k.high {
+        let mut k = AxisScale::from_values(kind(self.is_k_log), numbers(), [0.0; 2]);
+        if !self.is_k_log && k.low > 0.0 && k.low < 0.2 * k.high {
             k.low = 0.0;
         }
 
-        let edges = self.bands.iter().flat_map(|band| [band.from, band.to]);
+        let edges = self.bands.iter().flat_map(|band| [band.low, band.high]);
         let cutoffs = self.cutoffs.iter().map(|level| level.value);
-        let frequencies =
-            branches().flat_map(|b| b.frequency.iter().chain(&b.measured)).map(|point| point[1]);
+        let frequencies = branches()
+            .flat_map(|b| b.frequency.iter().chain(&b.measured_frequency))
+            .map(|point| point[1]);
         let values = frequencies.chain(cutoffs).chain(edges);
-        let frequency = if self.frequency_log {
-            Scale::of(Kind::Log, values, [0.04, 0.04])
+        let frequency = if self.is_frequency_log {
+            AxisScale::from_values(ScaleKind::Logarithmic, values, [0.04, 0.04])
         } else {
-            from_zero(Scale::of(Kind::Linear, values.chain([0.0]), [0.0, 0.05]))
+            extend_negative_range(AxisScale::from_values(
+                ScaleKind::Linear,
+                values.chain([0.0]),
+                [0.0, 0.05],
+            ))
         };
 
         let group = branches().flat_map(|b| &b.group_speed).map(|point| point[1]);
         let limits = self.speed_limits.iter().map(|level| level.value);
         let shortest = branches().filter_map(|branch| {
-            let known = Self::phase(branch).into_iter().filter(|[k, c]| (k + c).abs() < FINITE);
+            let known =
+                Self::phase_speed(branch).into_iter().filter(|[k, c]| (k + c).abs() < FINITE_LIMIT);
             known.max_by(|a, b| a[0].total_cmp(&b[0])).map(|[_, c]| c)
         });
         let values = group.chain(limits).chain(shortest).chain([0.0]);
-        let speed = from_zero(Scale::of(Kind::Linear, values, [0.0, 0.25]));
+        let speed =
+            extend_negative_range(AxisScale::from_values(ScaleKind::Linear, values, [0.0, 0.25]));
 
-        let growth = || branches().flat_map(|b| &b.growth).map(|point| point[1]).chain([0.0]);
-        let kind = if self.k_log {
-            Kind::Symmetric(SymmetricLog::for_values(growth().filter(|v| v.abs() < FINITE)))
+        let growth = || branches().flat_map(|b| &b.growth_rate).map(|point| point[1]).chain([0.0]);
+        let kind = if self.is_k_log {
+            ScaleKind::SymmetricLogarithmic(SymmetricLog::from_values(
+                growth().filter(|v| v.abs() < FINITE_LIMIT),
+            ))
         } else {
-            Kind::Linear
+            ScaleKind::Linear
         };
-        [k, frequency, speed, Scale::of(kind, growth(), [0.06, 0.06])]
+        [k, frequency, speed, AxisScale::from_values(kind, growth(), [0.06, 0.06])]
     }
 }
 
 /// Extends the range below by 5 % if a value is negative; otherwise returns it unchanged, starting at zero.
-fn from_zero(scale: Scale) -> Scale {
+fn extend_negative_range(scale: AxisScale) -> AxisScale {
     let low = if scale.low < 0.0 { scale.low - 0.05 * (scale.high - scale.low) } else { scale.low };
-    Scale { low, ..scale }
+    AxisScale { low, ..scale }
 }

@@ -1,11 +1,11 @@
 //! Drawing of a dispersion figure.
 
-use super::axes::Scale;
-use super::figure::{Branch, DispersionFigure};
-use super::looks::{CUTOFF, LIMIT};
-use super::plot::Plot;
+use super::axes::AxisScale;
+use super::figure::{DispersionBranch, DispersionFigure};
+use super::plot::DispersionPanel;
+use super::styles::{CUTOFF_DASHES, SPEED_LIMIT_DASHES};
 use crate::error::FigureError;
-use crate::format::Format;
+use crate::format::FigureFormat;
 use crate::page::{self, Legend, MARGIN};
 use crate::picture::{Picture, Point, Rectangle};
 
@@ -14,27 +14,26 @@ impl DispersionFigure {
     ///
     /// # Errors
     /// Rendering or encoding fails.
-    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
-        self.picture().render(format)
+    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+        self.to_picture().render(format)
     }
 
-    pub(super) fn picture(&self) -> Picture {
-        let legend = Legend::new(self.legend(), page::WIDTH - 2.0 * MARGIN);
-        let mut sheet = Picture::new(page::WIDTH as u32, 1);
-        let heading = page::heading(&mut sheet, &self.title, &self.subtitle);
+    pub(super) fn to_picture(&self) -> Picture {
+        let legend = Legend::new(self.legend_entries(), page::WIDTH - 2.0 * MARGIN);
+        let heading = page::heading_bottom(&self.title, &self.subtitle);
         let top = heading + 14.0;
-        let below = page::BOTTOM_AXIS + 22.0 + legend.height() + MARGIN - 12.0;
-        let least = if self.has_growth() { 780.0 } else { 560.0 };
-        let height = page::HEIGHT.max(top + least + below).ceil();
+        let below = page::BOTTOM_AXIS_HEIGHT + 22.0 + legend.height() + MARGIN - 12.0;
+        let min_height = if self.has_growth() { 780.0 } else { 560.0 };
+        let height = page::HEIGHT.max(top + min_height + below).ceil();
         let bottom = height - below;
-        let mut picture = Picture::new(page::WIDTH as u32, height as u32);
-        page::heading(&mut picture, &self.title, &self.subtitle);
+        let mut picture = page::create_page(height, &self.title, &self.subtitle);
 
         // The panels of frequencies and of growth rates share the wave-number axis.
-        let [k, frequency, speed, growth] = self.scales();
+        let [k_scale, frequency, speed, growth] = self.axis_scales();
         let between = 34.0;
         let split = if self.has_growth() { top + 0.58 * (bottom - top) } else { bottom };
-        let axis = |scale: &Scale, length: f64| page::left_axis_width(&scale.ticks(length, true));
+        let axis =
+            |scale: &AxisScale, length: f64| page::left_axis_width(&scale.ticks(length, true));
         let mut left_axis = axis(&frequency, split - top);
         if self.has_growth() {
             left_axis = left_axis.max(axis(&growth, bottom - split - between));
@@ -49,41 +48,46 @@ impl DispersionFigure {
             right: page::WIDTH - MARGIN - 16.0,
             bottom,
         };
-        let lines = |of: &dyn Fn(&Branch) -> Vec<Point>| self.branches.iter().map(of).collect();
-        let plot = |frame: Rectangle, y: Scale, solid: Vec<Vec<Point>>| Plot {
+        let lines =
+            |of: &dyn Fn(&DispersionBranch) -> Vec<Point>| self.branches.iter().map(of).collect();
+        let plot = |frame: Rectangle, y: AxisScale, solid: Vec<Vec<Point>>| DispersionPanel {
             frame,
-            x: k,
-            y,
-            solid,
-            dashed: Vec::new(),
-            rings: Vec::new(),
+            x_scale: k_scale,
+            y_scale: y,
+            solid_lines: solid,
+            dashed_lines: Vec::new(),
+            measured_points: Vec::new(),
             levels: &[],
-            pattern: CUTOFF,
+            level_dashes: CUTOFF_DASHES,
             bands: &[],
         };
-        let frequencies = Plot {
-            rings: self.branches.iter().map(|branch| branch.measured.clone()).collect(),
+        let frequencies = DispersionPanel {
+            measured_points: self
+                .branches
+                .iter()
+                .map(|branch| branch.measured_frequency.clone())
+                .collect(),
             levels: &self.cutoffs,
             bands: &self.bands,
             ..plot(left, frequency, lines(&|branch| branch.frequency.clone()))
         };
-        let below_it = self.has_growth();
-        let name = (!below_it).then_some(self.k_label.as_str());
+        let has_growth_panel = self.has_growth();
+        let name = (!has_growth_panel).then_some(self.k_label.as_str());
         frequencies.draw(&mut picture, name, &self.frequency_label);
-        if below_it {
+        if has_growth_panel {
             let frame = Rectangle { top: split + between, bottom, ..left };
-            let plot = plot(frame, growth, lines(&|branch| branch.growth.clone()));
+            let plot = plot(frame, growth, lines(&|branch| branch.growth_rate.clone()));
             plot.draw(&mut picture, Some(&self.k_label), &self.growth_label);
         }
-        let speeds = Plot {
-            dashed: lines(&|branch| branch.group_speed.clone()),
-            rings: lines(&|branch| Self::phases(&branch.measured)),
+        let speeds = DispersionPanel {
+            dashed_lines: lines(&|branch| branch.group_speed.clone()),
+            measured_points: lines(&|branch| Self::phase_speeds(&branch.measured_frequency)),
             levels: &self.speed_limits,
-            pattern: LIMIT,
-            ..plot(right, speed, lines(&Self::phase))
+            level_dashes: SPEED_LIMIT_DASHES,
+            ..plot(right, speed, lines(&Self::phase_speed))
         };
         speeds.draw(&mut picture, Some(&self.k_label), &self.speed_label);
-        legend.draw(&mut picture, MARGIN, bottom + page::BOTTOM_AXIS + 22.0);
+        legend.draw(&mut picture, MARGIN, bottom + page::BOTTOM_AXIS_HEIGHT + 22.0);
         picture
     }
 }

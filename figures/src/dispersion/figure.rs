@@ -4,7 +4,7 @@ use crate::picture::Point;
 
 /// A branch of the dispersion relation. Points are in the units of the axes; NaN interrupts a line.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Branch {
+pub struct DispersionBranch {
     /// Legend text. The branch number is shown in the legend and on the lines.
     pub label: String,
     /// Pairs of wave number and angular frequency; the phase speed is drawn from the same points.
@@ -13,26 +13,26 @@ pub struct Branch {
     pub group_speed: Vec<[f64; 2]>,
     /// Measured pairs of wave number and angular frequency, drawn as rings, with their phase speeds in the panel of
     /// speeds; may be empty.
-    pub measured: Vec<[f64; 2]>,
+    pub measured_frequency: Vec<[f64; 2]>,
     /// Pairs of wave number and growth rate; may be empty. The panel of growth rates is drawn if at least one branch
     /// has growth rates.
-    pub growth: Vec<[f64; 2]>,
+    pub growth_rate: Vec<[f64; 2]>,
 }
 
 /// Frequency band in which a kind of wave does not propagate, drawn shaded.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Band {
+pub struct FrequencyBand {
     /// Legend text, e.g. `forbidden band`. Bands with the same label are listed once.
     pub label: String,
     /// Lower frequency.
-    pub from: f64,
+    pub low: f64,
     /// Upper frequency; may be infinite.
-    pub to: f64,
+    pub high: f64,
 }
 
 /// A marked value on a vertical axis, drawn as a thin horizontal line with a label.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Level {
+pub struct ReferenceLevel {
     /// Label: a few words, or a symbol with its value.
     pub label: String,
     /// Value, in the unit of the axis. Non-finite levels are not drawn.
@@ -60,31 +60,31 @@ pub struct DispersionFigure {
     /// Name, symbol and unit of the growth rate; unused if no branch has growth rates.
     pub growth_label: String,
     /// Whether the wave-number axis is logarithmic; non-positive wave numbers are then omitted.
-    pub k_log: bool,
+    pub is_k_log: bool,
     /// Whether the frequency axis is logarithmic.
-    pub frequency_log: bool,
+    pub is_frequency_log: bool,
     /// Branches; the first six have distinct colours.
-    pub branches: Vec<Branch>,
+    pub branches: Vec<DispersionBranch>,
     /// Frequency bands without propagating waves.
-    pub bands: Vec<Band>,
+    pub bands: Vec<FrequencyBand>,
     /// Cut-off frequencies; dashed lines.
-    pub cutoffs: Vec<Level>,
+    pub cutoffs: Vec<ReferenceLevel>,
     /// Marked speeds, e.g. short-wave limits; dotted lines.
-    pub speed_limits: Vec<Level>,
+    pub speed_limits: Vec<ReferenceLevel>,
 }
 
 impl DispersionFigure {
     pub(super) fn has_growth(&self) -> bool {
-        self.branches.iter().any(|branch| !branch.growth.is_empty())
+        self.branches.iter().any(|branch| !branch.growth_rate.is_empty())
     }
 
     /// Computes the pairs of wave number and phase speed ω/k of a branch.
-    pub(super) fn phase(branch: &Branch) -> Vec<Point> {
-        Self::phases(&branch.frequency)
+    pub(super) fn phase_speed(branch: &DispersionBranch) -> Vec<Point> {
+        Self::phase_speeds(&branch.frequency)
     }
 
     /// Computes the pairs of wave number and phase speed ω/k from pairs of wave number and frequency.
-    pub(super) fn phases(points: &[Point]) -> Vec<Point> {
+    pub(super) fn phase_speeds(points: &[Point]) -> Vec<Point> {
         points.iter().map(|&[k, omega]| [k, omega / k]).collect()
     }
 }

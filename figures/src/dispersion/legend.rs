@@ -1,41 +1,44 @@
 //! Legend of a dispersion figure.
 
 use super::figure::DispersionFigure;
-use super::looks::{BAND, COLOURS, CUTOFF, GROUP, LEVEL_WIDTH, LIMIT};
+use super::styles::{
+    BAND_COLOUR, BRANCH_COLOURS, CUTOFF_DASHES, GROUP_SPEED_DASHES, LEVEL_LINE_WIDTH,
+    SPEED_LIMIT_DASHES,
+};
 use super::tags::{draw_ring, draw_tag};
-use crate::growth::{LINE_WIDTH, LINEAR};
-use crate::page::Entry;
+use crate::growth::{LINE_WIDTH, LINEAR_RANGE_COLOUR};
+use crate::page::LegendEntry;
 use crate::picture::{Colour, INK, PALE_INK, Picture, Rectangle};
 
 impl DispersionFigure {
-    pub(super) fn legend(&self) -> Vec<Entry> {
-        let mut entries: Vec<Entry> = Vec::new();
+    pub(super) fn legend_entries(&self) -> Vec<LegendEntry> {
+        let mut entries: Vec<LegendEntry> = Vec::new();
         let middle = |area: Rectangle| 0.5 * (area.top + area.bottom);
         for (index, branch) in self.branches.iter().enumerate() {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
-                let (y, colour) = (middle(area), COLOURS[index % COLOURS.len()]);
-                picture.line([[area.left, y], [area.right, y]], LINE_WIDTH, colour);
+                let (y, colour) = (middle(area), BRANCH_COLOURS[index % BRANCH_COLOURS.len()]);
+                picture.draw_line([[area.left, y], [area.right, y]], LINE_WIDTH, colour);
                 draw_tag(picture, [0.5 * (area.left + area.right), y], index + 1, colour);
             };
             entries.push((branch.label.clone(), Box::new(swatch)));
         }
-        let mut line = |words: &str, pattern: &'static [f64], width: f64, colour: Colour| {
+        let mut line = |label_text: &str, pattern: &'static [f64], width: f64, colour: Colour| {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
                 let ends = [[area.left, middle(area)], [area.right, middle(area)]];
-                picture.dashed(&ends, pattern, width, colour);
+                picture.draw_dashed_line(&ends, pattern, width, colour);
             };
-            entries.push((words.to_owned(), Box::new(swatch)));
+            entries.push((label_text.to_owned(), Box::new(swatch)));
         };
         if self.branches.iter().any(|branch| !branch.group_speed.is_empty()) {
             line("phase speed ω/k", &[], LINE_WIDTH, INK);
-            line("group speed dω/dk", GROUP, LINE_WIDTH, INK);
+            line("group speed dω/dk", GROUP_SPEED_DASHES, LINE_WIDTH, INK);
         }
-        let has_measured = self.branches.iter().any(|branch| !branch.measured.is_empty());
+        let has_measured = self.branches.iter().any(|branch| !branch.measured_frequency.is_empty());
         if !self.cutoffs.is_empty() {
-            line("cut-off frequency", CUTOFF, LEVEL_WIDTH, PALE_INK);
+            line("cut-off frequency", CUTOFF_DASHES, LEVEL_LINE_WIDTH, PALE_INK);
         }
         if !self.speed_limits.is_empty() {
-            line("limit of the speed", LIMIT, LEVEL_WIDTH, PALE_INK);
+            line("limit of the speed", SPEED_LIMIT_DASHES, LEVEL_LINE_WIDTH, PALE_INK);
         }
         if has_measured {
             let swatch = move |picture: &mut Picture, area: Rectangle| {
@@ -49,18 +52,18 @@ impl DispersionFigure {
                 entries.push((
                     band.label.clone(),
                     Box::new(|picture, area| {
-                        picture.fill(area, BAND);
-                        picture.frame(area, 1.5, PALE_INK);
+                        picture.fill_rectangle(area, BAND_COLOUR);
+                        picture.draw_frame(area, 1.5, PALE_INK);
                     }),
                 ));
             }
         }
-        if self.has_growth() && self.k_log {
+        if self.has_growth() && self.is_k_log {
             entries.push((
                 "linear scale about 0".to_owned(),
                 Box::new(|picture, area| {
-                    picture.fill(area, LINEAR);
-                    picture.frame(area, 1.5, PALE_INK);
+                    picture.fill_rectangle(area, LINEAR_RANGE_COLOUR);
+                    picture.draw_frame(area, 1.5, PALE_INK);
                 }),
             ));
         }

@@ -5,11 +5,11 @@ mod draw;
 mod figure;
 mod labels;
 mod legend;
-mod looks;
 mod plot;
+mod styles;
 mod tags;
 #[cfg(test)]
 mod tests;
 
-pub use figure::{Band, Branch, DispersionFigure, Level};
-pub(crate) use tags::{TAG, draw_ring, draw_tag, tag_area};
+pub use figure::{DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel};
+pub(crate) use tags::{TAG_RADIUS, draw_ring, draw_tag, tag_area};

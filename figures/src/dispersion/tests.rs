@@ -1,23 +1,23 @@
 //! Tests of dispersion figures.
 
-use super::figure::{Band, Branch, DispersionFigure, Level};
+use super::figure::{DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel};
 use crate::picture::Point;
 
-use crate::tests::{check_drawing, odd_curves};
+use crate::tests::{check_drawing, edge_case_curves};
 
-fn figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFigure {
-    let branch = |index: usize| Branch {
+fn sample_figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFigure {
+    let branch = |index: usize| DispersionBranch {
         label: format!("branch {index}"),
         frequency: points.to_vec(),
         group_speed: points.to_vec(),
-        measured: points.to_vec(),
-        growth: points.to_vec(),
+        measured_frequency: points.to_vec(),
+        growth_rate: points.to_vec(),
     };
-    let level = |&value: &f64| Level { label: format!("ω* = {value} rad/s"), value };
-    let band = |pair: &[f64]| Band {
+    let level = |&value: &f64| ReferenceLevel { label: format!("ω* = {value} rad/s"), value };
+    let band = |pair: &[f64]| FrequencyBand {
         label: "forbidden band".to_owned(),
-        from: pair[0],
-        to: pair[pair.len() - 1],
+        low: pair[0],
+        high: pair[pair.len() - 1],
     };
     DispersionFigure {
         title: "Title".to_owned(),
@@ -26,8 +26,8 @@ fn figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFigure {
         frequency_label: "angular frequency ω (rad/s)".to_owned(),
         speed_label: "speed (m/s)".to_owned(),
         growth_label: "growth rate Re ς (1/s)".to_owned(),
-        k_log: log,
-        frequency_log: log,
+        is_k_log: log,
+        is_frequency_log: log,
         branches: (0..3).map(branch).collect(),
         bands: levels.chunks(2).map(band).collect(),
         cutoffs: levels.iter().map(level).collect(),
@@ -35,21 +35,21 @@ fn figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFigure {
     }
 }
 
-fn check(figure: &DispersionFigure) {
-    check_drawing(&figure.picture(), |format| figure.draw(format));
+fn check_figure(figure: &DispersionFigure) {
+    check_drawing(&figure.to_picture(), |format| figure.draw(format));
 }
 
 #[test]
 fn any_points_are_drawn() {
-    for points in odd_curves() {
+    for points in edge_case_curves() {
         for log in [false, true] {
-            check(&figure(&points, &[1.0, 3.0], log));
+            check_figure(&sample_figure(&points, &[1.0, 3.0], log));
         }
     }
 }
 
 #[test]
-fn labels_of_levels_keep_apart() {
+fn level_labels_do_not_overlap() {
     let points = [[0.1, 1.0], [10.0, 100.0], [20.0, 110.0]];
     let sets: [&[f64]; 4] = [
         &[],
@@ -58,27 +58,27 @@ fn labels_of_levels_keep_apart() {
         &[100.0, 20.0, 20.0, f64::INFINITY],
     ];
     for levels in sets {
-        check(&figure(&points, levels, false));
-        check(&figure(&points, levels, true));
+        check_figure(&sample_figure(&points, levels, false));
+        check_figure(&sample_figure(&points, levels, true));
     }
-    let mut long = figure(&points, &[20.0, 60.0], false);
+    let mut long = sample_figure(&points, &[20.0, 60.0], false);
     for text in [&mut long.cutoffs[0].label, &mut long.bands[0].label, &mut long.k_label] {
         *text = "a frequency of some kind ".repeat(30);
     }
     long.branches = (0..30).map(|index| long.branches[index % 3].clone()).collect();
-    check(&long);
+    check_figure(&long);
     long.branches.clear();
-    check(&long);
+    check_figure(&long);
 }
 
 #[test]
 fn phase_speeds_near_a_cutoff_do_not_stretch_the_axis() {
     let points: Vec<Point> =
         (1..=1000).map(|i| 0.01 * f64::from(i)).map(|k| [k, (100.0 + k * k).sqrt()]).collect();
-    let mut figure = figure(&points, &[], false);
+    let mut figure = sample_figure(&points, &[], false);
     for branch in &mut figure.branches {
         branch.group_speed = points.iter().map(|&[k, omega]| [k, k / omega]).collect();
     }
-    let [_, _, speed, _] = figure.scales();
+    let [_, _, speed, _] = figure.axis_scales();
     assert!(speed.high > 1.4 && speed.high < 2.0 && speed.low == 0.0, "{}", speed.high);
 }

@@ -1,35 +1,37 @@
 //! Borders between materials.
 
 use super::figure::FieldFigure;
-use super::raster::Raster;
+use super::raster::FieldRaster;
 use crate::picture::{INK, Picture, Rectangle, WHITE};
-use crate::verdict_map::runs;
+use crate::verdict_map::find_runs;
 
 impl FieldFigure {
     /// Computes the boundaries between materials as rectangles of zero width; `None` for a single material, or if the
     /// boundaries would cover too much of the field.
-    pub(super) fn borders(&self, raster: &Raster) -> Option<Vec<Rectangle>> {
-        if self.outlines.iter().all(|material| *material == self.outlines[0]) {
+    pub(super) fn material_borders(&self, raster: &FieldRaster) -> Option<Vec<Rectangle>> {
+        if self.material_indices.iter().all(|material| *material == self.material_indices[0]) {
             return None;
         }
-        let [columns, rows] = [0, 1].map(|axis| raster.count(axis));
+        let [columns, rows] = [0, 1].map(|axis| raster.cell_count(axis));
         let middle = |axis: usize, index: usize| {
             let edges = &raster.edges[axis];
             (edges[index] + edges[index + 1] - 1) / 2
         };
         let material = |column: usize, row: usize| {
-            self.outlines[middle(1, row) * self.columns + middle(0, column)]
+            self.material_indices[middle(1, row) * self.columns + middle(0, column)]
         };
         let mut lines = Vec::new();
         let mut covered = 0.0;
         for column in 1..columns {
-            for run in runs(rows, |row| material(column - 1, row) != material(column, row)) {
-                lines.push(raster.area((column, column), run));
+            for run in find_runs(rows, |row| material(column - 1, row) != material(column, row)) {
+                lines.push(raster.cells_area((column, column), run));
             }
         }
         for row in 1..rows {
-            for run in runs(columns, |column| material(column, row - 1) != material(column, row)) {
-                lines.push(raster.area(run, (row, row)));
+            for run in
+                find_runs(columns, |column| material(column, row - 1) != material(column, row))
+            {
+                lines.push(raster.cells_area(run, (row, row)));
             }
         }
         for line in &lines {
@@ -55,6 +57,6 @@ pub(super) fn draw_borders(picture: &mut Picture, lines: Vec<Rectangle>) {
                 bottom: line.bottom + y,
             }
         };
-        picture.patches(lines.iter().map(widened).collect(), colour);
+        picture.fill_patches(lines.iter().map(widened).collect(), colour);
     }
 }

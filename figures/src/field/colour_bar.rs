@@ -1,155 +1,172 @@
 //! Colour bar of a field.
 
-use super::colour_map::{SHADES, Scale};
-use super::contours::{Levels, draw_level, draw_ruled};
+use super::colour_map::{ColourScale, SHADE_COUNT};
+use super::contours::{Contours, draw_contour_line, draw_hatching};
 use super::figure::FieldFigure;
-use super::ticks::thinned;
-use crate::page::{self, NAME, NUMBER, RULE};
+use super::ticks::remove_overlapping_labels;
+use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, TICK_LABEL_SIZE};
 use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE};
 use crate::scale::Tick;
-use crate::verdict_map::ARROW;
+use crate::verdict_map::ARROW_LENGTH;
 
 /// Colour bar and its orientation.
-struct Bar {
+struct ColourBar {
     area: Rectangle,
-    is_upright: bool,
+    is_vertical: bool,
 }
 
-impl Bar {
+impl ColourBar {
     fn length(&self) -> f64 {
-        if self.is_upright { self.area.height() } else { self.area.width() }
+        if self.is_vertical { self.area.height() } else { self.area.width() }
     }
 
-    /// Returns the coordinate, in pixels, at a share of the bar's length.
-    fn place(&self, share: f64) -> f64 {
+    /// Returns the coordinate, in pixels, at a fraction of the bar's length.
+    fn position(&self, fraction: f64) -> f64 {
         let length = self.length();
-        if self.is_upright {
-            self.area.bottom - share * length
+        if self.is_vertical {
+            self.area.bottom - fraction * length
         } else {
-            self.area.left + share * length
+            self.area.left + fraction * length
         }
     }
 
-    /// Returns the transverse line at a share of the bar's length.
-    fn across(&self, share: f64) -> [Point; 2] {
-        let (bar, place) = (self.area, self.place(share));
-        if self.is_upright {
+    /// Returns the transverse line at a fraction of the bar's length.
+    fn transverse_line(&self, fraction: f64) -> [Point; 2] {
+        let (bar, place) = (self.area, self.position(fraction));
+        if self.is_vertical {
             [[bar.left, place], [bar.right, place]]
         } else {
             [[place, bar.top], [place, bar.bottom]]
         }
     }
 
-    fn draw_colours(&self, picture: &mut Picture, scale: &Scale) {
-        let first = if scale.is_signed { -SHADES } else { 0 };
-        let count = f64::from(SHADES - first) + 1.0;
-        for (index, step) in (first..=SHADES).enumerate() {
+    fn draw_colours(&self, picture: &mut Picture, scale: &ColourScale) {
+        let first = if scale.is_signed { -SHADE_COUNT } else { 0 };
+        let count = f64::from(SHADE_COUNT - first) + 1.0;
+        for (index, step) in (first..=SHADE_COUNT).enumerate() {
             let [from, to] =
-                [index as f64, index as f64 + 1.0].map(|edge| self.place(edge / count));
-            let part = if self.is_upright {
+                [index as f64, index as f64 + 1.0].map(|edge| self.position(edge / count));
+            let part = if self.is_vertical {
                 Rectangle { top: to, bottom: from, ..self.area }
             } else {
                 Rectangle { left: from, right: to, ..self.area }
             };
-            picture.patches(vec![part], scale.colour(step));
+            picture.fill_patches(vec![part], scale.step_colour(step));
         }
     }
 
     /// Draws the outline, with arrows at ends whose colours also stand for values beyond the scale.
-    fn draw_outline(&self, picture: &mut Picture, scale: &Scale) {
-        let ends: &[f64] = match scale.open {
+    fn draw_outline(&self, picture: &mut Picture, scale: &ColourScale) {
+        let ends: &[f64] = match scale.has_values_beyond {
             [false, false] => &[],
             [true, false] => &[0.0],
             [false, true] => &[1.0],
             [true, true] => &[0.0, 1.0],
         };
         for &end in ends {
-            let base = self.across(end + (0.5 - end) * 2.0 * ARROW / self.length());
-            let middle = self.across(end);
+            let base = self.transverse_line(end + (0.5 - end) * 2.0 * ARROW_LENGTH / self.length());
+            let middle = self.transverse_line(end);
             let tip = [0, 1].map(|part| 0.5 * (middle[0][part] + middle[1][part]));
             for (corner, inner) in middle.into_iter().zip(base) {
-                picture.polygon(vec![tip, corner, inner], WHITE);
+                picture.fill_polygon(vec![tip, corner, inner], WHITE);
             }
-            picture.line([base[0], tip, base[1]], RULE, INK);
+            picture.draw_line([base[0], tip, base[1]], FRAME_LINE_WIDTH, INK);
         }
-        picture.line(outline(self.area, self.is_upright, ends, ARROW), RULE, INK);
+        picture.draw_line(
+            outline_points(self.area, self.is_vertical, ends, ARROW_LENGTH),
+            FRAME_LINE_WIDTH,
+            INK,
+        );
     }
 }
 
 impl FieldFigure {
-    pub(super) fn draw_bar(
+    pub(super) fn draw_colour_bar(
         &self,
         picture: &mut Picture,
-        scale: &Scale,
-        levels: &Levels,
+        scale: &ColourScale,
+        levels: &Contours,
         area: Rectangle,
         is_upright: bool,
     ) {
-        let bar = Bar { area, is_upright };
+        let bar = ColourBar { area, is_vertical: is_upright };
         bar.draw_colours(picture, scale);
-        self.draw_levels_on_bar(picture, scale, levels, &bar);
+        self.draw_contours_on_bar(picture, scale, levels, &bar);
         bar.draw_outline(picture, scale);
         self.draw_bar_axis(picture, scale, &bar);
     }
 
-    fn draw_levels_on_bar(&self, picture: &mut Picture, scale: &Scale, levels: &Levels, bar: &Bar) {
+    fn draw_contours_on_bar(
+        &self,
+        picture: &mut Picture,
+        scale: &ColourScale,
+        levels: &Contours,
+        bar: &ColourBar,
+    ) {
         match levels {
-            Levels::Lines(_) => {
-                for level in self.level_shares(scale) {
-                    let share = scale.share(level * scale.end);
+            Contours::Lines(_) => {
+                for level in self.relative_levels(scale) {
+                    let share = scale.fraction(level * scale.limit);
                     if (0.0..=1.0).contains(&share) {
-                        draw_level(picture, level, &bar.across(share));
+                        draw_contour_line(picture, level, &bar.transverse_line(share));
                     }
                 }
             }
-            Levels::Ruled => {
-                let end = bar.place(scale.share(-0.25 * scale.end));
-                let ruled = if bar.is_upright {
+            Contours::Hatching => {
+                let end = bar.position(scale.fraction(-0.25 * scale.limit));
+                let ruled = if bar.is_vertical {
                     Rectangle { top: end, ..bar.area }
                 } else {
                     Rectangle { right: end, ..bar.area }
                 };
-                draw_ruled(picture, ruled);
+                draw_hatching(picture, ruled);
             }
-            Levels::TooMany | Levels::None => {}
+            Contours::TooMany | Contours::None => {}
         }
     }
 
-    fn draw_bar_axis(&self, picture: &mut Picture, scale: &Scale, bar: &Bar) {
+    fn draw_bar_axis(&self, picture: &mut Picture, scale: &ColourScale, bar: &ColourBar) {
         let ticks: Vec<Tick> = self
-            .bar_ticks(scale, bar.length(), bar.is_upright)
+            .bar_ticks(scale, bar.length(), bar.is_vertical)
             .into_iter()
-            .map(|(value, label)| (bar.place(scale.share(value)), label))
+            .map(|(value, label)| (bar.position(scale.fraction(value)), label))
             .collect();
         let area = bar.area;
-        if !bar.is_upright {
-            return page::bottom_axis(picture, area, &thinned(ticks, false), &self.label);
+        if !bar.is_vertical {
+            return page::draw_bottom_axis(
+                picture,
+                area,
+                &remove_overlapping_labels(ticks, false),
+                &self.label,
+            );
         }
-        let ticks = thinned(ticks, true);
+        let ticks = remove_overlapping_labels(ticks, true);
         for (y, label) in &ticks {
-            picture.line([[area.right, *y], [area.right + 8.0, *y]], RULE, INK);
+            picture.draw_line([[area.right, *y], [area.right + 8.0, *y]], FRAME_LINE_WIDTH, INK);
             if !label.is_empty() {
-                let at = [area.right + 14.0, y + 0.36 * NUMBER];
-                picture.text(Text::new(at, Anchor::Start, NUMBER, label));
+                let at = [area.right + 14.0, y + 0.36 * TICK_LABEL_SIZE];
+                picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));
             }
         }
-        let (name, size) = page::fit(&self.label, NAME, area.height());
+        let (name, size) = page::fit_text(&self.label, AXIS_NAME_SIZE, area.height());
         if !name.is_empty() {
-            let x = area.right + 14.0 + page::widest(&ticks) + 12.0 + 0.76 * NAME;
+            let x =
+                area.right + 14.0 + page::max_label_width(&ticks) + 12.0 + 0.76 * AXIS_NAME_SIZE;
             let at = [x, 0.5 * (area.top + area.bottom)];
-            picture.text(Text { upwards: true, ..Text::new(at, Anchor::Middle, size, name) });
+            picture
+                .draw_text(Text { is_vertical: true, ..Text::new(at, Anchor::Middle, size, name) });
         }
     }
 }
 
 /// Computes the closed outline of a bar, with arrows of length `arrow` at the `ends` (0: lower or left, 1: upper or
 /// right).
-fn outline(bar: Rectangle, upright: bool, ends: &[f64], arrow: f64) -> Vec<Point> {
+fn outline_points(bar: Rectangle, is_vertical: bool, ends: &[f64], arrow: f64) -> Vec<Point> {
     let Rectangle { left, top, right, bottom } = bar;
     let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
     let [low, high] = [0.0, 1.0].map(|end| ends.contains(&end));
     let cut = |is_cut: bool| if is_cut { arrow } else { 0.0 };
-    let corners: [(Point, bool); 6] = if upright {
+    let corners: [(Point, bool); 6] = if is_vertical {
         [
             ([left, bottom - cut(low)], true),
             ([x, bottom], low),

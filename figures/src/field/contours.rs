@@ -1,31 +1,31 @@
 //! Contour lines, or hatching of negative values if there would be too many contour lines.
 
-use super::cells::rules;
-use super::colour_map::Scale;
+use super::cells::horizontal_hatching;
+use super::colour_map::ColourScale;
 use super::figure::FieldFigure;
-use super::layout::Layout;
-use super::raster::{COARSE, Raster};
+use super::layout::FieldLayout;
+use super::raster::{FieldRaster, MAX_COARSE_CELLS};
 use crate::contour;
-use crate::picture::{INK, Picture, Point, Rectangle, WHITE, dashes, polyline_length};
+use crate::picture::{INK, Picture, Point, Rectangle, WHITE, polyline_length, split_into_dashes};
 
-/// Default contour levels, as shares of the limit of the colour scale.
-const LEVELS: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
-const LEVEL_WIDTH: f64 = 1.4;
-const LEVEL_DASHES: [f64; 2] = [7.0, 5.0];
+/// Default contour levels, as fractions of the limit of the colour scale.
+const DEFAULT_LEVELS: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
+const CONTOUR_WIDTH: f64 = 1.4;
+const NEGATIVE_DASHES: [f64; 2] = [7.0, 5.0];
 /// Share of the colour scale above which contour lines are drawn in white.
-const DARK: f64 = 0.6;
+const WHITE_LINE_THRESHOLD: f64 = 0.6;
 
 /// Maximum number of contour points, counting 10 extra points per line; above it no contour lines are drawn.
-const MAX_LEVEL_POINTS: usize = 60_000;
+const MAX_CONTOUR_POINTS: usize = 60_000;
 /// Spacing of the hatching of negative values, pixels.
-const RULED: f64 = 8.0;
+const HATCH_SPACING: f64 = 8.0;
 
 /// Contour lines or hatching, which distinguish positive and negative values in greyscale.
-pub(super) enum Levels {
-    /// Contour lines, each with its level as a share of the limit of the colour scale.
+pub(super) enum Contours {
+    /// Contour lines, each with its level as a fraction of the limit of the colour scale.
     Lines(Vec<(f64, Vec<Point>)>),
     /// Hatching of large negative values, since there would be too many contour lines.
-    Ruled,
+    Hatching,
     /// Neither: there would be too many of the requested contour lines of an unsigned quantity.
     TooMany,
     None,
@@ -33,14 +33,14 @@ pub(super) enum Levels {
 
 impl FieldFigure {
     /// Returns whether contour lines are drawn if their number permits.
-    pub(super) fn has_curves(&self, scale: &Scale) -> bool {
-        self.curves.is_some() || scale.is_signed
+    pub(super) fn has_contours(&self, scale: &ColourScale) -> bool {
+        self.contour_levels.is_some() || scale.is_signed
     }
 
-    /// Returns the contour levels as shares of the limit of the colour scale, ascending and distinct.
-    pub(super) fn level_shares(&self, scale: &Scale) -> Vec<f64> {
-        let Some(curves) = &self.curves else { return LEVELS.to_vec() };
-        let mut shares: Vec<f64> = curves.iter().map(|level| level / scale.end).collect();
+    /// Returns the contour levels as fractions of the limit of the colour scale, ascending and distinct.
+    pub(super) fn relative_levels(&self, scale: &ColourScale) -> Vec<f64> {
+        let Some(curves) = &self.contour_levels else { return DEFAULT_LEVELS.to_vec() };
+        let mut shares: Vec<f64> = curves.iter().map(|level| level / scale.limit).collect();
         shares.retain(|share| share.is_finite());
         shares.sort_by(f64::total_cmp);
         shares.dedup();
@@ -48,28 +48,34 @@ impl FieldFigure {
     }
 
     /// Hatches the cells with values below −¼ of the limit of the colour scale.
-    pub(super) fn rule_negative(&self, picture: &mut Picture, scale: &Scale, raster: &Raster) {
-        let values = raster.extremes(&self.values);
-        let is_low =
-            |column: usize, row: usize| values[row * raster.count(0) + column] < -0.25 * scale.end;
-        picture.patches(rules(raster, RULED, 1.6, is_low), INK);
+    pub(super) fn hatch_negative_cells(
+        &self,
+        picture: &mut Picture,
+        scale: &ColourScale,
+        raster: &FieldRaster,
+    ) {
+        let values = raster.extreme_values(&self.values);
+        let is_low = |column: usize, row: usize| {
+            values[row * raster.cell_count(0) + column] < -0.25 * scale.limit
+        };
+        picture.fill_patches(horizontal_hatching(raster, HATCH_SPACING, 1.6, is_low), INK);
     }
 
-    pub(super) fn levels(&self, scale: &Scale, layout: &Layout) -> Levels {
-        if !self.has_curves(scale) || scale.end == 0.0 {
-            return Levels::None;
+    pub(super) fn compute_contours(&self, scale: &ColourScale, layout: &FieldLayout) -> Contours {
+        if !self.has_contours(scale) || scale.limit == 0.0 {
+            return Contours::None;
         }
         let frame = layout.frame;
-        let raster = Raster::new(self, frame, [COARSE; 2]);
-        let means = raster.means(&self.values);
-        let [columns, rows] = [0, 1].map(|axis| raster.count(axis));
+        let raster = FieldRaster::new(self, frame, [MAX_COARSE_CELLS; 2]);
+        let means = raster.mean_values(&self.values);
+        let [columns, rows] = [0, 1].map(|axis| raster.cell_count(axis));
         // The outermost values are repeated in one additional row or column on each side, so that lines reach the
         // frame.
         let inner = |index: usize, count: usize| index.clamp(1, count) - 1;
         let value = |i: usize, j: usize| means[inner(j, rows) * columns + inner(i, columns)];
         // Maps a position in the extended grid to a cell coordinate: cell centres inside, domain edges at the ends.
         let cell = |place: f64, axis: usize| {
-            let (edges, count) = (&raster.edges[axis], raster.count(axis));
+            let (edges, count) = (&raster.edges[axis], raster.cell_count(axis));
             let centre = |index: usize| match index {
                 0 => 0.0,
                 index if index > count => edges[count] as f64,
@@ -80,53 +86,53 @@ impl FieldFigure {
             from + (place - below as f64) * (to - from)
         };
         let mut lines = Vec::new();
-        let mut effort = 0;
-        for share in self.level_shares(scale) {
-            for line in contour::lines(columns + 2, rows + 2, value, share * scale.end) {
+        let mut point_count = 0;
+        for share in self.relative_levels(scale) {
+            for line in contour::trace_contours(columns + 2, rows + 2, value, share * scale.limit) {
                 let points: Vec<Point> = line
                     .iter()
-                    .map(|&[i, j]| [raster.x(cell(i, 0)), raster.y(cell(j, 1))])
+                    .map(|&[i, j]| [raster.x_position(cell(i, 0)), raster.y_position(cell(j, 1))])
                     .collect();
                 // Lines too short to be drawn count as well: a field with many of them has no meaningful contours.
-                effort += 10 + points.len();
-                if effort > MAX_LEVEL_POINTS {
-                    return if scale.is_signed { Levels::Ruled } else { Levels::TooMany };
+                point_count += 10 + points.len();
+                if point_count > MAX_CONTOUR_POINTS {
+                    return if scale.is_signed { Contours::Hatching } else { Contours::TooMany };
                 }
                 if polyline_length(&points) > 12.0 {
                     lines.push((share, points));
                 }
             }
         }
-        if !lines.is_empty() || self.curves.is_some() {
-            Levels::Lines(lines)
-        } else if self.values.iter().any(|value| *value < -0.25 * scale.end) {
-            Levels::Ruled
+        if !lines.is_empty() || self.contour_levels.is_some() {
+            Contours::Lines(lines)
+        } else if self.values.iter().any(|value| *value < -0.25 * scale.limit) {
+            Contours::Hatching
         } else if scale.is_fixed {
-            Levels::Lines(lines)
+            Contours::Lines(lines)
         } else {
-            Levels::None
+            Contours::None
         }
     }
 }
 
 /// Hatches an area like negative values of the field.
-pub(super) fn draw_ruled(picture: &mut Picture, area: Rectangle) {
-    let count = ((area.height() / RULED) as usize).max(1);
+pub(super) fn draw_hatching(picture: &mut Picture, area: Rectangle) {
+    let count = ((area.height() / HATCH_SPACING) as usize).max(1);
     let spacing = area.height() / count as f64;
     let line = |index: usize| {
         let y = area.top + (index as f64 + 0.5) * spacing;
         Rectangle { top: y - 0.8, bottom: y + 0.8, ..area }
     };
-    picture.patches((0..count).map(line).collect(), INK);
+    picture.fill_patches((0..count).map(line).collect(), INK);
 }
 
-pub(super) fn draw_level(picture: &mut Picture, share: f64, points: &[Point]) {
-    let colour = if share.abs() > DARK { WHITE } else { INK };
-    let pattern: &[f64] = if share < 0.0 { &LEVEL_DASHES } else { &[] };
+pub(super) fn draw_contour_line(picture: &mut Picture, relative_level: f64, points: &[Point]) {
+    let colour = if relative_level.abs() > WHITE_LINE_THRESHOLD { WHITE } else { INK };
+    let pattern: &[f64] = if relative_level < 0.0 { &NEGATIVE_DASHES } else { &[] };
     if pattern.is_empty() {
-        return picture.line(points, LEVEL_WIDTH, colour);
+        return picture.draw_line(points, CONTOUR_WIDTH, colour);
     }
-    for dash in dashes(points, pattern) {
-        picture.line(dash, LEVEL_WIDTH, colour);
+    for dash in split_into_dashes(points, pattern) {
+        picture.draw_line(dash, CONTOUR_WIDTH, colour);
     }
 }

@@ -1,21 +1,21 @@
 //! Drawing of a field figure.
 
 use super::borders::draw_borders;
-use super::colour_map::Scale;
-use super::contours::{Levels, draw_level};
+use super::colour_map::ColourScale;
+use super::contours::{Contours, draw_contour_line};
 use super::figure::FieldFigure;
-use super::layout::Layout;
-use super::raster::{COARSE, Raster};
+use super::layout::FieldLayout;
+use super::raster::{FieldRaster, MAX_COARSE_CELLS};
 use crate::error::FigureError;
-use crate::format::Format;
-use crate::page::{self, Legend, MARGIN, RULE};
+use crate::format::FigureFormat;
+use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
 use crate::picture::{Colour, INK, Picture, Rectangle, WHITE};
 
 /// Layout, legend and contours, determined before drawing.
 pub(super) struct Arrangement {
-    pub(super) layout: Layout,
+    pub(super) layout: FieldLayout,
     pub(super) legend: Legend,
-    pub(super) levels: Levels,
+    pub(super) contours: Contours,
     pub(super) has_borders: bool,
 }
 
@@ -25,79 +25,85 @@ impl FieldFigure {
     /// # Errors
     /// A list does not have one value per cell, the limit of the colour scale is not positive, or rendering or encoding
     /// fails.
-    pub fn draw(&self, format: Format) -> Result<Vec<u8>, FigureError> {
-        self.picture(format)?.render(format)
+    pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
+        self.to_picture(format)?.render(format)
     }
 
     /// Determines the layout. The legend depends on the drawn elements, whose positions depend on the height of the
     /// legend; hence borders, lines and names are first placed for a legend of zero height.
-    pub(super) fn arrange(&self, scale: &Scale, format: Format) -> Arrangement {
-        let mut sheet = Picture::new(page::WIDTH as u32, 1);
-        let top = page::heading(&mut sheet, &self.title, &self.subtitle).ceil();
-        let trial = self.layout(scale, top, 0.0);
-        let has_borders = self.borders(&self.raster(&trial, format)).is_some();
-        let levels = self.levels(scale, &trial);
-        let left_out =
-            |layout| self.place_names(layout).iter().filter(|place| place.is_none()).count();
-        let list = |scale: &Scale, levels: &Levels, left_out| {
-            let entries = self.legend(scale, levels, has_borders, left_out);
-            let (mut listed, mut widest) = (Vec::new(), Vec::new());
+    pub(super) fn compute_arrangement(
+        &self,
+        scale: &ColourScale,
+        format: FigureFormat,
+    ) -> Arrangement {
+        let top = page::heading_bottom(&self.title, &self.subtitle).ceil();
+        let trial = self.compute_layout(scale, top, 0.0);
+        let has_borders = self.material_borders(&self.build_raster(&trial, format)).is_some();
+        let contours = self.compute_contours(scale, &trial);
+        let count_omitted_names =
+            |layout| self.place_mark_names(layout).iter().filter(|place| place.is_none()).count();
+        let build_legend = |scale: &ColourScale, contours: &Contours, omitted_names| {
+            let entries = self.legend_entries(scale, contours, has_borders, omitted_names);
+            let (mut listed, mut widest_texts) = (Vec::new(), Vec::new());
             for entry in entries {
-                widest.push(entry.widest);
-                listed.push((entry.words, entry.swatch));
+                widest_texts.push(entry.widest_text);
+                listed.push((entry.text, entry.swatch));
             }
-            Legend::with_room(listed, &widest, page::WIDTH - 2.0 * MARGIN)
+            Legend::with_reserved_texts(listed, &widest_texts, page::WIDTH - 2.0 * MARGIN)
         };
         // Figures with a fixed scale reserve the legend height that other frames may need.
-        let height = |legend: &Legend, left_out| {
+        let legend_height = |legend: &Legend, omitted_names| {
             if !scale.is_fixed {
                 return legend.height();
             }
-            let all = Scale { unknown: scale.unknown.max(1), ..scale.clone() };
-            let most =
-                if self.has_curves(scale) { Levels::Lines(Vec::new()) } else { Levels::None };
-            list(&all, &most, left_out).height().max(legend.height())
+            let full_scale =
+                ColourScale { non_finite_count: scale.non_finite_count.max(1), ..scale.clone() };
+            let most_contours =
+                if self.has_contours(scale) { Contours::Lines(Vec::new()) } else { Contours::None };
+            build_legend(&full_scale, &most_contours, omitted_names).height().max(legend.height())
         };
-        let count = left_out(&trial);
-        let mut legend = list(scale, &levels, count);
-        let mut layout = self.layout(scale, top, height(&legend, count));
+        let omitted_names = count_omitted_names(&trial);
+        let mut legend = build_legend(scale, &contours, omitted_names);
+        let mut layout = self.compute_layout(scale, top, legend_height(&legend, omitted_names));
         // A smaller field may have space for fewer names.
-        let count = left_out(&layout);
-        legend = list(scale, &levels, count);
-        layout = self.layout(scale, top, height(&legend, count));
-        let levels = match levels {
-            Levels::Lines(_) => self.levels(scale, &layout),
-            levels => levels,
+        let omitted_names = count_omitted_names(&layout);
+        legend = build_legend(scale, &contours, omitted_names);
+        layout = self.compute_layout(scale, top, legend_height(&legend, omitted_names));
+        let contours = match contours {
+            Contours::Lines(_) => self.compute_contours(scale, &layout),
+            contours => contours,
         };
-        Arrangement { layout, legend, levels, has_borders }
+        Arrangement { layout, legend, contours, has_borders }
     }
 
     /// Returns all colours that cells of figures with the same scale may have.
-    pub(crate) fn colours(&self) -> Vec<Colour> {
-        Scale::of(self).colours()
+    pub(crate) fn cell_colours(&self) -> Vec<Colour> {
+        ColourScale::from_figure(self).all_colours()
     }
 
-    pub(crate) fn picture(&self, format: Format) -> Result<Picture, FigureError> {
-        self.check()?;
-        let scale = Scale::of(self);
-        let Arrangement { layout, legend, levels, has_borders } = self.arrange(&scale, format);
-        let mut picture = Picture::new(page::WIDTH as u32, layout.height as u32);
-        page::heading(&mut picture, &self.title, &self.subtitle);
-        let raster = self.raster(&layout, format);
+    pub(crate) fn to_picture(&self, format: FigureFormat) -> Result<Picture, FigureError> {
+        self.validate()?;
+        let scale = ColourScale::from_figure(self);
+        let Arrangement { layout, legend, contours, has_borders } =
+            self.compute_arrangement(&scale, format);
+        let mut picture = page::create_page(layout.height, &self.title, &self.subtitle);
+        let raster = self.build_raster(&layout, format);
         self.draw_cells(&mut picture, &scale, &raster);
-        match &levels {
-            Levels::Lines(lines) => {
-                lines.iter().for_each(|(share, line)| draw_level(&mut picture, *share, line));
+        match &contours {
+            Contours::Lines(lines) => {
+                lines
+                    .iter()
+                    .for_each(|(share, line)| draw_contour_line(&mut picture, *share, line));
             }
-            Levels::Ruled => self.rule_negative(&mut picture, &scale, &raster),
-            Levels::TooMany | Levels::None => {}
+            Contours::Hatching => self.hatch_negative_cells(&mut picture, &scale, &raster),
+            Contours::TooMany | Contours::None => {}
         }
         if has_borders {
-            draw_borders(&mut picture, self.borders(&raster).unwrap_or_default());
+            draw_borders(&mut picture, self.material_borders(&raster).unwrap_or_default());
         }
-        self.draw_plastic(&mut picture, layout.frame);
-        if let Levels::Lines(lines) = &levels {
-            for number in self.place_numbers(&scale, &layout, lines) {
+        self.draw_yielded_cells(&mut picture, layout.frame);
+        if let Contours::Lines(lines) = &contours {
+            for number in self.place_contour_numbers(&scale, &layout, lines) {
                 let bounds = number.bounds();
                 let ground = Rectangle {
                     top: bounds.top + 1.0,
@@ -105,26 +111,26 @@ impl FieldFigure {
                     right: bounds.right + 3.0,
                     ..bounds
                 };
-                picture.fill(ground, WHITE);
-                picture.text(number);
+                picture.fill_rectangle(ground, WHITE);
+                picture.draw_text(number);
             }
         }
-        picture.frame(layout.frame, RULE, INK);
+        picture.draw_frame(layout.frame, FRAME_LINE_WIDTH, INK);
         self.draw_axes(&mut picture, &layout);
-        if let Some(bar) = layout.bar {
-            self.draw_bar(&mut picture, &scale, &levels, bar, layout.bar_is_upright);
+        if let Some(bar) = layout.bar_area {
+            self.draw_colour_bar(&mut picture, &scale, &contours, bar, layout.is_bar_vertical);
         }
         self.draw_marks(&mut picture, &layout);
         legend.draw(&mut picture, MARGIN, layout.legend_top);
         Ok(picture)
     }
 
-    pub(super) fn raster(&self, layout: &Layout, format: Format) -> Raster {
+    pub(super) fn build_raster(&self, layout: &FieldLayout, format: FigureFormat) -> FieldRaster {
         let pixels = [layout.frame.width() as usize, layout.frame.height() as usize];
-        let most = match format {
-            Format::Png => pixels,
-            Format::Svg => pixels.map(|pixels| pixels.min(COARSE)),
+        let max_cells = match format {
+            FigureFormat::Png => pixels,
+            FigureFormat::Svg => pixels.map(|pixels| pixels.min(MAX_COARSE_CELLS)),
         };
-        Raster::new(self, layout.frame, most)
+        FieldRaster::new(self, layout.frame, max_cells)
     }
 }

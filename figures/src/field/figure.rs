@@ -3,14 +3,14 @@
 use crate::error::FigureError;
 
 /// Axis of a field: name and extent of the domain.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldAxis {
     /// Name, symbol and unit.
     pub label: String,
     /// Coordinate of the left or lower edge of the first cell, in the unit of the label.
-    pub from: f64,
-    /// Coordinate of the right or upper edge of the last cell; may be less than `from`.
-    pub to: f64,
+    pub start: f64,
+    /// Coordinate of the right or upper edge of the last cell; may be less than `start`.
+    pub end: f64,
 }
 
 /// Kind of a marked point.
@@ -26,7 +26,7 @@ pub enum FieldMarkKind {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldMark {
     /// Coordinates, in the units of the axes. Marks outside the domain are not drawn, but counted in the legend.
-    pub at: [f64; 2],
+    pub position: [f64; 2],
     /// Name written beside the mark, a word or two; may be empty.
     pub name: String,
     /// Kind of the mark.
@@ -38,7 +38,7 @@ pub struct FieldMark {
 /// The domain is drawn to scale, so that both axes must have the same unit; a domain with an aspect ratio above about
 /// 15 is stretched, which is stated in the axis name. If there are more cells than pixels, the value of largest
 /// magnitude of several cells is drawn.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldFigure {
     /// Title of the figure.
     pub title: String,
@@ -59,39 +59,36 @@ pub struct FieldFigure {
     pub label: String,
     /// Whether the quantity is signed: the colour scale is then symmetric about zero, and contour lines are solid at
     /// positive and dashed at negative levels. The colour scale of an unsigned quantity starts at zero; without
-    /// `scale`, negative values beyond round-off make it signed.
+    /// `fixed_limit`, negative values beyond round-off make it signed.
     pub is_signed: bool,
     /// Limit of the colour scale, in the unit of `label`; `None` for the largest magnitude. Values beyond are clipped,
     /// which the colour bar indicates. Without effect if above the largest magnitude.
     pub limit: Option<f64>,
     /// Fixed limit of the colour scale, in the unit of `label`, independent of the values; overrides `limit`. Figures
     /// with the same fixed scale have the same colours, colour bar and layout, as required for the frames of an
-    /// [`crate::Animation`]; negative values of an unsigned quantity then count as beyond the scale.
-    pub scale: Option<f64>,
+    /// [`crate::GifAnimation`]; negative values of an unsigned quantity then count as beyond the scale.
+    pub fixed_limit: Option<f64>,
     /// Levels of contour lines, in the unit of `label`, which are drawn with their numbers; `None` for levels at ±¼ and
     /// ±½ of the colour scale of a signed quantity. Levels that are non-finite or not attained have no line.
-    pub curves: Option<Vec<f64>>,
+    pub contour_levels: Option<Vec<f64>>,
     /// Material index of each cell, in the order of `values`; lines are drawn between different materials. Empty for a
     /// single material.
-    pub outlines: Vec<u16>,
+    pub material_indices: Vec<u16>,
     /// Whether each cell has yielded, in the order of `values`; yielded cells are dotted. Empty if none.
-    pub plastic: Vec<bool>,
+    pub has_yielded: Vec<bool>,
     /// Marked sources and receivers.
     pub marks: Vec<FieldMark>,
 }
 
-/// Magnitude above which numbers are treated as infinite, since differences would overflow.
-pub(super) const FINITE: f64 = 1e300;
-
 impl FieldFigure {
-    pub(super) fn check(&self) -> Result<(), FigureError> {
+    pub(super) fn validate(&self) -> Result<(), FigureError> {
         for (axis, cells) in [(&self.x, self.columns), (&self.y, self.rows)] {
             let refuse = |problem| FigureError::Axis { label: axis.label.clone(), problem };
             if cells == 0 {
                 return Err(refuse("has no cells"));
             }
-            let length = (axis.to - axis.from).abs();
-            if !(axis.from.is_finite() && axis.to.is_finite()) {
+            let length = (axis.end - axis.start).abs();
+            if !(axis.start.is_finite() && axis.end.is_finite()) {
                 return Err(refuse("has an end that is not a finite number"));
             }
             if !(length > 0.0 && length.is_finite()) {
@@ -101,15 +98,16 @@ impl FieldFigure {
         let (columns, rows) = (self.columns, self.rows);
         let lists = [
             ("values", self.values.len(), false),
-            ("outlines", self.outlines.len(), self.outlines.is_empty()),
-            ("plastic", self.plastic.len(), self.plastic.is_empty()),
+            ("outlines", self.material_indices.len(), self.material_indices.is_empty()),
+            ("plastic", self.has_yielded.len(), self.has_yielded.is_empty()),
         ];
         for (field, found, is_absent) in lists {
             if !is_absent && columns.checked_mul(rows) != Some(found) {
                 return Err(FigureError::CellCount { field, found, columns, rows });
             }
         }
-        match [self.limit, self.scale].into_iter().flatten().find(|end| !is_end(*end)) {
+        match [self.limit, self.fixed_limit].into_iter().flatten().find(|end| !is_valid_limit(*end))
+        {
             Some(found) => Err(FigureError::Limit { found }),
             None => Ok(()),
         }
@@ -117,6 +115,6 @@ impl FieldFigure {
 }
 
 /// Returns whether a number is a valid limit of the colour scale.
-fn is_end(value: f64) -> bool {
+fn is_valid_limit(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }

@@ -1,23 +1,24 @@
 //! Marks of sources and receivers, and placement of their names.
 
 use super::figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
-use super::layout::Layout;
+use super::layout::FieldLayout;
 use crate::page::{self};
-use crate::picture::{Anchor, INK, Picture, Point, Rectangle, Text, WHITE, circle, text_width};
+use crate::picture::{
+    Anchor, INK, Picture, Point, Rectangle, Text, WHITE, circle_points, text_width,
+};
 
-const MARK_NAME: f64 = 22.0;
+const MARK_NAME_SIZE: f64 = 22.0;
 /// Radius about the centre of a mark that is kept free of names, pixels.
 const MARK_RADIUS: f64 = 15.0;
 
 impl FieldFigure {
     /// Returns the marks inside the domain, with their positions in pixels.
-    pub(super) fn places(&self, frame: Rectangle) -> Vec<(Point, &FieldMark)> {
-        let share = |axis: &FieldAxis, value: f64| (value - axis.from) / (axis.to - axis.from);
+    pub(super) fn mark_positions(&self, frame: Rectangle) -> Vec<(Point, &FieldMark)> {
+        let share = |axis: &FieldAxis, value: f64| (value - axis.start) / (axis.end - axis.start);
         let inside = |share: f64| (-1e-9..=1.0 + 1e-9).contains(&share);
-        let shares = self
-            .marks
-            .iter()
-            .map(|mark| ([share(&self.x, mark.at[0]), share(&self.y, mark.at[1])], mark));
+        let shares = self.marks.iter().map(|mark| {
+            ([share(&self.x, mark.position[0]), share(&self.y, mark.position[1])], mark)
+        });
         shares
             .filter(|([x, y], _)| inside(*x) && inside(*y))
             .map(|([x, y], mark)| {
@@ -28,20 +29,20 @@ impl FieldFigure {
     }
 
     /// Places the name of each mark in the domain; `None` if there is not enough space.
-    pub(super) fn place_names(&self, layout: &Layout) -> Vec<Option<Text>> {
-        let places = self.places(layout.frame);
-        let mut taken: Vec<Rectangle> = places.iter().map(|(at, _)| around(*at)).collect();
+    pub(super) fn place_mark_names(&self, layout: &FieldLayout) -> Vec<Option<Text>> {
+        let places = self.mark_positions(layout.frame);
+        let mut occupied: Vec<Rectangle> = places.iter().map(|(at, _)| mark_area(*at)).collect();
         // Names must not lie on the lines of the frame.
-        let (area, frame) = (layout.names, layout.frame);
-        taken.extend([
+        let (area, frame) = (layout.name_area, layout.frame);
+        occupied.extend([
             Rectangle { bottom: frame.top + 2.0, top: frame.top - 2.0, ..frame },
             Rectangle { left: frame.right - 2.0, right: frame.right + 2.0, ..frame },
         ]);
-        taken.extend(self.name_above(layout).as_ref().map(padded));
+        occupied.extend(self.y_name_above(layout).as_ref().map(padded_bounds));
         let mut names = Vec::new();
         for &([x, y], mark) in &places {
             let widest = (0.4 * area.width()).max(150.0);
-            let (name, size) = page::fit(&mark.name, MARK_NAME, widest);
+            let (name, size) = page::fit_text(&mark.name, MARK_NAME_SIZE, widest);
             let half = 0.5 * text_width(&name, size, false);
             let near = (0..14).flat_map(|step| {
                 let distance = MARK_RADIUS + 7.0 + 14.0 * f64::from(step);
@@ -53,46 +54,47 @@ impl FieldFigure {
                     Text::new([middle, baseline], Anchor::Middle, size, &name)
                 })
             });
-            let free = |text: &Text| {
-                let pad = padded(text);
+            let is_free = |text: &Text| {
+                let pad = padded_bounds(text);
                 pad.left >= area.left + 2.0
                     && pad.right <= area.right - 2.0
                     && pad.top >= area.top + 2.0
                     && pad.bottom <= area.bottom - 2.0
-                    && !taken.iter().any(|other| other.overlaps(&pad))
+                    && !occupied.iter().any(|other| other.is_overlapping(&pad))
             };
             // A mark without a name has an empty text.
             let place = if name.is_empty() {
                 Some(Text::new([x, y], Anchor::Middle, size, ""))
             } else {
-                near.into_iter().find(free)
+                near.into_iter().find(is_free)
             };
             if let Some(text) = place.as_ref().filter(|text| !text.content.is_empty()) {
-                taken.push(padded(text));
+                occupied.push(padded_bounds(text));
             }
             names.push(place);
         }
         names
     }
 
-    pub(super) fn draw_marks(&self, picture: &mut Picture, layout: &Layout) {
-        let places = self.places(layout.frame);
-        let names = self.place_names(layout);
-        let words = || names.iter().map(|name| name.as_ref().filter(|t| !t.content.is_empty()));
-        for (&([x, y], _), text) in places.iter().zip(words()) {
-            let Some(pad) = text.map(padded) else { continue };
+    pub(super) fn draw_marks(&self, picture: &mut Picture, layout: &FieldLayout) {
+        let places = self.mark_positions(layout.frame);
+        let names = self.place_mark_names(layout);
+        let label_text =
+            || names.iter().map(|name| name.as_ref().filter(|t| !t.content.is_empty()));
+        for (&([x, y], _), text) in places.iter().zip(label_text()) {
+            let Some(pad) = text.map(padded_bounds) else { continue };
             let end = [x.clamp(pad.left, pad.right), y.clamp(pad.top, pad.bottom)];
             if (end[0] - x).hypot(end[1] - y) > MARK_RADIUS + 12.0 {
-                picture.line([[x, y], end], 4.4, WHITE);
-                picture.line([[x, y], end], 1.6, INK);
+                picture.draw_line([[x, y], end], 4.4, WHITE);
+                picture.draw_line([[x, y], end], 1.6, INK);
             }
         }
         for &(at, mark) in &places {
             draw_mark(picture, at, mark.kind);
         }
-        for text in words().flatten() {
-            picture.fill(padded(text), WHITE);
-            picture.text(text.clone());
+        for text in label_text().flatten() {
+            picture.fill_rectangle(padded_bounds(text), WHITE);
+            picture.draw_text(text.clone());
         }
     }
 }
@@ -107,20 +109,21 @@ pub(super) fn draw_mark(picture: &mut Picture, [x, y]: Point, kind: FieldMarkKin
                     let angle = std::f64::consts::PI * (0.2 * corner as f64 - 0.5);
                     [x + radius * angle.cos(), y + radius * angle.sin()]
                 };
-                picture.polygon((0..10).map(tip).collect(), colour);
+                picture.fill_polygon((0..10).map(tip).collect(), colour);
             }
             FieldMarkKind::Receiver => {
                 let radius = 12.0 + 1.6 * more;
-                let corners = circle([x, y - 1.5], radius, 12);
+                let corners = circle_points([x, y - 1.5], radius, 12);
                 // Corners at 30°, 150° and 270°, anticlockwise from the x axis: the tip points downwards.
-                picture.polygon([3, 7, 11].map(|corner: usize| corners[corner]).to_vec(), colour);
+                picture
+                    .fill_polygon([3, 7, 11].map(|corner: usize| corners[corner]).to_vec(), colour);
             }
         }
     }
 }
 
 /// Returns the bounding box of a mark.
-pub(super) fn around([x, y]: Point) -> Rectangle {
+pub(super) fn mark_area([x, y]: Point) -> Rectangle {
     Rectangle {
         left: x - MARK_RADIUS,
         top: y - MARK_RADIUS,
@@ -130,7 +133,7 @@ pub(super) fn around([x, y]: Point) -> Rectangle {
 }
 
 /// Returns the background area of a name.
-pub(super) fn padded(text: &Text) -> Rectangle {
+pub(super) fn padded_bounds(text: &Text) -> Rectangle {
     let bounds = text.bounds();
     Rectangle {
         left: bounds.left - 4.0,

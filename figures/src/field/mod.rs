@@ -12,10 +12,10 @@ mod figure;
 mod layout;
 mod legend;
 mod marks;
-mod plastic;
 mod raster;
 #[cfg(test)]
 mod tests;
 mod ticks;
+mod yielded_cells;
 
 pub use figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};

@@ -9,7 +9,7 @@ use plotters::style::{FontDesc, FontFamily, FontStyle, IntoFont, register_font};
 pub(super) const BITMAP_SIZE_PER_EM: f64 = 1.164;
 
 /// Name under which the fonts are registered; SVG viewers interpret it as a list of fallbacks.
-const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
+const FONT_FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
 pub(super) fn register_fonts() {
     static ONCE: Once = Once::new();
@@ -18,21 +18,21 @@ pub(super) fn register_fonts() {
             [(FontStyle::Normal, dejavu::sans::regular()), (FontStyle::Bold, dejavu::sans::bold())];
         for (style, bytes) in fonts {
             // The fonts are embedded, so that an error here is a build error; drawing text would then return an error.
-            let _ = register_font(FAMILY, style, bytes);
+            let _ = register_font(FONT_FAMILY, style, bytes);
         }
     });
 }
 
 pub(super) fn font(size: f64, bold: bool) -> FontDesc<'static> {
     let style = if bold { FontStyle::Bold } else { FontStyle::Normal };
-    (FontFamily::Name(FAMILY), size, style).into_font()
+    (FontFamily::Name(FONT_FAMILY), size, style).into_font()
 }
 
 /// Computes the width of a line of text, pixels; `size` is the size of the em square, pixels.
 pub(crate) fn text_width(content: &str, size: f64, bold: bool) -> f64 {
     // Measured at a large size, since the library rounds to whole pixels.
-    const LARGE: f64 = 200.0;
+    const MEASURING_SIZE: f64 = 200.0;
     register_fonts();
-    let layout = font(LARGE * BITMAP_SIZE_PER_EM, bold).layout_box(content);
-    layout.map_or(0.0, |((left, _), (right, _))| f64::from(right - left) * size / LARGE)
+    let layout = font(MEASURING_SIZE * BITMAP_SIZE_PER_EM, bold).layout_box(content);
+    layout.map_or(0.0, |((left, _), (right, _))| f64::from(right - left) * size / MEASURING_SIZE)
 }

@@ -21,7 +21,7 @@ impl Rectangle {
         self.bottom - self.top
     }
 
-    pub fn overlaps(&self, other: &Self) -> bool {
+    pub fn is_overlapping(&self, other: &Self) -> bool {
         self.left < other.right
             && other.left < self.right
             && self.top < other.bottom
@@ -34,7 +34,7 @@ impl Rectangle {
     }
 }
 
-pub(crate) fn circle([x, y]: Point, radius: f64, corners: usize) -> Vec<Point> {
+pub(crate) fn circle_points([x, y]: Point, radius: f64, corners: usize) -> Vec<Point> {
     let turn = std::f64::consts::TAU / corners as f64;
     (0..corners)
         .map(|corner| {
@@ -45,16 +45,16 @@ pub(crate) fn circle([x, y]: Point, radius: f64, corners: usize) -> Vec<Point> {
 }
 
 /// Computes the dashes of a line; `pattern` has the lengths of dashes and gaps alternately, pixels.
-pub(crate) fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
+pub(crate) fn split_into_dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     let mut dashes = Vec::new();
-    let (mut turn, mut left) = (0, pattern[0]);
+    let (mut turn, mut remaining) = (0, pattern[0]);
     let mut dash: Vec<Point> = points.first().copied().into_iter().collect();
     for piece in points.windows(2) {
         let (from, to) = (piece[0], piece[1]);
         let length = (to[0] - from[0]).hypot(to[1] - from[1]);
         let mut done = 0.0;
-        while length - done > left {
-            done += left;
+        while length - done > remaining {
+            done += remaining;
             let share = done / length;
             let at = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
             if turn % 2 == 0 {
@@ -64,9 +64,9 @@ pub(crate) fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
                 dash = vec![at];
             }
             turn += 1;
-            left = pattern[turn % pattern.len()];
+            remaining = pattern[turn % pattern.len()];
         }
-        left -= length - done;
+        remaining -= length - done;
         if turn % 2 == 0 {
             dash.push(to);
         }
@@ -83,11 +83,11 @@ pub(crate) fn polyline_length(line: &[Point]) -> f64 {
 }
 
 /// Clips a polyline to an area; returns the parts inside. Non-finite coordinates interrupt the line.
-pub(crate) fn clip(points: &[Point], area: Rectangle) -> Vec<Vec<Point>> {
+pub(crate) fn clip_polyline(points: &[Point], area: Rectangle) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
     let mut open = false;
     for piece in points.windows(2) {
-        let Some((from, to)) = clip_piece(piece[0], piece[1], area) else {
+        let Some((from, to)) = clip_segment(piece[0], piece[1], area) else {
             open = false;
             continue;
         };
@@ -101,26 +101,26 @@ pub(crate) fn clip(points: &[Point], area: Rectangle) -> Vec<Vec<Point>> {
 }
 
 /// Clips a line segment to an area (Liang and Barsky 1984).
-fn clip_piece(from: Point, to: Point, area: Rectangle) -> Option<(Point, Point)> {
+fn clip_segment(from: Point, to: Point, area: Rectangle) -> Option<(Point, Point)> {
     if !from.iter().chain(&to).all(|coordinate| coordinate.is_finite()) {
         return None;
     }
     let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-    for (speed, room) in [
+    for (speed, distance) in [
         (-dx, from[0] - area.left),
         (dx, area.right - from[0]),
         (-dy, from[1] - area.top),
         (dy, area.bottom - from[1]),
     ] {
         if speed == 0.0 {
-            if room < 0.0 {
+            if distance < 0.0 {
                 return None;
             }
         } else if speed < 0.0 {
-            enter = enter.max(room / speed);
+            enter = enter.max(distance / speed);
         } else {
-            leave = leave.min(room / speed);
+            leave = leave.min(distance / speed);
         }
     }
     let at = |share: f64| [from[0] + share * dx, from[1] + share * dy];

@@ -2,7 +2,7 @@
 //!
 //! Coordinates are fractional pixels.
 
-mod dialect;
+mod backend;
 mod fonts;
 mod geometry;
 mod render;
@@ -12,6 +12,8 @@ mod tests;
 mod text;
 
 pub(crate) use fonts::text_width;
-pub(crate) use geometry::{Point, Rectangle, circle, clip, dashes, polyline_length};
+pub(crate) use geometry::{
+    Point, Rectangle, circle_points, clip_polyline, polyline_length, split_into_dashes,
+};
 pub(crate) use shapes::Picture;
 pub(crate) use text::{Anchor, Colour, INK, PALE_INK, Text, WHITE};

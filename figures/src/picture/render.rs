@@ -1,59 +1,68 @@
 //! Rendering of pictures to PNG and SVG.
 //!
-//! Pictures are supersampled by [`FINENESS`]: the drawing library rounds coordinates to whole pixels and does not
+//! Pictures are supersampled by [`SUPERSAMPLING`]: the drawing library rounds coordinates to whole pixels and does not
 //! antialias thick lines; averaging the fine pixels does both.
 
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::RGBColor;
 
-use super::dialect::{BITMAP, Dialect, FINENESS, PATCHES, SVG, fine, fine_patch, refused};
+use super::backend::{
+    BITMAP_CONVENTIONS, BackendConventions, PATCH_PLACEHOLDER_X, SUPERSAMPLING, SVG_CONVENTIONS,
+    fine_patch_corners, to_figure_error, to_fine_pixels,
+};
 use super::fonts::register_fonts;
 use super::geometry::Rectangle;
-use super::shapes::{Picture, Shape};
+use super::shapes::{Picture, PictureShape};
 use super::text::WHITE;
 use crate::error::FigureError;
-use crate::format::Format;
+use crate::format::FigureFormat;
 
 impl Picture {
     /// Renders the picture in a file format and returns the bytes of the file.
-    pub fn render(&self, format: Format) -> Result<Vec<u8>, FigureError> {
+    pub fn render(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
         register_fonts();
-        let (width, height) = (self.width * FINENESS, self.height * FINENESS);
+        let (width, height) = (self.width * SUPERSAMPLING, self.height * SUPERSAMPLING);
         match format {
-            Format::Svg => {
+            FigureFormat::Svg => {
                 let mut text = String::new();
-                self.paint(SVGBackend::with_string(&mut text, (width, height)), &SVG)?;
+                self.draw_shapes(
+                    SVGBackend::with_string(&mut text, (width, height)),
+                    &SVG_CONVENTIONS,
+                )?;
                 let fine = format!("width=\"{width}\" height=\"{height}\"");
                 let nominal = format!("width=\"{}\" height=\"{}\"", self.width, self.height);
-                Ok(self.with_patches(&text.replacen(&fine, &nominal, 1)).into_bytes())
+                Ok(self.replace_patch_placeholders(&text.replacen(&fine, &nominal, 1)).into_bytes())
             }
-            Format::Png => self.compress(&self.pixels()?),
+            FigureFormat::Png => self.encode_png(&self.render_pixels()?),
         }
     }
 
     /// Renders the pixels of the picture row by row, three bytes each.
-    pub fn pixels(&self) -> Result<Vec<u8>, FigureError> {
+    pub fn render_pixels(&self) -> Result<Vec<u8>, FigureError> {
         register_fonts();
-        let (width, height) = (self.width * FINENESS, self.height * FINENESS);
+        let (width, height) = (self.width * SUPERSAMPLING, self.height * SUPERSAMPLING);
         let mut fine = vec![255; 3 * width as usize * height as usize];
-        self.paint(BitMapBackend::with_buffer(&mut fine, (width, height)), &BITMAP)?;
-        Ok(self.averaged(&fine))
+        self.draw_shapes(
+            BitMapBackend::with_buffer(&mut fine, (width, height)),
+            &BITMAP_CONVENTIONS,
+        )?;
+        Ok(self.average_fine_pixels(&fine))
     }
 
     /// Replaces the placeholder polygons of patches in the SVG by paths.
-    fn with_patches(&self, text: &str) -> String {
+    fn replace_patch_placeholders(&self, text: &str) -> String {
         let mut whole = String::with_capacity(text.len());
         let mut rest = text;
         for (index, shape) in self.shapes.iter().enumerate() {
-            let Shape::Patches(areas, RGBColor(red, green, blue)) = shape else { continue };
+            let PictureShape::Patches(areas, RGBColor(red, green, blue)) = shape else { continue };
             // Quotes in texts are escaped, so that no text contains the placeholder.
-            let stand_in = format!("points=\"{PATCHES},{index} \"/>");
+            let stand_in = format!("points=\"{PATCH_PLACEHOLDER_X},{index} \"/>");
             let Some(place) = rest.find(&stand_in) else { continue };
             let start = rest[..place].rfind('<').unwrap_or(place);
             whole.push_str(&rest[..start]);
-            let look = format!("fill=\"#{red:02X}{green:02X}{blue:02X}\"");
-            whole.push_str(&format!("<path shape-rendering=\"crispEdges\" {look} d=\""));
-            for ([left, top], [right, bottom]) in areas.iter().filter_map(fine_patch) {
+            let fill = format!("fill=\"#{red:02X}{green:02X}{blue:02X}\"");
+            whole.push_str(&format!("<path shape-rendering=\"crispEdges\" {fill} d=\""));
+            for ([left, top], [right, bottom]) in areas.iter().filter_map(fine_patch_corners) {
                 let (width, height) = (right - left, bottom - top);
                 whole.push_str(&format!("M{left} {top}h{width}v{height}h-{width}z"));
             }
@@ -65,8 +74,8 @@ impl Picture {
     }
 
     /// Averages the fine pixels of each pixel.
-    fn averaged(&self, fine: &[u8]) -> Vec<u8> {
-        let fineness = FINENESS as usize;
+    fn average_fine_pixels(&self, fine: &[u8]) -> Vec<u8> {
+        let fineness = SUPERSAMPLING as usize;
         let width = 3 * self.width as usize;
         let mut pixels = Vec::with_capacity(width * self.height as usize);
         let mut sums = vec![0_u16; width];
@@ -81,13 +90,13 @@ impl Picture {
                     }
                 }
             }
-            let count = (FINENESS * FINENESS) as u16;
+            let count = (SUPERSAMPLING * SUPERSAMPLING) as u16;
             pixels.extend(sums.iter().map(|sum| ((sum + count / 2) / count) as u8));
         }
         pixels
     }
 
-    fn compress(&self, pixels: &[u8]) -> Result<Vec<u8>, FigureError> {
+    fn encode_png(&self, pixels: &[u8]) -> Result<Vec<u8>, FigureError> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);
@@ -98,41 +107,50 @@ impl Picture {
         Ok(bytes)
     }
 
-    fn paint<B: DrawingBackend>(&self, mut on: B, dialect: &Dialect) -> Result<(), FigureError> {
-        let sheet = Rectangle {
+    fn draw_shapes<B: DrawingBackend>(
+        &self,
+        mut backend: B,
+        conventions: &BackendConventions,
+    ) -> Result<(), FigureError> {
+        let page = Rectangle {
             left: 0.0,
             top: 0.0,
             right: f64::from(self.width),
             bottom: f64::from(self.height),
         };
-        let background = Shape::Rectangle(sheet, WHITE);
+        let background = PictureShape::Rectangle(page, WHITE);
         let shapes = self.shapes.iter().enumerate();
         for (index, shape) in std::iter::once((0, &background)).chain(shapes) {
             match shape {
-                Shape::Rectangle(area, colour) => {
-                    let (from, to) = (fine([area.left, area.top]), fine([area.right, area.bottom]));
-                    on.draw_rect(from, to, colour, true).map_err(refused)?;
+                PictureShape::Rectangle(area, colour) => {
+                    let (from, to) = (
+                        to_fine_pixels([area.left, area.top]),
+                        to_fine_pixels([area.right, area.bottom]),
+                    );
+                    backend.draw_rect(from, to, colour, true).map_err(to_figure_error)?;
                 }
-                Shape::Patches(_, colour) if dialect.is_text => {
-                    let stand_in = [(PATCHES, index as i32)];
-                    on.fill_polygon(stand_in, colour).map_err(refused)?;
+                PictureShape::Patches(_, colour) if conventions.is_svg => {
+                    let stand_in = [(PATCH_PLACEHOLDER_X, index as i32)];
+                    backend.fill_polygon(stand_in, colour).map_err(to_figure_error)?;
                 }
-                Shape::Patches(areas, colour) => {
-                    for ([left, top], [right, bottom]) in areas.iter().filter_map(fine_patch) {
+                PictureShape::Patches(areas, colour) => {
+                    for ([left, top], [right, bottom]) in
+                        areas.iter().filter_map(fine_patch_corners)
+                    {
                         let (from, to) = ((left, top), (right, bottom));
-                        on.draw_rect(from, to, colour, true).map_err(refused)?;
+                        backend.draw_rect(from, to, colour, true).map_err(to_figure_error)?;
                     }
                 }
-                Shape::Polygon(points, colour) => {
-                    let corners = points.iter().map(|&point| fine(point));
-                    on.fill_polygon(corners, colour).map_err(refused)?;
+                PictureShape::Polygon(points, colour) => {
+                    let corners = points.iter().map(|&point| to_fine_pixels(point));
+                    backend.fill_polygon(corners, colour).map_err(to_figure_error)?;
                 }
-                Shape::Line { points, width, colour } => {
-                    dialect.stroke(&mut on, points, *width, *colour)?;
+                PictureShape::Line { points, width, colour } => {
+                    conventions.draw_polyline(&mut backend, points, *width, *colour)?;
                 }
-                Shape::Text(line) => dialect.write(&mut on, line)?,
+                PictureShape::Text(line) => conventions.draw_text(&mut backend, line)?,
             }
         }
-        on.present().map_err(refused)
+        backend.present().map_err(to_figure_error)
     }
 }

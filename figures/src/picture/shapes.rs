@@ -1,9 +1,9 @@
 //! Shapes of a picture.
 
-use super::geometry::{Point, Rectangle, circle, dashes};
+use super::geometry::{Point, Rectangle, circle_points, split_into_dashes};
 use super::text::{Colour, Text};
 
-pub(super) enum Shape {
+pub(super) enum PictureShape {
     Rectangle(Rectangle, Colour),
     Patches(Vec<Rectangle>, Colour),
     Polygon(Vec<Point>, Colour),
@@ -15,7 +15,7 @@ pub(super) enum Shape {
 pub(crate) struct Picture {
     pub width: u32,
     pub height: u32,
-    pub(super) shapes: Vec<Shape>,
+    pub(super) shapes: Vec<PictureShape>,
 }
 
 impl Picture {
@@ -23,68 +23,74 @@ impl Picture {
         Self { width, height, shapes: Vec::new() }
     }
 
-    pub fn fill(&mut self, area: Rectangle, colour: Colour) {
-        self.shapes.push(Shape::Rectangle(area, colour));
+    pub fn fill_rectangle(&mut self, area: Rectangle, colour: Colour) {
+        self.shapes.push(PictureShape::Rectangle(area, colour));
     }
 
     /// Fills many areas with one shape. Edges are rounded to whole fine pixels and have no outline: an SVG has a fifth
     /// of the bytes of single areas, and no hairlines between adjacent areas.
-    pub fn patches(&mut self, areas: Vec<Rectangle>, colour: Colour) {
-        self.shapes.push(Shape::Patches(areas, colour));
+    pub fn fill_patches(&mut self, areas: Vec<Rectangle>, colour: Colour) {
+        self.shapes.push(PictureShape::Patches(areas, colour));
     }
 
-    pub fn polygon(&mut self, points: Vec<Point>, colour: Colour) {
-        self.shapes.push(Shape::Polygon(points, colour));
+    pub fn fill_polygon(&mut self, points: Vec<Point>, colour: Colour) {
+        self.shapes.push(PictureShape::Polygon(points, colour));
     }
 
-    pub fn disc(&mut self, centre: Point, radius: f64, colour: Colour) {
-        self.polygon(circle(centre, radius, 24), colour);
+    pub fn fill_disc(&mut self, centre: Point, radius: f64, colour: Colour) {
+        self.fill_polygon(circle_points(centre, radius, 24), colour);
     }
 
-    pub fn line(&mut self, points: impl Into<Vec<Point>>, width: f64, colour: Colour) {
-        self.shapes.push(Shape::Line { points: points.into(), width, colour });
+    pub fn draw_line(&mut self, points: impl Into<Vec<Point>>, width: f64, colour: Colour) {
+        self.shapes.push(PictureShape::Line { points: points.into(), width, colour });
     }
 
-    pub fn frame(&mut self, area: Rectangle, width: f64, colour: Colour) {
+    pub fn draw_frame(&mut self, area: Rectangle, width: f64, colour: Colour) {
         let corners = area.corners();
         // The first edge is repeated, so that all four corners are joined.
-        self.line([&corners[..], &corners[..2]].concat(), width, colour);
+        self.draw_line([&corners[..], &corners[..2]].concat(), width, colour);
     }
 
     /// Draws a dashed line: `pattern` has the lengths of dashes and gaps alternately, in pixels; an empty pattern gives
     /// a solid line.
-    pub fn dashed(&mut self, points: &[Point], pattern: &[f64], width: f64, colour: Colour) {
+    pub fn draw_dashed_line(
+        &mut self,
+        points: &[Point],
+        pattern: &[f64],
+        width: f64,
+        colour: Colour,
+    ) {
         if pattern.is_empty() {
-            return self.line(points, width, colour);
+            return self.draw_line(points, width, colour);
         }
-        for dash in dashes(points, pattern) {
-            self.line(dash, width, colour);
+        for dash in split_into_dashes(points, pattern) {
+            self.draw_line(dash, width, colour);
         }
     }
 
-    pub fn text(&mut self, text: Text) {
-        self.shapes.push(Shape::Text(text));
+    pub fn draw_text(&mut self, text: Text) {
+        self.shapes.push(PictureShape::Text(text));
     }
 
     /// Returns the texts of the picture.
     #[cfg(test)]
     pub fn texts(&self) -> impl Iterator<Item = &Text> {
         self.shapes.iter().filter_map(|shape| match shape {
-            Shape::Text(text) => Some(text),
+            PictureShape::Text(text) => Some(text),
             _ => None,
         })
     }
 
     /// Panics if a text extends beyond the picture or overlaps another text.
     #[cfg(test)]
-    pub fn assert_texts_are_apart(&self) {
+    pub fn assert_texts_do_not_overlap(&self) {
         let texts: Vec<&Text> = self.texts().collect();
         for (index, text) in texts.iter().enumerate() {
             let bounds = text.bounds();
             assert!(bounds.left >= 0.0 && bounds.right <= f64::from(self.width), "{text:?}");
             assert!(bounds.top >= 0.0 && bounds.bottom <= f64::from(self.height), "{text:?}");
             for other in &texts[..index] {
-                assert!(!bounds.overlaps(&other.bounds()), "{text:?} on {other:?}");
+                assert!(!bounds.is_overlapping(&other.bounds()), "{text:?} on {other:?}");
             }
         }
     }

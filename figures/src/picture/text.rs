@@ -23,20 +23,20 @@ pub(crate) enum Anchor {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Text {
     /// Anchor point on the baseline, pixels.
-    pub at: Point,
+    pub anchor_point: Point,
     pub content: String,
     /// Size of the em square of the font, pixels.
-    pub size: f64,
-    pub bold: bool,
+    pub font_size: f64,
+    pub is_bold: bool,
     pub colour: Colour,
     pub anchor: Anchor,
     /// Whether the text is vertical, reading upwards.
-    pub upwards: bool,
+    pub is_vertical: bool,
 }
 
 /// Replaces each character that XML 1.0 does not allow (production 2, `Char`) by U+FFFD; an SVG with such characters
 /// cannot be read.
-fn writable(text: String) -> String {
+fn replace_invalid_characters(text: String) -> String {
     let is_allowed = |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..);
     match text.chars().all(is_allowed) {
         true => text,
@@ -48,22 +48,35 @@ fn writable(text: String) -> String {
 }
 
 impl Text {
-    pub fn new(at: Point, anchor: Anchor, size: f64, content: impl Into<String>) -> Self {
-        let content = writable(content.into());
-        Self { at, content, size, bold: false, colour: INK, anchor, upwards: false }
+    pub fn new(
+        anchor_point: Point,
+        anchor: Anchor,
+        font_size: f64,
+        content: impl Into<String>,
+    ) -> Self {
+        let content = replace_invalid_characters(content.into());
+        Self {
+            anchor_point,
+            content,
+            font_size,
+            is_bold: false,
+            colour: INK,
+            anchor,
+            is_vertical: false,
+        }
     }
 
     /// Returns the bounding box of the text, with capitals, ascenders and descenders.
     pub fn bounds(&self) -> Rectangle {
-        let width = text_width(&self.content, self.size, self.bold);
+        let width = text_width(&self.content, self.font_size, self.is_bold);
         let before = match self.anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => 0.5 * width,
             Anchor::End => width,
         };
-        let [x, y] = self.at;
-        let (above, below) = (0.76 * self.size, 0.24 * self.size);
-        if self.upwards {
+        let [x, y] = self.anchor_point;
+        let (above, below) = (0.76 * self.font_size, 0.24 * self.font_size);
+        if self.is_vertical {
             let bottom = y + before;
             Rectangle { left: x - above, right: x + below, top: bottom - width, bottom }
         } else {

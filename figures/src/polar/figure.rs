@@ -2,9 +2,9 @@
 
 use plotters::style::RGBColor;
 
-use crate::growth::Line;
+use crate::growth::LabelledCurve;
 use crate::picture::{PALE_INK, Picture, Point};
-use crate::scale::plain;
+use crate::scale::format_number;
 
 /// Kind of a spoke of a polar diagram, which determines its style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,23 +12,25 @@ pub enum SpokeStyle {
     /// Normal to a characteristic of the steady equations: drawn as a wide pale band.
     CharacteristicNormal,
     /// Direction in which a leading coefficient vanishes: thin dashes, visible also on a band.
-    Degenerate,
+    DegenerateDirection,
 }
 
 impl SpokeStyle {
-    pub(super) const ALL: [Self; 2] = [Self::CharacteristicNormal, Self::Degenerate];
+    pub(super) const ALL: [Self; 2] = [Self::CharacteristicNormal, Self::DegenerateDirection];
 
-    pub(super) fn words(self) -> &'static str {
+    pub(super) fn description(self) -> &'static str {
         match self {
             Self::CharacteristicNormal => "normal to a characteristic of the steady equations",
-            Self::Degenerate => "degenerate direction",
+            Self::DegenerateDirection => "degenerate direction",
         }
     }
 
     pub(crate) fn draw(self, picture: &mut Picture, points: &[Point]) {
         match self {
-            Self::CharacteristicNormal => picture.line(points, 11.0, RGBColor(203, 205, 214)),
-            Self::Degenerate => picture.dashed(points, &[11.0, 7.0], 2.0, PALE_INK),
+            Self::CharacteristicNormal => picture.draw_line(points, 11.0, RGBColor(203, 205, 214)),
+            Self::DegenerateDirection => {
+                picture.draw_dashed_line(points, &[11.0, 7.0], 2.0, PALE_INK)
+            }
         }
     }
 }
@@ -58,7 +60,7 @@ pub struct PolarFigure {
     /// Unit of the growth rate, written on the outermost ring.
     pub unit: String,
     /// Curves, one per model, over directions from 0 to 180 degrees; opposite directions have the same growth rate.
-    pub curves: Vec<Line>,
+    pub curves: Vec<LabelledCurve>,
     /// Marked directions of the wave vector.
     pub spokes: Vec<Spoke>,
 }
@@ -71,7 +73,7 @@ impl Spoke {
     }
 
     /// Formats the angle, rounded to 0.01°.
-    pub(super) fn words(&self) -> String {
-        format!("{}°", plain((100.0 * self.upper_angle()).round() / 100.0))
+    pub(super) fn format_angle(&self) -> String {
+        format!("{}°", format_number((100.0 * self.upper_angle()).round() / 100.0))
     }
 }

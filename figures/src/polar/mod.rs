@@ -2,17 +2,21 @@
 
 mod circles;
 mod curves;
+mod disc_page;
 mod draw;
 mod figure;
 mod labels;
 mod legend;
-mod numbers;
-mod radial;
+mod radial_scale;
+mod ring_numbers;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use circles::{NEUTRAL, RING, RING_LABEL, at, ring};
-pub(crate) use curves::{draw_markers, parts, places};
+pub(crate) use circles::{
+    NEUTRAL_COLOUR, RING_COLOUR, RING_LABEL_SIZE, draw_circle, polar_to_point,
+};
+pub(crate) use curves::{draw_markers, full_circle_points, split_at_gaps};
+pub(crate) use disc_page::DiscPage;
 pub use figure::{PolarFigure, Spoke, SpokeStyle};
-pub(crate) use labels::{DEGREES, Label, ROW, draw_degrees, draw_labels, labels};
-pub(crate) use numbers::{backing, best_numbers, most_numbers};
+pub(crate) use labels::{ANGLE_LABEL_DISTANCE, build_labels, draw_angle_labels};
+pub(crate) use ring_numbers::{max_ring_numbers, text_background};

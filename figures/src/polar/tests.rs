@@ -1,17 +1,17 @@
 //! Tests of polar diagrams.
 
-use super::curves::places;
+use super::curves::full_circle_points;
 use super::figure::{PolarFigure, Spoke, SpokeStyle};
-use super::labels::{Label, labels};
-use super::numbers::best_numbers;
-use super::radial::{HOLE, Radial};
-use crate::format::Format;
-use crate::growth::Line;
+use super::labels::{SpokeLabel, build_labels};
+use super::radial_scale::{HOLE_FRACTION, RadialScale};
+use super::ring_numbers::choose_ring_numbers;
+use crate::format::FigureFormat;
+use crate::growth::LabelledCurve;
 use crate::scale::Tick;
 
-use crate::tests::{check_drawing, odd_curves};
+use crate::tests::{check_drawing, edge_case_curves};
 
-fn figure(points: &[[f64; 2]], spokes: &[f64]) -> PolarFigure {
+fn sample_figure(points: &[[f64; 2]], spokes: &[f64]) -> PolarFigure {
     let spoke = |(index, &angle_deg): (usize, &f64)| Spoke {
         label: format!("spoke {index}"),
         angle_deg,
@@ -22,28 +22,28 @@ fn figure(points: &[[f64; 2]], spokes: &[f64]) -> PolarFigure {
         subtitle: "subtitle".to_owned(),
         symbol: "Re ς".to_owned(),
         unit: "1/s".to_owned(),
-        curves: vec![Line { label: "model".to_owned(), points: points.to_vec() }],
+        curves: vec![LabelledCurve { label: "model".to_owned(), points: points.to_vec() }],
         spokes: spokes.iter().enumerate().map(spoke).collect(),
     }
 }
 
-fn check(figure: &PolarFigure) {
-    check_drawing(&figure.picture(), |format| figure.draw(format));
+fn check_figure(figure: &PolarFigure) {
+    check_drawing(&figure.to_picture(), |format| figure.draw(format));
 }
 
-fn circle_of(growth: f64) -> Vec<[f64; 2]> {
+fn constant_growth_points(growth: f64) -> Vec<[f64; 2]> {
     (0..=180).map(|angle| [f64::from(angle), growth]).collect()
 }
 
 #[test]
 fn any_points_are_drawn() {
-    for points in odd_curves() {
-        check(&figure(&points, &[15.0, 75.0]));
+    for points in edge_case_curves() {
+        check_figure(&sample_figure(&points, &[15.0, 75.0]));
     }
 }
 
 #[test]
-fn labels_keep_apart_whatever_the_spokes() {
+fn labels_do_not_overlap_for_any_spokes() {
     let points = [[0.0, -1e6], [180.0, 1e4]];
     let sets: [&[f64]; 6] = [
         &[],
@@ -54,44 +54,46 @@ fn labels_keep_apart_whatever_the_spokes() {
         &[15.0, 15.0, 45.0, 75.0, 75.0, 111.8, 135.0],
     ];
     for spokes in sets {
-        check(&figure(&points, spokes));
+        check_figure(&sample_figure(&points, spokes));
     }
     let many: Vec<f64> = (0..60).map(|angle| 3.0 * f64::from(angle)).collect();
-    check(&figure(&points, &many));
-    let mut long = figure(&points, &[10.0, 20.0, 100.0]);
+    check_figure(&sample_figure(&points, &many));
+    let mut long = sample_figure(&points, &[10.0, 20.0, 100.0]);
     long.spokes[0].label = "a direction of some kind ".repeat(30);
     long.unit = "metres ".repeat(100);
-    check(&long);
+    check_figure(&long);
 }
 
 #[test]
-fn spokes_on_one_angle_share_a_label() {
-    let [right, left] = labels(figure(&[], &[15.0, 195.0, 105.0, -1e-9]).drawn());
-    let words = |labels: &[Label]| -> Vec<String> { labels.iter().map(Label::text).collect() };
-    assert_eq!(words(&right), ["15° spoke 0, spoke 1", "0° spoke 3"]);
-    assert_eq!(words(&left), ["105° spoke 2"]);
+fn spokes_with_equal_angles_share_a_label() {
+    let [right, left] =
+        build_labels(sample_figure(&[], &[15.0, 195.0, 105.0, -1e-9]).finite_spokes());
+    let label_text =
+        |labels: &[SpokeLabel]| -> Vec<String> { labels.iter().map(SpokeLabel::to_text).collect() };
+    assert_eq!(label_text(&right), ["15° spoke 0, spoke 1", "0° spoke 3"]);
+    assert_eq!(label_text(&left), ["105° spoke 2"]);
 }
 
 #[test]
 fn growth_lies_outside_the_neutral_circle_and_decay_inside() {
-    let curve = Line { label: String::new(), points: vec![[0.0, 1e5], [90.0, -1e3]] };
-    let radial = Radial::of(&[curve], 400.0);
-    let neutral = radial.at(0.0);
+    let curve = LabelledCurve { label: String::new(), points: vec![[0.0, 1e5], [90.0, -1e3]] };
+    let radial = RadialScale::from_curves(&[curve], 400.0);
+    let neutral = radial.growth_radius(0.0);
     let radii = [f64::NEG_INFINITY, -1e3, -10.0, 0.0, 10.0, 1e5, f64::INFINITY];
-    let radii = radii.map(|growth| radial.at(growth));
+    let radii = radii.map(|growth| radial.growth_radius(growth));
     assert!(radii.windows(2).all(|pair| pair[0] < pair[1]), "{radii:?}");
-    assert!(radii[0] > HOLE * 400.0 && radii[6] < 400.0 && radii[3] == neutral);
+    assert!(radii[0] > HOLE_FRACTION * 400.0 && radii[6] < 400.0 && radii[3] == neutral);
     // Decades have equal widths.
-    let step = radial.at(1e5) - radial.at(1e4);
-    assert!((radial.at(1e4) - radial.at(1e3) - step).abs() < 1e-9);
+    let step = radial.growth_radius(1e5) - radial.growth_radius(1e4);
+    assert!((radial.growth_radius(1e4) - radial.growth_radius(1e3) - step).abs() < 1e-9);
 }
 
 #[test]
 fn the_angle_is_anticlockwise_and_the_circle_is_full() {
     // Growth only in a sector about 45°: black pixels in the upper right and lower left quarters only.
     let points: Vec<[f64; 2]> = (35..=55).map(|angle| [f64::from(angle), 1e3]).collect();
-    let figure = figure(&points, &[]);
-    let (width, pixels) = crate::tests::pixels(&figure.draw(Format::Png).unwrap());
+    let figure = sample_figure(&points, &[]);
+    let (width, pixels) = crate::tests::decode_png(&figure.draw(FigureFormat::Png).unwrap());
     let dark = |x: usize, y: usize| pixels[3 * (y * width + x)] < 20;
     let count = |columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| {
         columns.flat_map(|x| rows.clone().map(move |y| (x, y))).filter(|&(x, y)| dark(x, y)).count()
@@ -104,23 +106,26 @@ fn the_angle_is_anticlockwise_and_the_circle_is_full() {
 }
 
 #[test]
-fn numbers_stand_clear_of_lines_and_spokes() {
+fn ring_numbers_avoid_lines_and_spokes() {
     // A curve along the ray at 270°, and spokes beside it.
-    let mut figure = figure(&circle_of(-2.0), &[60.0, 75.0, 105.0]);
+    let mut figure = sample_figure(&constant_growth_points(-2.0), &[60.0, 75.0, 105.0]);
     for [angle, growth] in &mut figure.curves[0].points {
         if *angle >= 90.0 {
             *growth = 1e3;
         }
     }
-    check(&figure);
+    check_figure(&figure);
     let (centre, radius) = ([800.0, 600.0], 350.0);
-    let radial = Radial::of(&figure.curves, radius);
+    let radial = RadialScale::from_curves(&figure.curves, radius);
     let rings = radial.scale.ticks(radial.low, radial.high, 9).into_iter();
-    let rings: Vec<Tick> = rings.map(|(place, label)| (radial.at_place(place), label)).collect();
-    let place = |line: &Line| places(&line.points, centre, |growth| radial.at(growth));
+    let rings: Vec<Tick> =
+        rings.map(|(place, label)| (radial.position_radius(place), label)).collect();
+    let place = |line: &LabelledCurve| {
+        full_circle_points(&line.points, centre, |growth| radial.growth_radius(growth))
+    };
     let lines: Vec<_> = figure.curves.iter().map(place).collect();
     let spokes = [60.0, 75.0, 105.0];
-    let numbers = best_numbers(&rings, "1/s", &spokes, centre, radius, &lines);
+    let numbers = choose_ring_numbers(&rings, "1/s", &spokes, centre, radius, &lines);
     assert!(numbers.len() >= 4 && numbers.iter().any(|n| n.content.ends_with(" 1/s")));
     for number in &numbers {
         let [x, y] =

@@ -1,19 +1,19 @@
 //! Axes of the map: whole cells around uniformly spaced points.
 
-use super::figure::Axis;
+use super::figure::VerdictMapAxis;
 use crate::error::FigureError;
 use crate::page::{self};
 use crate::scale::{self, Tick};
 
 /// Extent of an axis: whole cells around its points.
-pub(super) struct Extent {
+pub(super) struct AxisExtent {
     pub(super) low: f64,
     pub(super) high: f64,
-    pub(super) descending: bool,
+    pub(super) is_descending: bool,
 }
 
-impl Extent {
-    pub(super) fn of(axis: &Axis) -> Result<Self, FigureError> {
+impl AxisExtent {
+    pub(super) fn from_axis(axis: &VerdictMapAxis) -> Result<Self, FigureError> {
         let refuse = |problem| FigureError::Axis { label: axis.label.clone(), problem };
         let values = &axis.values;
         let (Some(&first), Some(&last)) = (values.first(), values.last()) else {
@@ -25,7 +25,7 @@ impl Extent {
         if values.len() == 1 {
             // The width of a single cell is arbitrary.
             let half = 0.5 * first.abs().max(1.0);
-            return Ok(Self { low: first - half, high: first + half, descending: false });
+            return Ok(Self { low: first - half, high: first + half, is_descending: false });
         }
         let step = (last - first) / (values.len() - 1) as f64;
         if !(step.is_finite() && step != 0.0) {
@@ -39,19 +39,21 @@ impl Extent {
         }
         let half = 0.5 * step.abs();
         let (low, high) = (first.min(last) - half, first.max(last) + half);
-        Ok(Self { low, high, descending: step < 0.0 })
+        Ok(Self { low, high, is_descending: step < 0.0 })
     }
 
-    /// Returns the position of a value as a share of the axis length.
-    pub(super) fn share(&self, value: f64) -> f64 {
+    /// Returns the position of a value as a fraction of the axis length.
+    pub(super) fn fraction(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 
-    pub(super) fn ticks(&self, axis: &Axis, length: f64, upright: bool) -> Vec<Tick> {
+    pub(super) fn ticks(&self, axis: &VerdictMapAxis, length: f64, is_vertical: bool) -> Vec<Tick> {
         if let [only] = axis.values[..] {
-            return vec![(only, scale::plain(only))];
+            return vec![(only, scale::format_number(only))];
         }
         let degrees = axis.label.contains('°');
-        page::spaced(length, upright, |most| scale::ticks(self.low, self.high, most, degrees))
+        page::choose_ticks(length, is_vertical, |max_count| {
+            scale::linear_ticks(self.low, self.high, max_count, degrees)
+        })
     }
 }

@@ -1,10 +1,10 @@
 //! Drawing of the cells with their colours and hatching.
 
-use super::colour_map::{INFINITE, LEVEL_MISSING, shade};
-use super::figure::{Look, VerdictMap};
-use super::hatching::{draw_hatch, fill};
-use super::levels::Range;
-use super::raster::{Raster, cell_size};
+use super::colour_map::{INFINITE_LEVEL_COLOUR, MISSING_LEVEL_COLOUR, shade_colour};
+use super::figure::{FillStyle, VerdictMap};
+use super::hatching::{category_fill, draw_hatch};
+use super::levels::LevelRange;
+use super::raster::{VerdictRaster, cell_size};
 use crate::picture::{Colour, Picture, Point, Rectangle};
 
 impl VerdictMap {
@@ -13,25 +13,30 @@ impl VerdictMap {
         &self,
         picture: &mut Picture,
         frame: Rectangle,
-        raster: &Raster,
-        range: Option<&Range>,
+        raster: &VerdictRaster,
+        range: Option<&LevelRange>,
     ) {
         let grounds: Vec<(Colour, bool)> = self
             .categories
             .iter()
-            .map(|category| (fill(category.look, 0).0, category.look == Look::IllPosed))
+            .map(|category| {
+                (
+                    category_fill(category.fill_style, 0).0,
+                    category.fill_style == FillStyle::IllPosed,
+                )
+            })
             .collect();
         let colour = |cell: usize| {
-            let (ground, ill_posed) = grounds[usize::from(raster.category[cell])];
+            let (ground, ill_posed) = grounds[usize::from(raster.categories[cell])];
             match range {
                 Some(range) if ill_posed => {
-                    let level = raster.level[cell];
+                    let level = raster.levels[cell];
                     if level == f64::INFINITY {
-                        INFINITE
+                        INFINITE_LEVEL_COLOUR
                     } else if level > 0.0 {
-                        shade(range.share(level))
+                        shade_colour(range.fraction(level))
                     } else {
-                        LEVEL_MISSING
+                        MISSING_LEVEL_COLOUR
                     }
                 }
                 _ => ground,
@@ -41,9 +46,9 @@ impl VerdictMap {
         for row in (0..raster.rows).rev() {
             let mut start = 0;
             while start < raster.columns {
-                let ground = colour(raster.at(start, row));
+                let ground = colour(raster.cell_index(start, row));
                 let run = (start + 1..raster.columns)
-                    .find(|&column| colour(raster.at(column, row)) != ground)
+                    .find(|&column| colour(raster.cell_index(column, row)) != ground)
                     .unwrap_or(raster.columns);
                 // Each area extends below the following cells, which prevents hairlines between cells in scaled
                 // pictures.
@@ -53,25 +58,31 @@ impl VerdictMap {
                     right: (frame.left + run as f64 * width + 2.0).min(frame.right),
                     bottom: (frame.bottom - row as f64 * height + 2.0).min(frame.bottom),
                 };
-                picture.fill(area, ground);
+                picture.fill_rectangle(area, ground);
                 start = run;
             }
         }
     }
 
-    pub(super) fn draw_hatches(&self, picture: &mut Picture, frame: Rectangle, raster: &Raster) {
+    pub(super) fn draw_hatching(
+        &self,
+        picture: &mut Picture,
+        frame: Rectangle,
+        raster: &VerdictRaster,
+    ) {
         let (width, height) = cell_size(frame, raster);
         let category_at = |[x, y]: Point| {
             let column = ((x - frame.left) / width) as usize;
             let row = ((frame.bottom - y) / height) as usize;
-            raster.category[raster.at(column.min(raster.columns - 1), row.min(raster.rows - 1))]
+            raster.categories
+                [raster.cell_index(column.min(raster.columns - 1), row.min(raster.rows - 1))]
         };
         for (index, category) in self.categories.iter().enumerate() {
-            let present = raster.category.iter().any(|&other| usize::from(other) == index);
+            let present = raster.categories.iter().any(|&other| usize::from(other) == index);
             if !present {
                 continue;
             }
-            for hatch in fill(category.look, self.variant(index)).1 {
+            for hatch in category_fill(category.fill_style, self.variant_index(index)).1 {
                 draw_hatch(picture, frame, hatch, |point| usize::from(category_at(point)) == index);
             }
         }

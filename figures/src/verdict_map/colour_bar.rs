@@ -1,42 +1,44 @@
 //! Colour bar of growth levels.
 
-use super::colour_map::{ARROW, BAR, BAR_GAP, INFINITE, draw_shades, shade};
+use super::colour_map::{
+    ARROW_LENGTH, BAR_GAP, BAR_WIDTH, INFINITE_LEVEL_COLOUR, draw_shades, shade_colour,
+};
 use super::figure::VerdictMap;
-use super::levels::{Range, contour_colour};
-use crate::page::{self, MARGIN, NAME, NUMBER, RULE};
+use super::levels::{LevelRange, contour_colour};
+use crate::page::{self, AXIS_NAME_SIZE, FRAME_LINE_WIDTH, MARGIN, TICK_LABEL_SIZE};
 use crate::picture::{Anchor, INK, Picture, Rectangle, Text};
 use crate::scale::Tick;
 
 impl VerdictMap {
-    pub(super) fn draw_bar(
+    pub(super) fn draw_colour_bar(
         &self,
         picture: &mut Picture,
         frame: Rectangle,
-        range: &Range,
+        range: &LevelRange,
         ticks: &[Tick],
     ) {
         let left = frame.right + BAR_GAP;
-        let mut bar = Rectangle { left, right: left + BAR, ..frame };
-        if range.infinite {
+        let mut bar = Rectangle { left, right: left + BAR_WIDTH, ..frame };
+        if range.has_infinite {
             let cap = Rectangle { bottom: bar.top + 34.0, ..bar };
-            picture.fill(cap, INFINITE);
-            picture.frame(cap, RULE, INK);
-            let at = [cap.right + 14.0, 0.5 * (cap.top + cap.bottom) + 0.36 * NUMBER];
-            picture.text(Text::new(at, Anchor::Start, NUMBER, "∞"));
-            bar.top = cap.bottom + 0.6 * NUMBER;
+            picture.fill_rectangle(cap, INFINITE_LEVEL_COLOUR);
+            picture.draw_frame(cap, FRAME_LINE_WIDTH, INK);
+            let at = [cap.right + 14.0, 0.5 * (cap.top + cap.bottom) + 0.36 * TICK_LABEL_SIZE];
+            picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, "∞"));
+            bar.top = cap.bottom + 0.6 * TICK_LABEL_SIZE;
         }
         // Arrows indicate that the colours at the ends also represent levels beyond.
         let middle = 0.5 * (bar.left + bar.right);
-        for (end, beyond) in range.beyond.into_iter().enumerate() {
+        for (end, beyond) in range.has_levels_beyond.into_iter().enumerate() {
             if beyond {
                 let (share, tip, base) = if end == 0 {
-                    (0.0, bar.bottom, bar.bottom - ARROW)
+                    (0.0, bar.bottom, bar.bottom - ARROW_LENGTH)
                 } else {
-                    (1.0, bar.top, bar.top + ARROW)
+                    (1.0, bar.top, bar.top + ARROW_LENGTH)
                 };
                 let corners = vec![[bar.left, base], [bar.right, base], [middle, tip]];
-                picture.polygon(corners.clone(), shade(share));
-                picture.line([&corners[..], &corners[..2]].concat(), RULE, INK);
+                picture.fill_polygon(corners.clone(), shade_colour(share));
+                picture.draw_line([&corners[..], &corners[..2]].concat(), FRAME_LINE_WIDTH, INK);
                 if end == 0 {
                     bar.bottom = base;
                 } else {
@@ -48,14 +50,14 @@ impl VerdictMap {
         for (tick, label) in ticks {
             let share = (tick - range.low) / (range.high - range.low);
             let y = bar.bottom - share.clamp(0.0, 1.0) * bar.height();
-            picture.line([[bar.left, y], [bar.right, y]], 1.6, contour_colour(range, *tick));
-            picture.line([[bar.right, y], [bar.right + 8.0, y]], RULE, INK);
-            let at = [bar.right + 14.0, y + 0.36 * NUMBER];
-            picture.text(Text::new(at, Anchor::Start, NUMBER, label));
+            picture.draw_line([[bar.left, y], [bar.right, y]], 1.6, contour_colour(range, *tick));
+            picture.draw_line([[bar.right, y], [bar.right + 8.0, y]], FRAME_LINE_WIDTH, INK);
+            let at = [bar.right + 14.0, y + 0.36 * TICK_LABEL_SIZE];
+            picture.draw_text(Text::new(at, Anchor::Start, TICK_LABEL_SIZE, label));
         }
-        picture.frame(bar, RULE, INK);
-        let (name, size) = page::fit(&self.level_label, NAME, frame.height());
-        let at = [page::WIDTH - MARGIN - 0.3 * NAME, 0.5 * (frame.top + frame.bottom)];
-        picture.text(Text { upwards: true, ..Text::new(at, Anchor::Middle, size, name) });
+        picture.draw_frame(bar, FRAME_LINE_WIDTH, INK);
+        let (name, size) = page::fit_text(&self.level_label, AXIS_NAME_SIZE, frame.height());
+        let at = [page::WIDTH - MARGIN - 0.3 * AXIS_NAME_SIZE, 0.5 * (frame.top + frame.bottom)];
+        picture.draw_text(Text { is_vertical: true, ..Text::new(at, Anchor::Middle, size, name) });
     }
 }

@@ -2,10 +2,10 @@
 
 use plotters::style::RGBColor;
 
-use crate::picture::{Colour, Picture, Point, WHITE, dashes};
+use crate::picture::{Colour, Picture, Point, WHITE, split_into_dashes};
 
 /// Dash patterns and colours of the curves, by the index of their labels.
-const CURVES: [(&[f64], Colour); 4] = [
+const CURVE_STYLES: [(&[f64], Colour); 4] = [
     (&[22.0, 11.0], RGBColor(10, 10, 10)),
     (&[5.0, 8.0], RGBColor(0, 60, 150)),
     (&[34.0, 9.0, 5.0, 9.0], RGBColor(90, 0, 100)),
@@ -13,20 +13,20 @@ const CURVES: [(&[f64], Colour); 4] = [
 ];
 
 pub(super) fn draw_curve(picture: &mut Picture, points: &[Point], index: usize) {
-    let (pattern, colour) = CURVES[index % CURVES.len()];
+    let (pattern, colour) = CURVE_STYLES[index % CURVE_STYLES.len()];
     // The white rim keeps dashes visible on dark shades; gaps show the cells below.
-    for dash in dashes(points, pattern) {
-        picture.line(lengthened(&dash, 2.0), 8.5, WHITE);
-        picture.line(dash, 4.5, colour);
+    for dash in split_into_dashes(points, pattern) {
+        picture.draw_line(extend_ends(&dash, 2.0), 8.5, WHITE);
+        picture.draw_line(dash, 4.5, colour);
     }
 }
 
-/// Extends a polyline at both ends by `by` pixels.
-fn lengthened(line: &[Point], by: f64) -> Vec<Point> {
+/// Extends a polyline at both ends by `length` pixels.
+fn extend_ends(line: &[Point], length: f64) -> Vec<Point> {
     let mut line = line.to_vec();
     let beyond = |end: Point, inner: Point| {
         let (dx, dy) = (end[0] - inner[0], end[1] - inner[1]);
-        let scale = by / dx.hypot(dy).max(1e-9);
+        let scale = length / dx.hypot(dy).max(1e-9);
         [end[0] + scale * dx, end[1] + scale * dy]
     };
     if let [first, second, ..] = line[..] {

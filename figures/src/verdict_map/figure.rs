@@ -4,7 +4,7 @@ use crate::error::FigureError;
 
 /// Axis of a verdict map: a uniform grid of at least one point, ascending or descending.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct VerdictMapAxis {
     /// Name, symbol and unit.
     pub label: String,
     /// Values at the grid points, in the unit of the label.
@@ -13,7 +13,7 @@ pub struct Axis {
 
 /// Fill style of the cells of a category.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Look {
+pub enum FillStyle {
     /// Well-posed: nearly white.
     WellPosed,
     /// Ill-posed: coloured by the level of the cell, or orange without levels. Further categories of this style are
@@ -31,16 +31,16 @@ pub enum Look {
 
 /// A category of verdicts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Category {
+pub struct VerdictCategory {
     /// Legend text.
     pub label: String,
     /// Fill style.
-    pub look: Look,
+    pub fill_style: FillStyle,
 }
 
 /// A curve over the map, e.g. a bound in closed form.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub struct MapCurve {
     /// Legend text. Curves with the same label share a style and are listed once.
     pub label: String,
     /// Points in the units of the axes; a non-finite point interrupts the curve.
@@ -55,55 +55,57 @@ pub struct VerdictMap {
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
     /// Horizontal axis: first parameter.
-    pub x: Axis,
+    pub x: VerdictMapAxis,
     /// Vertical axis: second parameter.
-    pub y: Axis,
+    pub y: VerdictMapAxis,
     /// Categories; those present are listed with their share of the area.
-    pub categories: Vec<Category>,
+    pub categories: Vec<VerdictCategory>,
     /// Index into `categories` for each cell; x varies fastest.
-    pub category: Vec<u8>,
+    pub category_indices: Vec<u8>,
     /// Growth level of each cell, positive, in the unit of `level_label`; NaN if there is none. x varies fastest. Used
-    /// in cells with the style [`Look::IllPosed`].
-    pub level: Vec<f64>,
+    /// in cells with the style [`FillStyle::IllPosed`].
+    pub growth_levels: Vec<f64>,
     /// Name and unit of the growth level.
     pub level_label: String,
     /// Curves drawn over the map.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<MapCurve>,
 }
 
 impl VerdictMap {
     pub(super) fn check_cells(&self) -> Result<(), FigureError> {
         let (columns, rows) = (self.x.values.len(), self.y.values.len());
-        for (field, found) in [("category", self.category.len()), ("level", self.level.len())] {
+        for (field, found) in
+            [("category", self.category_indices.len()), ("level", self.growth_levels.len())]
+        {
             if found != columns * rows {
                 return Err(FigureError::CellCount { field, found, columns, rows });
             }
         }
         let known = self.categories.len();
-        match self.category.iter().find(|&&category| usize::from(category) >= known) {
+        match self.category_indices.iter().find(|&&category| usize::from(category) >= known) {
             Some(&found) => Err(FigureError::UnknownCategory { found, known }),
             None => Ok(()),
         }
     }
 
     /// Returns the cells coloured by level, each with its level.
-    pub(super) fn levels(&self) -> impl Iterator<Item = (usize, f64)> {
+    pub(super) fn ill_posed_levels(&self) -> impl Iterator<Item = (usize, f64)> {
         let ill_posed =
-            |category: u8| self.categories[usize::from(category)].look == Look::IllPosed;
-        let cells = self.category.iter().zip(&self.level).enumerate();
+            |category: u8| self.categories[usize::from(category)].fill_style == FillStyle::IllPosed;
+        let cells = self.category_indices.iter().zip(&self.growth_levels).enumerate();
         cells
             .filter(move |(_, (category, _))| ill_posed(**category))
             .map(|(cell, (_, l))| (cell, *l))
     }
 
     /// Returns the number of preceding categories with the same style.
-    pub(super) fn variant(&self, category: usize) -> usize {
-        let look = self.categories[category].look;
-        self.categories[..category].iter().filter(|other| other.look == look).count()
+    pub(super) fn variant_index(&self, category: usize) -> usize {
+        let style = self.categories[category].fill_style;
+        self.categories[..category].iter().filter(|other| other.fill_style == style).count()
     }
 
     /// Returns the index of a curve's label among the distinct labels, which determines the style.
-    pub(super) fn first_of_label(&self, index: usize) -> usize {
+    pub(super) fn style_index(&self, index: usize) -> usize {
         let mut labels: Vec<&str> = Vec::new();
         for curve in &self.curves[..=index] {
             if !labels.contains(&curve.label.as_str()) {

@@ -2,64 +2,85 @@
 
 use plotters::style::RGBColor;
 
-use super::colour_map::NO_LEVELS;
-use super::figure::Look;
-use super::raster::runs;
-use crate::picture::{Colour, Picture, Point, Rectangle, clip};
+use super::colour_map::ILL_POSED_COLOUR;
+use super::figure::FillStyle;
+use super::raster::find_runs;
+use crate::picture::{Colour, Picture, Point, Rectangle, clip_polyline};
 
 /// A set of parallel lines over the cells of a category.
 #[derive(Clone, Copy)]
-pub(super) struct Hatch {
+pub(super) struct HatchLines {
     /// Direction of the lines; y increases downwards.
-    pub(super) along: [f64; 2],
+    pub(super) direction: [f64; 2],
     /// Distance between the lines, pixels.
     spacing: f64,
-    pub(super) width: f64,
+    pub(super) line_width: f64,
     pub(super) colour: Colour,
 }
 
-const RISING: [f64; 2] = [1.0, -1.0];
-const FALLING: [f64; 2] = [1.0, 1.0];
-const LEVEL: [f64; 2] = [1.0, 0.0];
-const UPRIGHT: [f64; 2] = [0.0, 1.0];
+const RISING_DIRECTION: [f64; 2] = [1.0, -1.0];
+const FALLING_DIRECTION: [f64; 2] = [1.0, 1.0];
+const HORIZONTAL_DIRECTION: [f64; 2] = [1.0, 0.0];
+const VERTICAL_DIRECTION: [f64; 2] = [0.0, 1.0];
 
 /// Returns the fill of a category without levels: background colour and hatching. `variant` is the number of preceding
 /// categories with the same style.
-pub(super) fn fill(look: Look, variant: usize) -> (Colour, Vec<Hatch>) {
-    let hatch = |along, spacing, width, grey| Hatch {
-        along,
+pub(super) fn category_fill(style: FillStyle, variant: usize) -> (Colour, Vec<HatchLines>) {
+    let hatch = |direction, spacing, line_width, grey| HatchLines {
+        direction,
         spacing,
-        width,
+        line_width,
         colour: RGBColor(grey, grey, grey),
     };
-    match look {
-        Look::WellPosed => (RGBColor(243, 248, 253), vec![]),
-        Look::IllPosed => {
+    match style {
+        FillStyle::WellPosed => (RGBColor(243, 248, 253), vec![]),
+        FillStyle::IllPosed => {
             // Pairs of a white and a dark line are visible on every shade.
-            let along = [&[][..], &[RISING], &[FALLING], &[LEVEL], &[UPRIGHT], &[RISING, FALLING]];
+            let directions = [
+                &[][..],
+                &[RISING_DIRECTION],
+                &[FALLING_DIRECTION],
+                &[HORIZONTAL_DIRECTION],
+                &[VERTICAL_DIRECTION],
+                &[RISING_DIRECTION, FALLING_DIRECTION],
+            ];
             let pair =
                 |&along: &[f64; 2]| [hatch(along, 30.0, 3.4, 255), hatch(along, 30.0, 1.4, 20)];
-            (NO_LEVELS, along[variant % along.len()].iter().flat_map(pair).collect())
+            (
+                ILL_POSED_COLOUR,
+                directions[variant % directions.len()].iter().flat_map(pair).collect(),
+            )
         }
-        Look::UnboundedAtFiniteWaveNumber => {
+        FillStyle::UnboundedAtFiniteWaveNumber => {
             let ground = RGBColor(38, 38, 58);
-            (ground, [RISING, FALLING].map(|along| hatch(along, 18.0, 1.6, 235)).to_vec())
+            (
+                ground,
+                [RISING_DIRECTION, FALLING_DIRECTION]
+                    .map(|direction| hatch(direction, 18.0, 1.6, 235))
+                    .to_vec(),
+            )
         }
-        Look::Marginal => (RGBColor(20, 160, 130), vec![hatch(UPRIGHT, 9.0, 1.8, 10)]),
-        Look::Indeterminate => (RGBColor(150, 150, 155), vec![hatch(FALLING, 9.0, 1.8, 50)]),
-        Look::OutsideModel => (RGBColor(222, 222, 222), vec![hatch(RISING, 24.0, 2.0, 150)]),
+        FillStyle::Marginal => {
+            (RGBColor(20, 160, 130), vec![hatch(VERTICAL_DIRECTION, 9.0, 1.8, 10)])
+        }
+        FillStyle::Indeterminate => {
+            (RGBColor(150, 150, 155), vec![hatch(FALLING_DIRECTION, 9.0, 1.8, 50)])
+        }
+        FillStyle::OutsideModel => {
+            (RGBColor(222, 222, 222), vec![hatch(RISING_DIRECTION, 24.0, 2.0, 150)])
+        }
     }
 }
 
-/// Draws the lines of a hatching over the points of an area that `covers` selects.
+/// Draws the lines of a hatching over the points of an area that `is_covered` selects.
 pub(super) fn draw_hatch(
     picture: &mut Picture,
     area: Rectangle,
-    hatch: Hatch,
-    covers: impl Fn(Point) -> bool,
+    hatch: HatchLines,
+    is_covered: impl Fn(Point) -> bool,
 ) {
-    let length = hatch.along[0].hypot(hatch.along[1]);
-    let [dx, dy] = hatch.along.map(|part| part / length);
+    let length = hatch.direction[0].hypot(hatch.direction[1]);
+    let [dx, dy] = hatch.direction.map(|part| part / length);
     // Lines are numbered by their distance from the corner of the picture, so that the hatching of separate areas is
     // aligned.
     let distance = |[x, y]: Point| (dx * y - dy * x) / hatch.spacing;
@@ -77,12 +98,17 @@ pub(super) fn draw_hatch(
         let offset = (count as f64) * hatch.spacing;
         let [x, y] = [-dy * offset, dx * offset];
         let whole = [[x - reach * dx, y - reach * dy], [x + reach * dx, y + reach * dy]];
-        for part in clip(&whole, area) {
+        for part in clip_polyline(&whole, area) {
             let (from, to) = (part[0], part[1]);
             let steps = (to[0] - from[0]).hypot(to[1] - from[1]).floor();
             let at = |step: f64| [from[0] + step * dx, from[1] + step * dy];
-            for (begin, end) in runs(steps as usize, |step| covers(at(step as f64 + 0.5))) {
-                picture.line([at(begin as f64), at(end as f64)], hatch.width, hatch.colour);
+            for (begin, end) in find_runs(steps as usize, |step| is_covered(at(step as f64 + 0.5)))
+            {
+                picture.draw_line(
+                    [at(begin as f64), at(end as f64)],
+                    hatch.line_width,
+                    hatch.colour,
+                );
             }
         }
     }

@@ -1,52 +1,57 @@
 //! Range of the growth levels, and their contour lines.
 
-use super::colour_map::colour_on_shade;
-use super::figure::{Look, VerdictMap};
-use super::raster::{Raster, cell_size};
+use super::colour_map::contrast_colour;
+use super::figure::{FillStyle, VerdictMap};
+use super::raster::{VerdictRaster, cell_size};
 use crate::contour;
 use crate::picture::{Colour, Picture, Point, Rectangle};
 use crate::scale::Tick;
 
 /// Range of the colour map, in log₁₀ of the growth level.
-pub(super) struct Range {
+pub(super) struct LevelRange {
     pub(super) low: f64,
     pub(super) high: f64,
     /// Whether finite levels lie below `low` and above `high`.
-    pub(super) beyond: [bool; 2],
+    pub(super) has_levels_beyond: [bool; 2],
     /// Whether at least one level is infinite.
-    pub(super) infinite: bool,
+    pub(super) has_infinite: bool,
 }
 
-impl Range {
+impl LevelRange {
     /// Computes the range of the positive levels; `None` if there are none. Outliers (at most 1 % of the levels at
     /// either end, e.g. near a singular line) are excluded if they would more than double the range.
-    pub(super) fn of(levels: impl Iterator<Item = f64>) -> Option<Self> {
-        let mut infinite = false;
+    pub(super) fn from_levels(levels: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut has_infinite = false;
         let mut logs: Vec<f64> = Vec::new();
         for level in levels.filter(|level| *level > 0.0) {
             if level.is_finite() {
                 logs.push(level.log10());
             } else {
-                infinite = true;
+                has_infinite = true;
             }
         }
         logs.sort_by(f64::total_cmp);
-        let (Some(&least), Some(&most)) = (logs.first(), logs.last()) else {
-            return infinite.then_some(Self { low: 0.0, high: 1.0, beyond: [false; 2], infinite });
+        let (Some(&min_log), Some(&max_log)) = (logs.first(), logs.last()) else {
+            return has_infinite.then_some(Self {
+                low: 0.0,
+                high: 1.0,
+                has_levels_beyond: [false; 2],
+                has_infinite,
+            });
         };
-        let aside = logs.len() / 100;
-        let (inner_low, inner_high) = (logs[aside], logs[logs.len() - 1 - aside]);
+        let outlier_count = logs.len() / 100;
+        let (inner_low, inner_high) = (logs[outlier_count], logs[logs.len() - 1 - outlier_count]);
         let inner = (inner_high - inner_low).max(0.3);
         let trim = |outer: f64, bound: f64| if outer > inner { bound } else { f64::NAN };
-        let low = trim(inner_low - least, inner_low).max(least);
-        let high = trim(most - inner_high, inner_high).min(most);
-        let beyond = [low > least, high < most];
+        let low = trim(inner_low - min_log, inner_low).max(min_log);
+        let high = trim(max_log - inner_high, inner_high).min(max_log);
+        let has_levels_beyond = [low > min_log, high < max_log];
         // Equal levels are extended to one decade, so that the bar has ticks.
         let (low, high) = if high - low < 1e-6 { (low - 0.5, high + 0.5) } else { (low, high) };
-        Some(Self { low, high, beyond, infinite })
+        Some(Self { low, high, has_levels_beyond, has_infinite })
     }
 
-    pub(super) fn share(&self, level: f64) -> f64 {
+    pub(super) fn fraction(&self, level: f64) -> f64 {
         (level.log10() - self.low) / (self.high - self.low)
     }
 }
@@ -58,33 +63,33 @@ impl VerdictMap {
         &self,
         picture: &mut Picture,
         frame: Rectangle,
-        raster: &Raster,
-        range: &Range,
+        raster: &VerdictRaster,
+        range: &LevelRange,
         ticks: &[Tick],
     ) {
         let (width, height) = cell_size(frame, raster);
-        let logs: Vec<f64> = raster.level.iter().map(|level| level.log10()).collect();
+        let logs: Vec<f64> = raster.levels.iter().map(|level| level.log10()).collect();
         for (index, category) in self.categories.iter().enumerate() {
-            if category.look != Look::IllPosed {
+            if category.fill_style != FillStyle::IllPosed {
                 continue;
             }
             let value = |column: usize, row: usize| {
-                let cell = raster.at(column, row);
-                if usize::from(raster.category[cell]) == index { logs[cell] } else { f64::NAN }
+                let cell = raster.cell_index(column, row);
+                if usize::from(raster.categories[cell]) == index { logs[cell] } else { f64::NAN }
             };
             for (tick, _) in ticks {
                 let colour = contour_colour(range, *tick);
-                for line in contour::lines(raster.columns, raster.rows, value, *tick) {
+                for line in contour::trace_contours(raster.columns, raster.rows, value, *tick) {
                     let place = |[x, y]: Point| {
                         [frame.left + (x + 0.5) * width, frame.bottom - (y + 0.5) * height]
                     };
-                    picture.line(line.into_iter().map(place).collect::<Vec<_>>(), 1.6, colour);
+                    picture.draw_line(line.into_iter().map(place).collect::<Vec<_>>(), 1.6, colour);
                 }
             }
         }
     }
 }
 
-pub(super) fn contour_colour(range: &Range, log: f64) -> Colour {
-    colour_on_shade((log - range.low) / (range.high - range.low))
+pub(super) fn contour_colour(range: &LevelRange, log: f64) -> Colour {
+    contrast_colour((log - range.low) / (range.high - range.low))
 }

@@ -15,11 +15,10 @@ mod shares;
 #[cfg(test)]
 mod tests;
 
-#[cfg(test)]
-pub(crate) use colour_map::luminance;
 pub(crate) use colour_map::{
-    ARROW, BAR, BAR_GAP, LEVEL_MISSING, colour_on_shade, draw_shades, shade,
+    ARROW_LENGTH, BAR_GAP, BAR_WIDTH, MISSING_LEVEL_COLOUR, contrast_colour, draw_shades,
+    shade_colour,
 };
-pub use figure::{Axis, Category, Curve, Look, VerdictMap};
-pub(crate) use raster::runs;
-pub(crate) use shares::percent;
+pub use figure::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+pub(crate) use raster::find_runs;
+pub(crate) use shares::format_percent;

@@ -1,7 +1,7 @@
 //! Formatting of area shares.
 
 /// Formats a share in percent; 0 % and 100 % are written only if exact.
-pub(crate) fn percent(part: usize, whole: usize) -> String {
+pub(crate) fn format_percent(part: usize, whole: usize) -> String {
     let share = 100.0 * part as f64 / whole.max(1) as f64;
     if part == whole {
         "100 %".to_owned()

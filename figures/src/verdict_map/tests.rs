@@ -1,18 +1,19 @@
 //! Tests of verdict maps.
 
-use super::colour_map::{INFINITE, SHADES, luminance, shade};
-use super::figure::{Axis, Category, Curve, Look, VerdictMap};
-use super::hatching::fill;
-use super::levels::Range;
-use super::shares::percent;
-use crate::format::Format;
+use super::colour_map::{INFINITE_LEVEL_COLOUR, SHADE_COUNT, shade_colour};
+use super::figure::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
+use super::hatching::category_fill;
+use super::levels::LevelRange;
+use super::shares::format_percent;
+use crate::colour::luminance;
+use crate::format::FigureFormat;
 
 use crate::tests::check_drawing;
 
 /// Builds a map whose left half is well-posed and whose right half is ill-posed, with a level that increases to the
 /// right.
-fn map(columns: usize, rows: usize) -> VerdictMap {
-    let axis = |label: &str, points: usize| Axis {
+fn sample_map(columns: usize, rows: usize) -> VerdictMap {
+    let axis = |label: &str, points: usize| VerdictMapAxis {
         label: label.to_owned(),
         values: (0..points).map(|index| 10.0 * index as f64).collect(),
     };
@@ -26,53 +27,62 @@ fn map(columns: usize, rows: usize) -> VerdictMap {
         x: axis("non-coaxiality Δ (°)", columns),
         y: axis("friction angle φ (°)", rows),
         categories: vec![
-            Category { label: "well-posed".to_owned(), look: Look::WellPosed },
-            Category { label: "ill-posed, order 1".to_owned(), look: Look::IllPosed },
-            Category { label: "indeterminate".to_owned(), look: Look::Indeterminate },
+            VerdictCategory { label: "well-posed".to_owned(), fill_style: FillStyle::WellPosed },
+            VerdictCategory {
+                label: "ill-posed, order 1".to_owned(),
+                fill_style: FillStyle::IllPosed,
+            },
+            VerdictCategory {
+                label: "indeterminate".to_owned(),
+                fill_style: FillStyle::Indeterminate,
+            },
         ],
-        category: (0..columns * rows).map(|cell| u8::from(ill_posed(cell))).collect(),
-        level: (0..columns * rows).map(level).collect(),
+        category_indices: (0..columns * rows).map(|cell| u8::from(ill_posed(cell))).collect(),
+        growth_levels: (0..columns * rows).map(level).collect(),
         level_label: "growth rate (1/s)".to_owned(),
-        curves: vec![Curve { label: "bound".to_owned(), points: vec![[45.0, -1e3], [45.0, 1e3]] }],
+        curves: vec![MapCurve {
+            label: "bound".to_owned(),
+            points: vec![[45.0, -1e3], [45.0, 1e3]],
+        }],
     }
 }
 
-fn texts(map: &VerdictMap) -> Vec<String> {
-    map.picture().unwrap().texts().map(|text| text.content.clone()).collect()
+fn picture_texts(map: &VerdictMap) -> Vec<String> {
+    map.to_picture().unwrap().texts().map(|text| text.content.clone()).collect()
 }
 
 /// Checks a verdict map as [`check_drawing`] does.
-fn check(map: &VerdictMap) {
-    check_drawing(&map.picture().unwrap(), |format| map.draw(format));
+fn check_map(map: &VerdictMap) {
+    check_drawing(&map.to_picture().unwrap(), |format| map.draw(format));
 }
 
 #[test]
-fn the_legend_lists_what_is_present_with_its_share() {
-    let texts = texts(&map(20, 6));
+fn legend_lists_present_categories_with_shares() {
+    let texts = picture_texts(&sample_map(20, 6));
     for expected in ["well-posed (50.0 %)", "ill-posed, order 1 (50.0 %)", "bound"] {
         assert!(texts.iter().any(|text| text == expected), "{expected} not in {texts:?}");
     }
     assert!(texts.iter().all(|text| !text.contains("indeterminate")));
-    assert_eq!(percent(1, 100_000), "<0.1 %");
-    assert_eq!(percent(99_999, 100_000), ">99.9 %");
-    assert_eq!(percent(7, 7), "100 %");
+    assert_eq!(format_percent(1, 100_000), "<0.1 %");
+    assert_eq!(format_percent(99_999, 100_000), ">99.9 %");
+    assert_eq!(format_percent(7, 7), "100 %");
 }
 
 #[test]
-fn cells_lie_where_the_axes_say() {
+fn cells_have_expected_positions() {
     // The cell at x = 10, y = 20 is at the same position for ascending and for descending axes.
-    let mut map = map(4, 3);
+    let mut map = sample_map(4, 3);
     map.curves.clear();
-    map.category.fill(0);
-    map.category[2 * 4 + 1] = 2;
+    map.category_indices.fill(0);
+    map.category_indices[2 * 4 + 1] = 2;
     let mut turned = map.clone();
     turned.x.values.reverse();
     turned.y.values.reverse();
-    turned.category.reverse();
-    turned.level.reverse();
-    let drawn = map.draw(Format::Png).unwrap();
-    assert_eq!(drawn, turned.draw(Format::Png).unwrap());
-    let (width, pixels) = crate::tests::pixels(&drawn);
+    turned.category_indices.reverse();
+    turned.growth_levels.reverse();
+    let drawn = map.draw(FigureFormat::Png).unwrap();
+    assert_eq!(drawn, turned.draw(FigureFormat::Png).unwrap());
+    let (width, pixels) = crate::tests::decode_png(&drawn);
     let grey = |x: usize, y: usize| pixels[3 * (y * width + x)];
     // In the uppermost row (y = 20) only the second column is dark.
     let dark = |from: usize, to: usize| {
@@ -85,31 +95,31 @@ fn cells_lie_where_the_axes_say() {
 #[test]
 fn any_number_of_points_is_drawn() {
     for (columns, rows) in [(1, 1), (1, 2), (2, 1), (2, 2), (3, 40), (1700, 2)] {
-        check(&map(columns, rows));
+        check_map(&sample_map(columns, rows));
     }
 }
 
 #[test]
 fn any_level_is_drawn() {
     for level in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 5e-324, 7.0, f64::MAX] {
-        let mut equal = map(8, 5);
-        equal.level.fill(level);
-        check(&equal);
-        let mut mixed = map(8, 5);
-        mixed.level[6] = level;
-        check(&mixed);
+        let mut equal = sample_map(8, 5);
+        equal.growth_levels.fill(level);
+        check_map(&equal);
+        let mut mixed = sample_map(8, 5);
+        mixed.growth_levels[6] = level;
+        check_map(&mixed);
     }
-    let mut wide = map(60, 2);
-    for (cell, level) in wide.level.iter_mut().enumerate() {
+    let mut wide = sample_map(60, 2);
+    for (cell, level) in wide.growth_levels.iter_mut().enumerate() {
         *level = 10_f64.powi(10 * (cell as i32 % 60) - 300);
     }
-    check(&wide);
+    check_map(&wide);
 }
 
 #[test]
-fn every_look_is_drawn_and_differs_in_grey() {
-    use Look::*;
-    let looks = [
+fn fill_styles_differ_in_greyscale() {
+    use FillStyle::*;
+    let styles = [
         WellPosed,
         IllPosed,
         IllPosed,
@@ -121,14 +131,16 @@ fn every_look_is_drawn_and_differs_in_grey() {
         Indeterminate,
         OutsideModel,
     ];
-    let mut map = map(looks.len(), 2);
-    map.categories = looks.map(|look| Category { label: format!("{look:?}"), look }).to_vec();
-    map.category = (0..2 * looks.len()).map(|cell| (cell % looks.len()) as u8).collect();
-    check(&map);
-    let fills: Vec<(f64, usize, [f64; 2])> = (0..looks.len())
+    let mut map = sample_map(styles.len(), 2);
+    map.categories = styles
+        .map(|style| VerdictCategory { label: format!("{style:?}"), fill_style: style })
+        .to_vec();
+    map.category_indices = (0..2 * styles.len()).map(|cell| (cell % styles.len()) as u8).collect();
+    check_map(&map);
+    let fills: Vec<(f64, usize, [f64; 2])> = (0..styles.len())
         .map(|index| {
-            let (ground, hatches) = fill(looks[index], map.variant(index));
-            let along = hatches.first().map_or([0.0; 2], |hatch| hatch.along);
+            let (ground, hatches) = category_fill(styles[index], map.variant_index(index));
+            let along = hatches.first().map_or([0.0; 2], |hatch| hatch.direction);
             (luminance(ground), hatches.len(), along)
         })
         .collect();
@@ -141,29 +153,30 @@ fn every_look_is_drawn_and_differs_in_grey() {
 }
 
 #[test]
-fn shades_grow_darker_evenly() {
-    let steps: Vec<f64> =
-        (0..SHADES).map(|step| luminance(shade(step as f64 / (SHADES - 1) as f64))).collect();
+fn luminance_decreases_evenly() {
+    let steps: Vec<f64> = (0..SHADE_COUNT)
+        .map(|step| luminance(shade_colour(step as f64 / (SHADE_COUNT - 1) as f64)))
+        .collect();
     assert!(steps.windows(2).all(|pair| pair[1] < pair[0]));
     assert!(steps.windows(2).all(|pair| pair[0] - pair[1] < 4.0));
-    assert!(luminance(INFINITE) < steps[SHADES - 1] - 8.0);
+    assert!(luminance(INFINITE_LEVEL_COLOUR) < steps[SHADE_COUNT - 1] - 8.0);
 }
 
 #[test]
-fn a_few_far_levels_do_not_take_the_colours() {
+fn outliers_do_not_stretch_the_colour_range() {
     let mut levels: Vec<f64> = (1..=1000).map(f64::from).collect();
-    let range = Range::of(levels.iter().copied()).unwrap();
-    assert_eq!((range.low, range.high, range.beyond), (0.0, 3.0, [false; 2]));
+    let range = LevelRange::from_levels(levels.iter().copied()).unwrap();
+    assert_eq!((range.low, range.high, range.has_levels_beyond), (0.0, 3.0, [false; 2]));
     levels.push(1e16);
-    let range = Range::of(levels.iter().copied()).unwrap();
-    assert!(range.high <= 3.0 && range.beyond == [false, true]);
-    assert!(Range::of([f64::NAN, 0.0, -3.0].into_iter()).is_none());
+    let range = LevelRange::from_levels(levels.iter().copied()).unwrap();
+    assert!(range.high <= 3.0 && range.has_levels_beyond == [false, true]);
+    assert!(LevelRange::from_levels([f64::NAN, 0.0, -3.0].into_iter()).is_none());
 }
 
 #[test]
-fn long_labels_stay_on_the_sheet() {
+fn long_labels_stay_within_the_picture() {
     let long = "a rather long description of what is meant ".repeat(40);
-    let mut map = map(12, 7);
+    let mut map = sample_map(12, 7);
     map.categories[0].label = long.clone();
     map.categories[1].label = "x".repeat(3000);
     for text in [&mut map.title, &mut map.subtitle, &mut map.level_label] {
@@ -171,39 +184,39 @@ fn long_labels_stay_on_the_sheet() {
     }
     map.x.label.clone_from(&long);
     map.y.label.clone_from(&long);
-    check(&map);
+    check_map(&map);
     for text in [&mut map.title, &mut map.subtitle, &mut map.level_label] {
         text.clear();
     }
-    check(&map);
+    check_map(&map);
 }
 
 #[test]
-fn curves_may_hold_anything() {
-    let mut map = map(12, 7);
+fn arbitrary_curves_are_drawn() {
+    let mut map = sample_map(12, 7);
     let odd = [
         vec![],
         vec![[1.0, 1.0]],
         vec![[0.0, 0.0], [f64::NAN, 1.0], [f64::INFINITY, 2.0], [50.0, 20.0], [1e308, -1e308]],
     ];
-    map.curves = odd.map(|points| Curve { label: "odd".to_owned(), points }).to_vec();
-    check(&map);
+    map.curves = odd.map(|points| MapCurve { label: "odd".to_owned(), points }).to_vec();
+    check_map(&map);
 }
 
 #[test]
 fn wrong_input_is_refused() {
     let refused = |change: &dyn Fn(&mut VerdictMap)| {
-        let mut map = map(4, 3);
+        let mut map = sample_map(4, 3);
         change(&mut map);
-        map.draw(Format::Svg).unwrap_err().to_string()
+        map.draw(FigureFormat::Svg).unwrap_err().to_string()
     };
     assert!(
         refused(&|map| {
-            map.level.pop();
+            map.growth_levels.pop();
         })
         .contains("11 values for 4 × 3 cells")
     );
-    assert!(refused(&|map| map.category[5] = 3).contains("category 3"));
+    assert!(refused(&|map| map.category_indices[5] = 3).contains("category 3"));
     assert!(refused(&|map| map.categories.clear()).contains("0 categories"));
     assert!(refused(&|map| map.x.values.clear()).contains("has no points"));
     assert!(refused(&|map| map.x.values[1] = f64::NAN).contains("not a finite number"));
@@ -214,8 +227,8 @@ fn wrong_input_is_refused() {
 
 #[test]
 fn equal_maps_give_equal_bytes() {
-    for format in [Format::Png, Format::Svg] {
-        let map = map(30, 20);
+    for format in [FigureFormat::Png, FigureFormat::Svg] {
+        let map = sample_map(30, 20);
         assert_eq!(map.draw(format).unwrap(), map.draw(format).unwrap());
     }
 }

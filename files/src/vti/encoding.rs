@@ -5,7 +5,7 @@ use std::io::Write;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use super::number::Number;
+use super::number::VtkNumber;
 
 /// Storage of array values in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,38 +16,38 @@ pub enum Storage {
     Compressed,
 }
 
-pub(super) const IN_MEMORY: &str = "writing into memory";
+pub(super) const MEMORY_WRITE_MESSAGE: &str = "writing into memory";
 
 /// Encodes values without compression, preceded by their length in bytes.
-pub(super) fn plain<T: Number>(values: &[T]) -> Vec<u8> {
+pub(super) fn encode_plain<T: VtkNumber>(values: &[T]) -> Vec<u8> {
     let length = size_of_val(values);
     let mut bytes = Vec::with_capacity(8 + length);
     bytes.extend((length as u64).to_le_bytes());
-    values.iter().for_each(|value| value.put(&mut bytes));
+    values.iter().for_each(|value| value.append_bytes(&mut bytes));
     bytes
 }
 
 /// Length of a block before compression, bytes: several of the compressor's windows of 32 KiB.
-pub(super) const BLOCK: usize = 1 << 18;
+pub(super) const BLOCK_LENGTH: usize = 1 << 18;
 
 /// Encodes values in compressed blocks, preceded by the number of blocks, the length of a block, the length of the
 /// last block if shorter (otherwise zero), and the compressed length of each block.
-pub(super) fn compressed<T: Number>(values: &[T]) -> Vec<u8> {
+pub(super) fn encode_compressed<T: VtkNumber>(values: &[T]) -> Vec<u8> {
     let mut lengths = Vec::new();
     let mut blocks = Vec::new();
-    let mut bytes = Vec::with_capacity(BLOCK);
-    for block in values.chunks(BLOCK / size_of::<T>()) {
+    let mut bytes = Vec::with_capacity(BLOCK_LENGTH);
+    for block in values.chunks(BLOCK_LENGTH / size_of::<T>()) {
         bytes.clear();
-        block.iter().for_each(|value| value.put(&mut bytes));
+        block.iter().for_each(|value| value.append_bytes(&mut bytes));
         let start = blocks.len();
         let mut encoder = ZlibEncoder::new(blocks, Compression::default());
-        encoder.write_all(&bytes).expect(IN_MEMORY);
-        blocks = encoder.finish().expect(IN_MEMORY);
+        encoder.write_all(&bytes).expect(MEMORY_WRITE_MESSAGE);
+        blocks = encoder.finish().expect(MEMORY_WRITE_MESSAGE);
         lengths.push(blocks.len() - start);
     }
-    let head = [lengths.len(), BLOCK, size_of_val(values) % BLOCK];
+    let head = [lengths.len(), BLOCK_LENGTH, size_of_val(values) % BLOCK_LENGTH];
     let numbers = head.into_iter().chain(lengths);
-    let mut all: Vec<u8> = numbers.flat_map(|number| (number as u64).to_le_bytes()).collect();
-    all.extend(blocks);
-    all
+    let mut encoded: Vec<u8> = numbers.flat_map(|number| (number as u64).to_le_bytes()).collect();
+    encoded.extend(blocks);
+    encoded
 }

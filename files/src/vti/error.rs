@@ -44,7 +44,7 @@ pub enum VtiError {
     Name(String),
     /// An array of this name exists already.
     #[error("image data already has an array \"{0}\"")]
-    Taken(String),
+    DuplicateName(String),
     /// An array without components, or a vector with more than three.
     #[error("array \"{name}\" of image data cannot have {found} components")]
     Components {

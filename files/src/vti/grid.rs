@@ -1,11 +1,11 @@
 //! Regular grids of image data.
 
 use super::error::VtiError;
-use crate::csv::shortest;
+use crate::csv::format_shortest;
 
 /// Regular grid with axes along x, y and, in three dimensions, z.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid {
+pub struct ImageGrid {
     /// Number of cells along each of the two or three axes.
     pub cells: Vec<usize>,
     /// Lower corner of the grid, in any unit of length.
@@ -14,9 +14,9 @@ pub struct Grid {
     pub spacing: Vec<f64>,
 }
 
-impl Grid {
+impl ImageGrid {
     /// Checks the grid and returns its number of cells.
-    pub(super) fn count(&self) -> Result<usize, VtiError> {
+    pub(super) fn checked_cell_count(&self) -> Result<usize, VtiError> {
         let axes = self.cells.len();
         if !(2..=3).contains(&axes) || self.origin.len() != axes || self.spacing.len() != axes {
             let (origin, spacing) = (self.origin.len(), self.spacing.len());
@@ -39,14 +39,14 @@ impl Grid {
     }
 
     /// VTK extent: indices of the first and the last node along three axes. A plane grid has a single node along z.
-    pub(super) fn extent(&self) -> String {
+    pub(super) fn format_extent(&self) -> String {
         let last = |axis| self.cells.get(axis).copied().unwrap_or(0);
         format!("0 {} 0 {} 0 {}", last(0), last(1), last(2))
     }
 }
 
 /// Formats three numbers; missing numbers are replaced by `missing`.
-pub(super) fn triple(numbers: &[f64], missing: f64) -> String {
-    let texts = (0..3).map(|axis| shortest(numbers.get(axis).copied().unwrap_or(missing)));
+pub(super) fn format_triple(numbers: &[f64], missing: f64) -> String {
+    let texts = (0..3).map(|axis| format_shortest(numbers.get(axis).copied().unwrap_or(missing)));
     texts.collect::<Vec<_>>().join(" ")
 }

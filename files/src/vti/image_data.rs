@@ -3,17 +3,17 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::attributes::{attribute, escaped, finite};
-use super::encoding::{IN_MEMORY, Storage, compressed, plain};
+use super::attributes::{check_time, escape_xml, format_attribute};
+use super::encoding::{MEMORY_WRITE_MESSAGE, Storage, encode_compressed, encode_plain};
 use super::error::VtiError;
-use super::grid::{Grid, triple};
-use super::number::Number;
-use crate::csv::shortest;
+use super::grid::{ImageGrid, format_triple};
+use super::number::VtkNumber;
+use crate::csv::format_shortest;
 use crate::{FileError, write_atomically_with};
 
-struct Array {
+struct CellArray {
     pub(super) name: String,
-    pub(super) kind: &'static str,
+    pub(super) vtk_type: &'static str,
     pub(super) components: usize,
     /// Encoded values, preceded by their length or block lengths.
     pub(super) bytes: Vec<u8>,
@@ -22,121 +22,130 @@ struct Array {
 /// Image data under construction. The same arrays added in the same order give the same bytes.
 ///
 /// ```
-/// use wellposed_files::vti::{Grid, ImageData, Storage};
+/// use wellposed_files::vti::{ImageData, ImageGrid, Storage};
 ///
-/// let grid = Grid { cells: vec![2, 1], origin: vec![0.0; 2], spacing: vec![0.5; 2] };
+/// let grid = ImageGrid { cells: vec![2, 1], origin: vec![0.0; 2], spacing: vec![0.5; 2] };
 /// let mut data = ImageData::new(grid, Storage::Plain)?;
 /// data.set_time(0.25)?;
-/// data.add("density [kg/m3]", 1, &[1500.0_f32, 1600.0])?;
+/// data.add_array("density [kg/m3]", 1, &[1500.0_f32, 1600.0])?;
 /// data.add_vector("velocity [m/s]", &[&[1.0, 2.0], &[0.0, 0.0]])?;
-/// assert!(data.bytes().starts_with(b"<?xml"));
+/// assert!(data.to_bytes().starts_with(b"<?xml"));
 /// # Ok::<(), wellposed_files::vti::VtiError>(())
 /// ```
 pub struct ImageData {
-    pub(super) grid: Grid,
-    pub(super) count: usize,
+    pub(super) grid: ImageGrid,
+    pub(super) cell_count: usize,
     /// Encoded node coordinates of a deformed grid.
     pub(super) nodes: Option<Vec<u8>>,
     pub(super) storage: Storage,
     pub(super) time: Option<f64>,
-    arrays: Vec<Array>,
+    arrays: Vec<CellArray>,
 }
 
 impl ImageData {
     /// Creates image data on a grid, without arrays.
-    pub fn new(grid: Grid, storage: Storage) -> Result<Self, VtiError> {
-        let count = grid.count()?;
-        Ok(Self { grid, count, nodes: None, storage, time: None, arrays: Vec::new() })
+    pub fn new(grid: ImageGrid, storage: Storage) -> Result<Self, VtiError> {
+        let count = grid.checked_cell_count()?;
+        Ok(Self { grid, cell_count: count, nodes: None, storage, time: None, arrays: Vec::new() })
     }
 
     /// Creates a structured grid: the nodes x of a plane grid are mapped to Fx by the deformation gradient F =
-    /// `matrix`.
-    pub fn deformed(grid: Grid, matrix: [[f64; 2]; 2], storage: Storage) -> Result<Self, VtiError> {
+    /// `deformation_gradient`.
+    pub fn with_deformation(
+        grid: ImageGrid,
+        deformation_gradient: [[f64; 2]; 2],
+        storage: Storage,
+    ) -> Result<Self, VtiError> {
         let mut data = Self::new(grid, storage)?;
         let axes = data.grid.cells.len();
-        if axes != 2 || !matrix.as_flattened().iter().all(|entry| entry.is_finite()) {
-            return Err(VtiError::Deformation { axes, found: matrix });
+        if axes != 2 || !deformation_gradient.as_flattened().iter().all(|entry| entry.is_finite()) {
+            return Err(VtiError::Deformation { axes, found: deformation_gradient });
         }
         let along = |axis: usize, index: usize| {
             data.grid.origin[axis] + index as f64 * data.grid.spacing[axis]
         };
         let [columns, rows] = [0, 1].map(|axis| data.grid.cells[axis] + 1);
         let node = |x: f64, y: f64| {
-            let [a, b] = matrix.map(|row| row[0] * x + row[1] * y);
+            let [a, b] = deformation_gradient.map(|row| row[0] * x + row[1] * y);
             [a, b, 0.0]
         };
         let nodes: Vec<f64> = (0..rows)
             .flat_map(|j| (0..columns).map(move |i| (i, j)))
             .flat_map(|(i, j)| node(along(0, i), along(1, j)))
             .collect();
-        data.nodes = Some(data.packed(&nodes));
+        data.nodes = Some(data.encode(&nodes));
         Ok(data)
     }
 
     /// Sets the time of all arrays, usually in s.
     pub fn set_time(&mut self, time: f64) -> Result<(), VtiError> {
-        self.time = Some(finite(time)?);
+        self.time = Some(check_time(time)?);
         Ok(())
     }
 
     /// Adds a cell array with interleaved components, cells along the first axis fastest.
-    pub fn add<T: Number>(
+    pub fn add_array<T: VtkNumber>(
         &mut self,
         name: &str,
         components: usize,
         values: &[T],
     ) -> Result<(), VtiError> {
-        self.admit(name)?;
+        self.check_name(name)?;
         if components == 0 {
             return Err(VtiError::Components { name: name.to_owned(), found: components });
         }
-        check_length(name, values.len(), self.count.saturating_mul(components))?;
-        let bytes = self.packed(values);
-        self.arrays.push(Array { name: name.to_owned(), kind: T::KIND, components, bytes });
+        check_length(name, values.len(), self.cell_count.saturating_mul(components))?;
+        let bytes = self.encode(values);
+        self.arrays.push(CellArray {
+            name: name.to_owned(),
+            vtk_type: T::VTK_TYPE,
+            components,
+            bytes,
+        });
         Ok(())
     }
 
     /// Encodes values according to the storage of the file.
-    fn packed<T: Number>(&self, values: &[T]) -> Vec<u8> {
+    fn encode<T: VtkNumber>(&self, values: &[T]) -> Vec<u8> {
         match self.storage {
-            Storage::Plain => plain(values),
-            Storage::Compressed => compressed(values),
+            Storage::Plain => encode_plain(values),
+            Storage::Compressed => encode_compressed(values),
         }
     }
 
     /// Adds a vector from one to three component fields, cells along the first axis fastest. The vector always has
     /// three components, as required by viewers; missing components are zero.
-    pub fn add_vector<T: Number>(&mut self, name: &str, axes: &[&[T]]) -> Result<(), VtiError> {
+    pub fn add_vector<T: VtkNumber>(&mut self, name: &str, axes: &[&[T]]) -> Result<(), VtiError> {
         if !(1..=3).contains(&axes.len()) {
             return Err(VtiError::Components { name: name.to_owned(), found: axes.len() });
         }
         for values in axes {
-            check_length(name, values.len(), self.count)?;
+            check_length(name, values.len(), self.cell_count)?;
         }
         let component = |cell: usize, axis: usize| match axes.get(axis) {
             Some(values) => values[cell],
             None => T::default(),
         };
-        let vectors = (0..self.count).map(|cell| [0, 1, 2].map(|axis| component(cell, axis)));
+        let vectors = (0..self.cell_count).map(|cell| [0, 1, 2].map(|axis| component(cell, axis)));
         let values: Vec<T> = vectors.flatten().collect();
-        self.add(name, 3, &values)
+        self.add_array(name, 3, &values)
     }
 
     /// Formats the file as bytes.
-    pub fn bytes(&self) -> Vec<u8> {
+    pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        self.write_to(&mut bytes).expect(IN_MEMORY);
+        self.write_to(&mut bytes).expect(MEMORY_WRITE_MESSAGE);
         bytes
     }
 
     /// Writes the file atomically, without a second copy of the arrays.
-    pub fn write(&self, path: &Path) -> Result<(), FileError> {
+    pub fn write_file(&self, path: &Path) -> Result<(), FileError> {
         write_atomically_with(path, |file| self.write_to(file))
     }
 
     /// Writes the bytes of the file, in a few large blocks.
     pub fn write_to(&self, writer: &mut impl Write) -> io::Result<()> {
-        writer.write_all(self.head().as_bytes())?;
+        writer.write_all(self.format_header().as_bytes())?;
         let arrays = self.arrays.iter().map(|array| &array.bytes);
         for bytes in arrays.chain(&self.nodes) {
             writer.write_all(bytes)?;
@@ -145,35 +154,35 @@ impl ImageData {
     }
 
     /// Checks that a name is valid and not used by another array.
-    fn admit(&self, name: &str) -> Result<(), VtiError> {
-        attribute(name)?;
+    fn check_name(&self, name: &str) -> Result<(), VtiError> {
+        format_attribute(name)?;
         if self.arrays.iter().any(|array| array.name == name) {
-            return Err(VtiError::Taken(name.to_owned()));
+            return Err(VtiError::DuplicateName(name.to_owned()));
         }
         Ok(())
     }
 
     /// File content before the appended values, up to the underscore from which their offsets are counted.
-    pub(super) fn head(&self) -> String {
+    pub(super) fn format_header(&self) -> String {
         let compressor = match self.storage {
             Storage::Plain => "",
             Storage::Compressed => " compressor=\"vtkZLibDataCompressor\"",
         };
-        let extent = self.grid.extent();
-        let origin = triple(&self.grid.origin, 0.0);
-        let spacing = triple(&self.grid.spacing, 1.0);
-        let (time, arrays) = (self.time_element(), self.array_elements());
-        let (kind, place, nodes) = match self.nodes {
+        let extent = self.grid.format_extent();
+        let origin = format_triple(&self.grid.origin, 0.0);
+        let spacing = format_triple(&self.grid.spacing, 1.0);
+        let (time, arrays) = (self.format_time_element(), self.format_array_elements());
+        let (kind, geometry, nodes) = match self.nodes {
             None => {
                 ("ImageData", format!(" Origin=\"{origin}\" Spacing=\"{spacing}\""), String::new())
             }
-            Some(_) => ("StructuredGrid", String::new(), self.node_element()),
+            Some(_) => ("StructuredGrid", String::new(), self.format_node_element()),
         };
         format!(
             "<?xml version=\"1.0\"?>\n\
              <VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" \
              header_type=\"UInt64\"{compressor}>\n  \
-               <{kind} WholeExtent=\"{extent}\"{place}>\n\
+               <{kind} WholeExtent=\"{extent}\"{geometry}>\n\
              {time}    \
                  <Piece Extent=\"{extent}\">\n      \
                    <PointData>\n      </PointData>\n      \
@@ -185,7 +194,7 @@ impl ImageData {
     }
 
     /// XML element of the nodes of a deformed grid, whose values follow those of all arrays.
-    fn node_element(&self) -> String {
+    fn format_node_element(&self) -> String {
         let offset: usize = self.arrays.iter().map(|array| array.bytes.len()).sum();
         format!(
             "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" \
@@ -194,9 +203,9 @@ impl ImageData {
     }
 
     /// XML element of the time, with the name expected by VTK readers.
-    fn time_element(&self) -> String {
+    fn format_time_element(&self) -> String {
         self.time.map_or_else(String::new, |time| {
-            let time = shortest(time);
+            let time = format_shortest(time);
             format!(
                 "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" \
                  NumberOfTuples=\"1\" format=\"ascii\">{time}</DataArray>\n    </FieldData>\n"
@@ -205,11 +214,11 @@ impl ImageData {
     }
 
     /// XML elements of the arrays with their offsets.
-    fn array_elements(&self) -> String {
+    fn format_array_elements(&self) -> String {
         let mut elements = String::new();
         let mut offset = 0;
-        for Array { name, kind, components, bytes } in &self.arrays {
-            let name = escaped(name);
+        for CellArray { name, vtk_type: kind, components, bytes } in &self.arrays {
+            let name = escape_xml(name);
             elements.push_str(&format!(
                 "        <DataArray type=\"{kind}\" Name=\"{name}\" \
                  NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>\n"

@@ -15,10 +15,10 @@ mod reader;
 #[cfg(test)]
 mod tests;
 
-pub use collection::{collected, collection};
+pub use collection::{format_collection, parse_collection};
 pub use encoding::Storage;
 pub use error::VtiError;
-pub use grid::Grid;
+pub use grid::ImageGrid;
 pub use image_data::ImageData;
-pub use number::Number;
-pub use reader::{plain_time, plain_values};
+pub use number::VtkNumber;
+pub use reader::{read_plain_time, read_plain_values};

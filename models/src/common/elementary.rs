@@ -120,19 +120,19 @@ impl Elementary for f64 {
     // `pxfm::f_hypot` (0.1.30) is not correctly rounded.
     fn root_sum_square(self, other: Self) -> Self {
         /// Range in which squares and their sum are normal numbers.
-        const SAFE: std::ops::Range<f64> = 1e-140..1e140;
-        /// 2⁶⁰⁰: an exact scale factor that brings every number outside [`SAFE`] into it.
-        const SCALE: f64 = f64::from_bits((1023 + 600) << 52);
+        const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-140..1e140;
+        /// 2⁶⁰⁰: an exact scale factor that brings every number outside [`SAFE_MAGNITUDES`] into it.
+        const SCALE_FACTOR: f64 = f64::from_bits((1023 + 600) << 52);
         let largest = self.abs().max(other.abs());
         let norm = |x: f64, y: f64| (x * x + y * y).sqrt();
         if self.is_infinite() || other.is_infinite() {
             f64::INFINITY
-        } else if SAFE.contains(&largest) || largest == 0.0 {
+        } else if SAFE_MAGNITUDES.contains(&largest) || largest == 0.0 {
             norm(self, other)
         } else if largest < 1.0 {
-            norm(self * SCALE, other * SCALE) / SCALE
+            norm(self * SCALE_FACTOR, other * SCALE_FACTOR) / SCALE_FACTOR
         } else {
-            norm(self / SCALE, other / SCALE) * SCALE
+            norm(self / SCALE_FACTOR, other / SCALE_FACTOR) * SCALE_FACTOR
         }
     }
 }

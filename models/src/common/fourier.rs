@@ -2,6 +2,6 @@
 
 /// Largest mode number along each axis that is free of aliasing on a grid of `points` points, ⌊(points − 1)/3⌋:
 /// products of two retained modes do not alias onto retained ones (two-thirds rule, Orszag 1971).
-pub fn greatest_modes(points: [usize; 2]) -> [usize; 2] {
+pub fn max_dealiased_modes(points: [usize; 2]) -> [usize; 2] {
     points.map(|points| (points - 1) / 3)
 }

@@ -61,7 +61,7 @@ pub trait Number:
 /// and x/3 is at least a sixth of a unit in the last place away from a rounding boundary. Near underflow the last bit
 /// may differ; −0 becomes 0.
 #[inline(always)]
-pub fn third<N: Number>(x: N) -> N {
+pub fn divide_by_three<N: Number>(x: N) -> N {
     let quotient = x * N::THIRD;
     let rest = (x - (quotient + quotient)) - quotient;
     quotient + rest * N::THIRD

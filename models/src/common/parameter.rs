@@ -1,8 +1,8 @@
 //! Metadata of model constants: name, unit, meaning, default and range, for readers of case files, templates and
 //! parameter sweeps.
 
-use crate::common::input::{InputError, degrees, ensure};
-use crate::common::range::Range;
+use crate::common::input::{InputError, ensure, to_rounded_degrees};
+use crate::common::range::AllowedRange;
 use std::fmt::Display;
 
 /// A constant of a model or of a yield set.
@@ -12,18 +12,18 @@ pub struct Parameter {
     pub name: &'static str,
     /// Quantity and symbol, for axes and legends: `friction angle φ`.
     pub label: &'static str,
-    /// SI unit; empty for pure numbers. Angles are marked [`ANGLE`].
+    /// SI unit; empty for pure numbers. Angles are marked [`ANGLE_UNIT`].
     pub unit: &'static str,
     /// Meaning of the quantity and its allowed values, in one line.
     pub meaning: &'static str,
     /// Whether a value is required, and the default if it is not.
     pub presence: Presence,
     /// Allowed range, independent of the other constants.
-    pub range: Range,
+    pub range: AllowedRange,
 }
 
 /// Unit of angles. Case files and output hold them in degrees; models take them in rad.
-pub const ANGLE: &str = "deg";
+pub const ANGLE_UNIT: &str = "deg";
 
 /// Whether a constant is required, has a default, or is optional.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub enum Presence {
 
 impl Parameter {
     /// A required constant whose range is all finite numbers.
-    pub const fn required(
+    pub const fn new_required(
         [name, label, unit]: [&'static str; 3],
         meaning: &'static str,
         example: f64,
@@ -60,11 +60,11 @@ impl Parameter {
         meaning: &'static str,
         presence: Presence,
     ) -> Self {
-        Self { name, label, unit, meaning, presence, range: Range::Finite }
+        Self { name, label, unit, meaning, presence, range: AllowedRange::Finite }
     }
 
     /// Returns this parameter with the allowed range `range`, in the unit of the parameter.
-    pub const fn within(self, range: Range) -> Self {
+    pub const fn with_range(self, range: AllowedRange) -> Self {
         Self { range, ..self }
     }
 
@@ -74,16 +74,16 @@ impl Parameter {
     /// The value is out of range or not finite.
     pub fn check(&self, value: f64, allowed: impl Display) -> Result<(), InputError> {
         match self.unit {
-            ANGLE => {
+            ANGLE_UNIT => {
                 let is_in = self.range.to_radians().contains(value);
-                ensure(is_in, self.name, degrees(value), allowed)
+                ensure(is_in, self.name, to_rounded_degrees(value), allowed)
             }
             _ => ensure(self.range.contains(value), self.name, value, allowed),
         }
     }
 
     /// The example or default value in SI units and rad; NaN for [`Presence::Optional`].
-    pub fn example(&self) -> f64 {
+    pub fn example_value(&self) -> f64 {
         match self.presence {
             Presence::Required(value) | Presence::Default(value) => self.to_si(value),
             Presence::Optional => f64::NAN,
@@ -92,7 +92,7 @@ impl Parameter {
 
     /// Converts a value from the unit of the parameter to SI units: angles from degrees to rad.
     pub fn to_si(&self, stated: f64) -> f64 {
-        if self.unit == ANGLE { stated.to_radians() } else { stated }
+        if self.unit == ANGLE_UNIT { stated.to_radians() } else { stated }
     }
 }
 
@@ -100,10 +100,10 @@ impl Parameter {
 ///
 /// # Errors
 /// The list has another length than `N`.
-pub fn constants<const N: usize>(given: &[f64]) -> Result<[f64; N], InputError> {
+pub fn to_constant_array<const N: usize>(given: &[f64]) -> Result<[f64; N], InputError> {
     given.try_into().map_err(|_| InputError {
         input: "kind",
-        found: format!("{} constants", given.len()),
-        allowed: format!("this model has {N}"),
+        rejected_value: format!("{} constants", given.len()),
+        allowed_values: format!("this model has {N}"),
     })
 }

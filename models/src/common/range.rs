@@ -2,7 +2,7 @@
 
 /// Allowed range of a number, independent of other numbers; bounds are in the unit of the number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Range {
+pub enum AllowedRange {
     /// Any finite number.
     Finite,
     /// Above 0.
@@ -10,14 +10,14 @@ pub enum Range {
     /// At least 0.
     NotNegative,
     /// Above 0 and at most this bound.
-    UpTo(f64),
+    PositiveUpTo(f64),
     /// Above 0 and below this bound.
-    Below(f64),
+    PositiveBelow(f64),
     /// At least 0 and below this bound.
     NotNegativeBelow(f64),
 }
 
-impl Range {
+impl AllowedRange {
     /// Whether the range contains `x`; NaN and infinities are in no range.
     pub fn contains(self, x: f64) -> bool {
         x.is_finite()
@@ -25,8 +25,8 @@ impl Range {
                 Self::Finite => true,
                 Self::Positive => x > 0.0,
                 Self::NotNegative => x >= 0.0,
-                Self::UpTo(most) => x > 0.0 && x <= most,
-                Self::Below(limit) => x > 0.0 && x < limit,
+                Self::PositiveUpTo(most) => x > 0.0 && x <= most,
+                Self::PositiveBelow(limit) => x > 0.0 && x < limit,
                 Self::NotNegativeBelow(limit) => x >= 0.0 && x < limit,
             }
     }
@@ -34,8 +34,8 @@ impl Range {
     /// Converts a range in degrees to radians.
     pub fn to_radians(self) -> Self {
         match self {
-            Self::UpTo(most) => Self::UpTo(most.to_radians()),
-            Self::Below(limit) => Self::Below(limit.to_radians()),
+            Self::PositiveUpTo(most) => Self::PositiveUpTo(most.to_radians()),
+            Self::PositiveBelow(limit) => Self::PositiveBelow(limit.to_radians()),
             Self::NotNegativeBelow(limit) => Self::NotNegativeBelow(limit.to_radians()),
             Self::Finite | Self::Positive | Self::NotNegative => self,
         }

@@ -13,7 +13,7 @@
 
 use crate::common::product::triple_product;
 use crate::common::rounding::Rounded;
-use crate::common::system::{LinearisedSystem, Matrix, Unknown};
+use crate::common::system::{LinearisedSystem, RoundedMatrix, Unknown};
 use nalgebra::DMatrix;
 
 /// Rate equations in `D` space dimensions; see the [module](self).
@@ -26,13 +26,13 @@ pub struct RateEquations<const D: usize> {
     /// Diagonal of the mass matrix M, one entry per velocity: kg/m³ for translations, kg/m for spins.
     pub inertia: Vec<Rounded>,
     /// Tangent stiffness D: stresses × stresses, Pa or N.
-    pub stiffness: Matrix,
+    pub stiffness: RoundedMatrix,
     /// Gradient operators Gⁱ: stresses × velocities, dimensionless.
     pub gradient: [DMatrix<f64>; D],
     /// Operator Z of the strain rates due to spins without gradients: stresses × velocities, dimensionless.
     pub rotation: DMatrix<f64>,
     /// Relaxation R: stresses × stresses, 1/(Pa·s); zero unless the background flows plastically.
-    pub relaxation: Matrix,
+    pub relaxation: RoundedMatrix,
 }
 
 /// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U` in the notation of Sadovskii & Sadovskaya (2019, "Elastic
@@ -50,12 +50,12 @@ pub struct SymmetricForm<const D: usize> {
 
 impl<const D: usize> RateEquations<D> {
     /// Number of velocities.
-    pub fn velocities(&self) -> usize {
+    pub fn velocity_count(&self) -> usize {
         self.inertia.len()
     }
 
     /// Number of stresses.
-    pub fn stresses(&self) -> usize {
+    pub fn stress_count(&self) -> usize {
         self.stiffness.nrows()
     }
 
@@ -67,18 +67,18 @@ impl<const D: usize> RateEquations<D> {
     /// Writes the linearised system `A ∂ₜz + Σ Bⁱ∂ᵢz + C z = 0` in the material frame (V = 0), solved for the stress
     /// rates.
     pub fn linearise(&self, system: &mut LinearisedSystem<D>) {
-        let (nv, ns) = (self.velocities(), self.stresses());
+        let (nv, ns) = (self.velocity_count(), self.stress_count());
         system.reset(self.unknowns, self.equations, [0.0; D]);
         for (i, &inertia) in self.inertia.iter().enumerate() {
             system.a[(i, i)] = inertia;
             for s in 0..ns {
                 for axis in 0..D {
-                    system.b[axis][(i, nv + s)] = Rounded::exact(-self.gradient[axis][(s, i)]);
+                    system.b[axis][(i, nv + s)] = Rounded::from_exact(-self.gradient[axis][(s, i)]);
                 }
-                system.c[(i, nv + s)] = Rounded::exact(self.rotation[(s, i)]);
+                system.c[(i, nv + s)] = Rounded::from_exact(self.rotation[(s, i)]);
             }
         }
-        let strained = |law: usize, strain: &DMatrix<f64>, velocity: usize| {
+        let strain_coefficient = |law: usize, strain: &DMatrix<f64>, velocity: usize| {
             (0..ns)
                 .map(|s| strain[(s, velocity)] * -self.stiffness[(law, s)])
                 .fold(Rounded::ZERO, std::ops::Add::add)
@@ -93,16 +93,16 @@ impl<const D: usize> RateEquations<D> {
             for velocity in 0..nv {
                 for axis in 0..D {
                     system.b[axis][(nv + law, velocity)] =
-                        strained(law, &self.gradient[axis], velocity);
+                        strain_coefficient(law, &self.gradient[axis], velocity);
                 }
-                system.c[(nv + law, velocity)] = strained(law, &self.rotation, velocity);
+                system.c[(nv + law, velocity)] = strain_coefficient(law, &self.rotation, velocity);
             }
         }
     }
 
     /// The symmetric-hyperbolic form; `None` where the stiffness is not symmetric positive definite.
-    pub fn symmetric(&self) -> Option<SymmetricForm<D>> {
-        let (nv, ns) = (self.velocities(), self.stresses());
+    pub fn symmetric_form(&self) -> Option<SymmetricForm<D>> {
+        let (nv, ns) = (self.velocity_count(), self.stress_count());
         let stiffness = self.stiffness_values();
         if (&stiffness - stiffness.transpose()).amax() > 1e-12 * stiffness.amax() {
             return None;
@@ -132,7 +132,7 @@ impl<const D: usize> SymmetricForm<D> {
     /// Galerkin restriction of the system to the subspace spanned by the columns of `basis`, e.g. the tangent plane of
     /// a yield surface (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). It stays
     /// symmetric-hyperbolic.
-    pub fn restricted(&self, basis: &DMatrix<f64>) -> Self {
+    pub fn restrict(&self, basis: &DMatrix<f64>) -> Self {
         let restrict = |m: &DMatrix<f64>| triple_product(&basis.transpose(), m, basis);
         Self {
             a: restrict(&self.a),

@@ -11,10 +11,10 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
 /// Factor by which bounds, themselves rounded to nearest, are inflated to stay upper bounds.
-const UPWARDS: f64 = 1.0 + 2.0 * f64::EPSILON;
+const BOUND_INFLATION: f64 = 1.0 + 2.0 * f64::EPSILON;
 
 /// The smallest positive double: the error of a product that underflows.
-const SMALLEST: f64 = f64::from_bits(1);
+const MIN_SUBNORMAL: f64 = f64::from_bits(1);
 
 /// A double `value` within `bound` of the exact number that it approximates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,24 +27,24 @@ pub struct Rounded {
 
 impl Rounded {
     /// The exact zero.
-    pub const ZERO: Self = Self::exact(0.0);
+    pub const ZERO: Self = Self::from_exact(0.0);
     /// The exact one.
-    pub const ONE: Self = Self::exact(1.0);
+    pub const ONE: Self = Self::from_exact(1.0);
 
     /// An exact double, with bound 0.
-    pub const fn exact(value: f64) -> Self {
+    pub const fn from_exact(value: f64) -> Self {
         Self { value, bound: 0.0 }
     }
 
     /// A double rounded from a real number, such as a decimal from a file: bound u·|value|, u the unit roundoff.
-    pub fn given(value: f64) -> Self {
+    pub fn from_rounded(value: f64) -> Self {
         Self { value, bound: UNIT_ROUNDOFF * value.abs() }
     }
 
     /// An angle in radians converted from decimal degrees: bound 3u·|value| for the rounding of the decimal, of π/180
     /// and of their product.
-    pub fn angle(radians: f64) -> Self {
-        Self { value: radians, bound: 3.0 * UNIT_ROUNDOFF * radians.abs() * UPWARDS }
+    pub fn from_angle(radians: f64) -> Self {
+        Self { value: radians, bound: 3.0 * UNIT_ROUNDOFF * radians.abs() * BOUND_INFLATION }
     }
 
     /// Whether the value is exactly zero by structure, not by rounding.
@@ -69,13 +69,13 @@ impl Rounded {
             return Self::ZERO;
         }
         let value = self.value.cr_sin();
-        Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
+        Self::with_rounding_error(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
     /// Cosine, with an assumed error of at most one unit in the last place.
     pub fn cos(self) -> Self {
         let value = self.value.cr_cos();
-        Self::after_rounding(value, self.bound + UNIT_ROUNDOFF * value.abs())
+        Self::with_rounding_error(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
     /// Arc sine of a number whose exact value lies in [−1, 1]. The bound is the largest distance to the arc sines of
@@ -85,7 +85,7 @@ impl Rounded {
         let value = at(self.value);
         let (low, high) = (at(self.value - self.bound), at(self.value + self.bound));
         let spread = (value - low).max(high - value);
-        Self::after_rounding(value, spread + 3.0 * UNIT_ROUNDOFF * value.abs())
+        Self::with_rounding_error(value, spread + 3.0 * UNIT_ROUNDOFF * value.abs())
     }
 
     /// Square root of a number that is not negative: |√x − √v| ≤ |x − v|/√v.
@@ -94,17 +94,20 @@ impl Rounded {
             return Self::ZERO;
         }
         let value = self.value.sqrt();
-        Self::after_rounding(value, self.bound / value)
+        Self::with_rounding_error(value, self.bound / value)
     }
 
-    fn after_rounding(value: f64, bound: f64) -> Self {
-        Self { value, bound: (bound + UNIT_ROUNDOFF * value.abs()) * UPWARDS + SMALLEST }
+    fn with_rounding_error(value: f64, bound: f64) -> Self {
+        Self {
+            value,
+            bound: (bound + UNIT_ROUNDOFF * value.abs()) * BOUND_INFLATION + MIN_SUBNORMAL,
+        }
     }
 }
 
 impl From<f64> for Rounded {
     fn from(value: f64) -> Self {
-        Self::given(value)
+        Self::from_rounded(value)
     }
 }
 
@@ -117,7 +120,7 @@ impl Add for Rounded {
         if other.is_structural_zero() {
             return self;
         }
-        Self::after_rounding(self.value + other.value, self.bound + other.bound)
+        Self::with_rounding_error(self.value + other.value, self.bound + other.bound)
     }
 }
 
@@ -141,7 +144,7 @@ impl Mul for Rounded {
         if self.is_structural_zero() || other.is_structural_zero() {
             return Self::ZERO;
         }
-        Self::after_rounding(
+        Self::with_rounding_error(
             self.value * other.value,
             self.value.abs() * other.bound
                 + other.value.abs() * self.bound
@@ -155,12 +158,12 @@ impl Div for Rounded {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
-        let least = other.value.abs() - other.bound;
-        if least > 0.0 {
+        let min_divisor = other.value.abs() - other.bound;
+        if min_divisor > 0.0 {
             if self.is_structural_zero() {
                 return Self::ZERO;
             }
-            Self::after_rounding(value, (self.bound + value.abs() * other.bound) / least)
+            Self::with_rounding_error(value, (self.bound + value.abs() * other.bound) / min_divisor)
         } else {
             Self { value, bound: f64::INFINITY }
         }
@@ -171,7 +174,7 @@ impl Div for Rounded {
 impl Mul<Rounded> for f64 {
     type Output = Rounded;
     fn mul(self, other: Rounded) -> Rounded {
-        Rounded::exact(self) * other
+        Rounded::from_exact(self) * other
     }
 }
 
@@ -186,25 +189,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_cosine_of_a_right_angle_has_no_sign() {
-        let right_angle = 2.0 * Rounded::angle(std::f64::consts::FRAC_PI_4);
+    fn cosine_of_a_right_angle_has_no_certain_sign() {
+        let right_angle = 2.0 * Rounded::from_angle(std::f64::consts::FRAC_PI_4);
         assert_eq!(right_angle.cos().sign(), None);
-        assert_eq!((right_angle + Rounded::given(1e-14)).cos().sign(), Some(-1));
-        assert_eq!((right_angle - Rounded::given(1e-14)).cos().sign(), Some(1));
+        assert_eq!((right_angle + Rounded::from_rounded(1e-14)).cos().sign(), Some(-1));
+        assert_eq!((right_angle - Rounded::from_rounded(1e-14)).cos().sign(), Some(1));
     }
 
     #[test]
-    fn the_bound_covers_a_catastrophic_cancellation() {
+    fn bound_covers_a_catastrophic_cancellation() {
         // (1/3 + 2/3) − 1 − 1e-17: the exact result −1e-17 is below the resolution of doubles near 1.
-        let third = Rounded::given(1.0 / 3.0);
-        let rest = third + 2.0 * third - Rounded::ONE - Rounded::exact(1e-17);
+        let third = Rounded::from_rounded(1.0 / 3.0);
+        let rest = third + 2.0 * third - Rounded::ONE - Rounded::from_exact(1e-17);
         assert!((rest.value + 1e-17).abs() <= rest.bound);
         assert_eq!(rest.sign(), None);
     }
 
     #[test]
     fn structural_zeros_stay_exact() {
-        let x = Rounded::given(0.1);
+        let x = Rounded::from_rounded(0.1);
         assert!((Rounded::ZERO * x).is_structural_zero());
         assert_eq!(Rounded::ZERO + x, x);
         assert_eq!((x - x).sign(), None);

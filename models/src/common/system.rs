@@ -4,7 +4,7 @@ use crate::common::rounding::Rounded;
 use nalgebra::DMatrix;
 
 /// A matrix of coefficients, each with its rounding bound.
-pub type Matrix = DMatrix<Rounded>;
+pub type RoundedMatrix = DMatrix<Rounded>;
 
 /// Linearised equations with frozen coefficients in `D` space dimensions,
 ///
@@ -27,11 +27,11 @@ pub struct LinearisedSystem<const D: usize> {
     /// Velocity V of the frame, m/s.
     pub velocity: [f64; D],
     /// Coefficients A of the material time derivatives.
-    pub a: Matrix,
+    pub a: RoundedMatrix,
     /// Coefficients Bⁱ of the space derivatives, without the advection term `A V·∇`.
-    pub b: [Matrix; D],
+    pub b: [RoundedMatrix; D],
     /// Coefficients C of the unknowns themselves.
-    pub c: Matrix,
+    pub c: RoundedMatrix,
 }
 
 /// An unknown of a linearised system.
@@ -45,7 +45,7 @@ pub struct Unknown {
 
 impl<const D: usize> Default for LinearisedSystem<D> {
     fn default() -> Self {
-        let empty = || Matrix::from_element(0, 0, Rounded::ZERO);
+        let empty = || RoundedMatrix::from_element(0, 0, Rounded::ZERO);
         Self {
             unknowns: &[],
             equations: &[],
@@ -72,7 +72,7 @@ impl<const D: usize> LinearisedSystem<D> {
             if matrix.shape() == (rows, columns) {
                 matrix.fill(Rounded::ZERO);
             } else {
-                *matrix = Matrix::from_element(rows, columns, Rounded::ZERO);
+                *matrix = RoundedMatrix::from_element(rows, columns, Rounded::ZERO);
             }
         }
     }

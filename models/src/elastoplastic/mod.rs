@@ -2,12 +2,12 @@
 
 mod plastic;
 
-pub use plastic::{Plastic, scale_onto_yield};
+pub use plastic::{PlasticState, scale_onto_yield};
 
 use crate::common::rates::RateEquations;
 use crate::common::rounding::Rounded;
 use crate::solid::ElasticLaw;
-use crate::solid::stress::Component;
+use crate::solid::stress::StressComponent;
 use crate::yield_set::parameters::ActiveCondition;
 use crate::yield_set::tangent::{NoResponse, tangent};
 
@@ -15,23 +15,23 @@ use crate::yield_set::tangent::{NoResponse, tangent};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
     /// Elastic law.
-    pub elastic: ElasticLaw,
+    pub elastic_law: ElasticLaw,
     /// Number of space dimensions: 2 for plane strain, 3 for space.
     pub dimensions: usize,
     /// Yield set and its active conditions; `None` in an elastic solid.
-    pub plastic: Option<Plastic>,
+    pub plastic_state: Option<PlasticState>,
 }
 
 impl Solid {
     /// Creates a solid in 2 (plane strain) or 3 `dimensions`; a law defined in plane strain only always gets 2.
-    pub fn new(elastic: ElasticLaw, dimensions: usize, plastic: Option<Plastic>) -> Self {
+    pub fn new(elastic: ElasticLaw, dimensions: usize, plastic: Option<PlasticState>) -> Self {
         let dimensions = if elastic.is_plane() { 2 } else { dimensions };
-        Self { elastic, dimensions, plastic }
+        Self { elastic_law: elastic, dimensions, plastic_state: plastic }
     }
 
     /// Elastic rate equations in `D` dimensions, without plastic flow.
     pub fn elastic_rates<const D: usize>(&self) -> RateEquations<D> {
-        self.elastic.rates()
+        self.elastic_law.rates()
     }
 
     /// Rate equations in `D` dimensions with the tangent stiffness: plastic loading of all active conditions.
@@ -39,55 +39,64 @@ impl Solid {
     /// # Errors
     /// H + n·Dm is not positive for an active condition; see [`NoResponse`].
     pub fn rates<const D: usize>(&self) -> Result<RateEquations<D>, NoResponse> {
-        let Some(plastic) = &self.plastic else { return Ok(self.elastic_rates()) };
-        let (layout, stiffness) = self.elastic.layout_and_stiffness::<D>();
+        let Some(plastic) = &self.plastic_state else { return Ok(self.elastic_rates()) };
+        let (layout, stiffness) = self.elastic_law.layout_and_stiffness::<D>();
         let stresses: Vec<_> = layout.all_stresses().collect();
-        let tangent = tangent(&stiffness, &stresses, &plastic.active)?;
-        Ok(self.elastic.rates_with_stiffness(&layout, &tangent))
+        let tangent = tangent(&stiffness, &stresses, &plastic.active_conditions)?;
+        Ok(self.elastic_law.rates_with_stiffness(&layout, &tangent))
     }
 
-    /// Rate equations including the relaxation R due to plastic flow of the background, with the carried (out-of-plane)
+    /// Rate equations including the relaxation R due to plastic flow of the background, with the out-of-plane
     /// stresses among the unknowns; `None` if R is zero.
     ///
     /// # Errors
     /// H + n·Dm is not positive for an active condition; see [`NoResponse`].
     pub fn damped_rates<const D: usize>(&self) -> Result<Option<RateEquations<D>>, NoResponse> {
-        let Some(Plastic { set, stress: Some(stress), active, rate }) = &self.plastic else {
+        let Some(PlasticState {
+            set,
+            stress: Some(stress),
+            active_conditions: active,
+            multiplier_rate: rate,
+        }) = &self.plastic_state
+        else {
             return Ok(None);
         };
-        let (layout, stiffness) = self.elastic.layout_and_stiffness::<D>();
+        let (layout, stiffness) = self.elastic_law.layout_and_stiffness::<D>();
         let stresses: Vec<_> = layout.all_stresses().collect();
         let Some(curvature) = set.curvature(stress, &stresses).filter(|_| *rate > 0.0) else {
             return Ok(None);
         };
         let plastic = tangent(&stiffness, &stresses, active)?;
-        let relaxation = (curvature * *rate).map(Rounded::given);
-        let rates = self.elastic.rates_with_stiffness(&layout.carrying(), &plastic);
+        let relaxation = (curvature * *rate).map(Rounded::from_rounded);
+        let rates = self.elastic_law.rates_with_stiffness(&layout.with_out_of_plane(), &plastic);
         Ok(Some(RateEquations { relaxation, ..rates }))
     }
 
-    /// Stress components of [`ElasticLaw::carried_rates`] in `D` dimensions.
-    pub fn carried_stresses<const D: usize>(&self) -> Vec<Component> {
-        self.elastic.layout_and_stiffness::<D>().0.all_stresses().collect()
+    /// Stress components of [`ElasticLaw::rates_with_out_of_plane`] in `D` dimensions.
+    pub fn all_stresses<const D: usize>(&self) -> Vec<StressComponent> {
+        self.elastic_law.layout_and_stiffness::<D>().0.all_stresses().collect()
     }
 
     /// Stress components among the unknowns of the rate equations in `D` dimensions.
-    pub fn stresses<const D: usize>(&self) -> &'static [Component] {
-        self.elastic.layout_and_stiffness::<D>().0.stresses
+    pub fn stresses<const D: usize>(&self) -> &'static [StressComponent] {
+        self.elastic_law.layout_and_stiffness::<D>().0.stresses
     }
 
     /// Whether plastic flow, if any, is associated (along the yield normals).
     pub fn is_associated(&self) -> bool {
-        self.active().iter().all(|active| active.normal == active.flow)
+        self.active_conditions()
+            .iter()
+            .all(|condition| condition.normal == condition.flow_direction)
     }
 
     /// Whether the tangent stiffness is symmetric and positive semidefinite, so that the rate equations are
     /// symmetric-hyperbolic: elastic solids, and associated flow without softening.
-    pub fn keeps_energy(&self) -> bool {
-        self.is_associated() && self.active().iter().all(|active| active.hardening >= 0.0)
+    pub fn is_symmetric_hyperbolic(&self) -> bool {
+        self.is_associated()
+            && self.active_conditions().iter().all(|condition| condition.hardening >= 0.0)
     }
 
-    fn active(&self) -> &[ActiveCondition] {
-        self.plastic.as_ref().map_or(&[], |plastic| &plastic.active)
+    fn active_conditions(&self) -> &[ActiveCondition] {
+        self.plastic_state.as_ref().map_or(&[], |plastic| &plastic.active_conditions)
     }
 }

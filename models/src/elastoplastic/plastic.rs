@@ -1,55 +1,55 @@
 //! The yield set of a solid, and the state of stress at which it yields.
 
 use crate::common::input::InputError;
-use crate::common::range::Range;
+use crate::common::range::AllowedRange;
 use crate::solid::stress::Stress;
 use crate::yield_set::parameters::ActiveCondition;
-use crate::yield_set::{NotInterior, YieldSet};
+use crate::yield_set::{RayStartError, YieldSet};
 
 /// Relative tolerance within which a yield condition counts as active at the scaled stress.
-const ON_YIELD: f64 = 1e-9;
+const YIELD_TOLERANCE: f64 = 1e-9;
 
 /// A yield set with its active conditions at a stress on yield.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plastic {
+pub struct PlasticState {
     /// The yield set.
     pub set: YieldSet,
     /// Stress scaled onto yield; `None` if the active conditions are given instead.
     pub stress: Option<Stress>,
     /// Active conditions (f = 0); at least one.
-    pub active: Vec<ActiveCondition>,
+    pub active_conditions: Vec<ActiveCondition>,
     /// Plastic multiplier rate Λ of the background flow, 1/s; 0 for interlayers, whose conditions are linear.
-    pub rate: f64,
+    pub multiplier_rate: f64,
 }
 
-impl Plastic {
-    /// Allowed range of [`Plastic::rate`].
-    pub const RATE: Range = Range::NotNegative;
+impl PlasticState {
+    /// Allowed range of [`PlasticState::multiplier_rate`].
+    pub const RATE_RANGE: AllowedRange = AllowedRange::NotNegative;
 
     /// Creates the plastic state at the stress −p δ + s·`direction` with the largest admissible s, for a background
     /// that flows plastically at the rate Λ (1/s).
     ///
     /// # Errors
     /// No multiple of the direction yields (see [`scale_onto_yield`]), or the rate is negative.
-    pub fn at_stress(
+    pub fn from_stress(
         set: YieldSet,
         pressure: f64,
         direction: &Stress,
         rate: f64,
     ) -> Result<Self, InputError> {
         let stress = scale_onto_yield(&set, pressure, direction)?;
-        let active = set.active(&stress, ON_YIELD);
+        let active = set.active_conditions(&stress, YIELD_TOLERANCE);
         if active.is_empty() {
-            return Err(never_yields("a stress on the axis of the cone"));
+            return Err(no_yield_error("a stress on the axis of the cone"));
         }
-        if !Self::RATE.contains(rate) {
+        if !Self::RATE_RANGE.contains(rate) {
             return Err(InputError {
                 input: "plastic_rate",
-                found: format!("{rate:?}"),
-                allowed: "the plastic rate must be Λ ≥ 0, in 1/s".into(),
+                rejected_value: format!("{rate:?}"),
+                allowed_values: "the plastic rate must be Λ ≥ 0, in 1/s".into(),
             });
         }
-        Ok(Self { set, stress: Some(stress), active, rate })
+        Ok(Self { set, stress: Some(stress), active_conditions: active, multiplier_rate: rate })
     }
 
     /// Creates the plastic state of a polyhedral set with given active conditions, independent of the stress; `active`
@@ -63,12 +63,12 @@ impl Plastic {
         let condition = |&index: &usize| {
             all.get(index).copied().ok_or_else(|| InputError {
                 input: "active",
-                found: format!("condition {index}"),
-                allowed: format!("one of {} conditions, counted from 0", all.len()),
+                rejected_value: format!("condition {index}"),
+                allowed_values: format!("one of {} conditions, counted from 0", all.len()),
             })
         };
         let active = active.iter().map(condition).collect::<Result<_, _>>()?;
-        Ok(Self { set, stress: None, active, rate: 0.0 })
+        Ok(Self { set, stress: None, active_conditions: active, multiplier_rate: 0.0 })
     }
 }
 
@@ -86,21 +86,23 @@ pub fn scale_onto_yield(
         stress.force[i][i] = -pressure;
     }
     let scale = set.ray_exit(&stress, direction).map_err(|unusable| match unusable {
-        NotInterior::NoStrength => InputError {
+        RayStartError::NoStrength => InputError {
             input: "yield",
-            found: "no strength under this pressure".into(),
-            allowed: "strength or friction that a stress can grow to; yield.active may name the \
+            rejected_value: "no strength under this pressure".into(),
+            allowed_values:
+                "strength or friction that a stress can grow to; yield.active may name the \
                       conditions instead"
-                .into(),
+                    .into(),
         },
-        NotInterior::Outside => InputError {
+        RayStartError::Outside => InputError {
             input: "pressure",
-            found: format!("{pressure:?}"),
-            allowed: "a pressure within the yield set: greater than −strength/friction".into(),
+            rejected_value: format!("{pressure:?}"),
+            allowed_values: "a pressure within the yield set: greater than −strength/friction"
+                .into(),
         },
     })?;
     if !scale.is_finite() {
-        return Err(never_yields("stresses that never yield, however large"));
+        return Err(no_yield_error("stresses that never yield, however large"));
     }
     let add = |sum: &mut [[f64; 3]; 3], part: &[[f64; 3]; 3]| {
         for (sum, part) in sum.iter_mut().flatten().zip(part.iter().flatten()) {
@@ -112,11 +114,11 @@ pub fn scale_onto_yield(
     Ok(stress)
 }
 
-fn never_yields(found: &str) -> InputError {
+fn no_yield_error(found: &str) -> InputError {
     InputError {
         input: "stress",
-        found: found.into(),
-        allowed:
+        rejected_value: found.into(),
+        allowed_values:
             "a deviatoric, rotational or couple stress that reaches the yield set; where the set \
                   names its conditions, yield.active may say which hold instead"
                 .into(),

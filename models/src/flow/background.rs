@@ -1,46 +1,47 @@
 //! Background of a granular flow: completes a state by the flow rule and the balance laws, and rejects contradictions.
 
 use super::state::{
-    Background, Coulomb, Flow, FlowRule, MaterialRotation, PlanarStress, Region, State,
+    Background, DeformingFlow, FlowRule, MaterialRotation, MaterialState, MohrCoulomb,
+    PlanarStress, YieldRegion,
 };
 use crate::common::elementary::Elementary;
-use crate::common::input::{InputError, degrees, ensure};
+use crate::common::input::{InputError, ensure, to_rounded_degrees};
 use crate::common::rounding::Rounded;
 
 /// Relative tolerance for redundant input quantities.
-const AGREEMENT: f64 = 1e-9;
+const REDUNDANCY_TOLERANCE: f64 = 1e-9;
 
 /// Relative distance from the yield surfaces within which a stress counts as on yield.
-const ON_YIELD: f64 = 1e-12;
+const YIELD_TOLERANCE: f64 = 1e-12;
 
 /// Completes `state` to a background by the yield condition, the flow rule and the balance laws.
-pub(super) fn background(
-    coulomb: &Coulomb,
+pub(super) fn complete_background(
+    coulomb: &MohrCoulomb,
     rule: &FlowRule,
     rotation: MaterialRotation,
-    state: &State,
+    state: &MaterialState,
 ) -> Result<Background, InputError> {
     check_ranges(coulomb, rule, rotation, state)?;
-    let noncoaxiality = noncoaxiality(rule, state)?;
+    let noncoaxiality = compute_noncoaxiality(rule, state)?;
 
     // Relative rotation ω − s₂₁ from the second line of the flow rule, where
     // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ.
     let twice = 2.0 * noncoaxiality;
-    let shear_rate = Rounded::given(state.shear_rate);
+    let shear_rate = Rounded::from_rounded(state.shear_rate);
     let relative_rotation = if rotation == MaterialRotation::None {
         Rounded::ZERO
     } else {
-        -(rule.shear / rule.rotation * shear_rate * twice.sin())
+        -(rule.shear_coefficient / rule.rotation_coefficient * shear_rate * twice.sin())
     };
 
-    let (stress, region) = stress_and_region(coulomb, rotation, state, relative_rotation)?;
-    if region != Region::FullyDeforming {
-        return Ok(Background::Elsewhere { region, stress });
+    let (stress, region) = compute_stress_and_region(coulomb, rotation, state, relative_rotation)?;
+    if region != YieldRegion::FullyDeforming {
+        return Ok(Background::NotDeforming { region, stress });
     }
 
-    let velocity_gradient = velocity_gradient(rule, state, noncoaxiality);
-    let acceleration = acceleration(coulomb, state, &stress);
-    let mut flow = Flow {
+    let velocity_gradient = compute_velocity_gradient(rule, state, noncoaxiality);
+    let acceleration = compute_acceleration(coulomb, state, &stress);
+    let mut flow = DeformingFlow {
         density: state.density,
         stress,
         shear_rate: state.shear_rate,
@@ -52,37 +53,37 @@ pub(super) fn background(
         half_vorticity: state.half_vorticity,
         spin: match rotation {
             MaterialRotation::IntrinsicSpin { .. } | MaterialRotation::Free => {
-                Some(relative_rotation + Rounded::given(state.half_vorticity))
+                Some(relative_rotation + Rounded::from_rounded(state.half_vorticity))
             }
             MaterialRotation::StressAxes | MaterialRotation::None => None,
         },
         acceleration,
         body_moment: None,
         stress_angle_rate: (rotation == MaterialRotation::StressAxes)
-            .then(|| (relative_rotation + Rounded::given(state.half_vorticity)).value),
+            .then(|| (relative_rotation + Rounded::from_rounded(state.half_vorticity)).value),
         pressure_gradient: state.pressure_gradient,
         stress_angle_gradient: state.stress_angle_gradient,
         spin_gradient: state.spin_gradient,
         density_gradient: state.density_gradient,
         inertia_rate: state.inertia_rate,
         inertia_gradient: state.inertia_gradient,
-        power: 0.0,
+        internal_power: 0.0,
     };
     if let MaterialRotation::IntrinsicSpin { moment_of_inertia, .. } = rotation {
         // Body moment from the balance of spin (Harris & Grekova 2005, eq. 9) with uniform r.
         let spin = flow.spin.unwrap_or_default().value;
         flow.body_moment = Some(
             moment_of_inertia * state.spin_acceleration + state.inertia_rate * spin
-                - 2.0 * stress.rotational / state.density,
+                - 2.0 * stress.rotational_stress / state.density,
         );
     }
-    flow.power = internal_power(rule, &flow);
-    check_agreement(rotation, state, &flow)?;
+    flow.internal_power = compute_internal_power(rule, &flow);
+    check_redundant_inputs(rotation, state, &flow)?;
     Ok(Background::FullyDeforming(flow))
 }
 
 /// Iterates over all given numbers of a state with their input keys.
-fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
+fn keyed_quantities(state: &MaterialState) -> impl Iterator<Item = (&'static str, f64)> {
     let pairs = [
         ("velocity", Some(state.velocity)),
         ("pressure_gradient", Some(state.pressure_gradient)),
@@ -116,12 +117,12 @@ fn numbers(state: &State) -> impl Iterator<Item = (&'static str, f64)> {
 
 /// Checks that all numbers of `state` are finite, in range and used by the model.
 fn check_ranges(
-    coulomb: &Coulomb,
+    coulomb: &MohrCoulomb,
     rule: &FlowRule,
     rotation: MaterialRotation,
-    state: &State,
+    state: &MaterialState,
 ) -> Result<(), InputError> {
-    for (key, x) in numbers(state) {
+    for (key, x) in keyed_quantities(state) {
         ensure(x.is_finite(), key, x, "a finite number is needed")?;
     }
     let has_balance = matches!(rotation, MaterialRotation::IntrinsicSpin { .. });
@@ -138,13 +139,13 @@ fn check_ranges(
         "this model has no balance of spin: leave the key out",
     )?;
     ensure(
-        State::DENSITY.contains(state.density),
+        MaterialState::DENSITY.contains(state.density),
         "density",
         state.density,
         "the density must be positive",
     )?;
     ensure(
-        State::SHEAR_RATE.contains(state.shear_rate),
+        MaterialState::SHEAR_RATE.contains(state.shear_rate),
         "shear_rate",
         state.shear_rate,
         "the shear rate Q_D must be positive",
@@ -162,11 +163,11 @@ fn check_ranges(
     ensure(
         state.noncoaxiality.is_none_or(|delta| delta == 0.0) || rotation != MaterialRotation::None,
         "noncoaxiality",
-        degrees(state.noncoaxiality.unwrap_or_default()),
+        to_rounded_degrees(state.noncoaxiality.unwrap_or_default()),
         "the plastic potential is coaxial: leave the key out or set it to 0",
     )?;
     ensure(
-        rule.dilatant || state.density_gradient == [0.0; 2],
+        rule.is_dilatant || state.density_gradient == [0.0; 2],
         "density_gradient",
         format_args!("{:?}", state.density_gradient),
         "the density is constant when the dilatancy angle is 0: leave the key out or set it to 0",
@@ -174,24 +175,26 @@ fn check_ranges(
     ensure(
         state.stress_angle_rate.is_none() || rotation == MaterialRotation::StressAxes,
         "stress_angle_rate",
-        degrees(state.stress_angle_rate.unwrap_or_default()),
+        to_rounded_degrees(state.stress_angle_rate.unwrap_or_default()),
         "this model does not determine the rate of the stress angle: leave the key out",
     )
 }
 
 /// Returns the non-coaxiality Δ, rad: the given value, else the solution of the flow rule with cos 2Δ > 0 for a given
 /// spin, else 0.
-fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> {
-    let given = Rounded::angle(state.noncoaxiality.unwrap_or(0.0));
+fn compute_noncoaxiality(rule: &FlowRule, state: &MaterialState) -> Result<Rounded, InputError> {
+    let given = Rounded::from_angle(state.noncoaxiality.unwrap_or(0.0));
     let Some(spin) = state.spin else { return Ok(given) };
     // sin 2Δ = −(ω − s₂₁) sin(φ − ν) / (Q_D cos ν)
-    let factor = rule.rotation / rule.shear / Rounded::given(state.shear_rate);
-    let sine = (Rounded::given(state.half_vorticity) - Rounded::given(spin)) * factor;
+    let factor = rule.rotation_coefficient
+        / rule.shear_coefficient
+        / Rounded::from_rounded(state.shear_rate);
+    let sine = (Rounded::from_rounded(state.half_vorticity) - Rounded::from_rounded(spin)) * factor;
     if state.noncoaxiality.is_some() {
         let residual = sine.value - (2.0 * given.value).cr_sin();
         let size = 1.0f64.max((spin.abs() + state.half_vorticity.abs()) * factor.value);
         return ensure(
-            residual.abs() <= AGREEMENT * size,
+            residual.abs() <= REDUNDANCY_TOLERANCE * size,
             "spin",
             spin,
             format_args!(
@@ -214,52 +217,52 @@ fn noncoaxiality(rule: &FlowRule, state: &State) -> Result<Rounded, InputError> 
 }
 
 /// Completes the stress by default values of q and r and finds its position relative to the yield conditions. Values
-/// within [`ON_YIELD`] of yield are replaced by the yield values.
-fn stress_and_region(
-    coulomb: &Coulomb,
+/// within [`YIELD_TOLERANCE`] of yield are replaced by the yield values.
+fn compute_stress_and_region(
+    coulomb: &MohrCoulomb,
     rotation: MaterialRotation,
-    state: &State,
+    state: &MaterialState,
     relative_rotation: Rounded,
-) -> Result<(PlanarStress, Region), InputError> {
+) -> Result<(PlanarStress, YieldRegion), InputError> {
     let on_yield = coulomb.yield_deviator(state.pressure);
     let strength = match rotation {
         MaterialRotation::IntrinsicSpin { strength, .. } => strength,
         _ => 0.0,
     };
-    let mut region = Region::FullyDeforming;
+    let mut region = YieldRegion::FullyDeforming;
 
     let deviator = match state.deviatoric_stress {
         None => on_yield,
         Some(q) => {
             ensure(
-                State::DEVIATORIC_STRESS.contains(q),
+                MaterialState::DEVIATORIC_STRESS.contains(q),
                 "deviatoric_stress",
                 q,
                 "the deviatoric stress q is a magnitude of at least 0 Pa",
             )?;
-            if (q - on_yield.value).abs() <= ON_YIELD * on_yield.value {
+            if (q - on_yield.value).abs() <= YIELD_TOLERANCE * on_yield.value {
                 on_yield
             } else {
                 region = if q > on_yield.value {
-                    Region::OutsideYield
+                    YieldRegion::OutsideYield
                 } else {
-                    Region::RigidOrIndeterminate
+                    YieldRegion::RigidOrIndeterminate
                 };
-                Rounded::given(q)
+                Rounded::from_rounded(q)
             }
         }
     };
     let rotational = match state.rotational_stress {
         None => -strength * f64::from(relative_rotation.sign().unwrap_or(0)),
         Some(r) => {
-            let near = |target: f64| (r - target).abs() <= ON_YIELD * strength;
-            match [0.0, strength, -strength].into_iter().find(|&target| near(target)) {
+            let is_near = |target: f64| (r - target).abs() <= YIELD_TOLERANCE * strength;
+            match [0.0, strength, -strength].into_iter().find(|&target| is_near(target)) {
                 Some(target) => target,
                 None => {
                     if r.abs() > strength {
-                        region = Region::OutsideYield;
-                    } else if region == Region::FullyDeforming {
-                        region = Region::RigidOrIndeterminate;
+                        region = YieldRegion::OutsideYield;
+                    } else if region == YieldRegion::FullyDeforming {
+                        region = YieldRegion::RigidOrIndeterminate;
                     }
                     r
                 }
@@ -268,58 +271,73 @@ fn stress_and_region(
     };
     // Adding +0 turns −0 into 0 for output.
     let rotational = rotational + 0.0;
-    let stress =
-        PlanarStress { pressure: state.pressure, deviator, rotational, angle: state.stress_angle };
+    let stress = PlanarStress {
+        pressure: state.pressure,
+        deviator,
+        rotational_stress: rotational,
+        angle: state.stress_angle,
+    };
     Ok((stress, region))
 }
 
 /// Computes the velocity gradient ∂ⱼVᵢ, 1/s, from the deviatoric rate (Q_D, Ψ_D), the dilatation tr d of the flow rule
 /// and the half vorticity s₂₁.
-fn velocity_gradient(rule: &FlowRule, state: &State, delta: Rounded) -> [[Rounded; 2]; 2] {
-    let rate = Rounded::given(state.shear_rate);
-    let angle = 2.0 * (Rounded::angle(state.stress_angle) + delta);
-    let half_trace =
-        if rule.dilatant { rule.dilatation() * rate * (2.0 * delta).cos() } else { Rounded::ZERO };
+fn compute_velocity_gradient(
+    rule: &FlowRule,
+    state: &MaterialState,
+    delta: Rounded,
+) -> [[Rounded; 2]; 2] {
+    let rate = Rounded::from_rounded(state.shear_rate);
+    let angle = 2.0 * (Rounded::from_angle(state.stress_angle) + delta);
+    let half_trace = if rule.is_dilatant {
+        rule.dilatation() * rate * (2.0 * delta).cos()
+    } else {
+        Rounded::ZERO
+    };
     let (normal, shear) = (rate * angle.cos(), rate * angle.sin());
-    let spin = Rounded::given(state.half_vorticity);
+    let spin = Rounded::from_rounded(state.half_vorticity);
     [[half_trace + normal, shear - spin], [shear + spin, half_trace - normal]]
 }
 
 /// Computes acceleration minus body force, DV/Dt − F, m/s², from the balance of momentum (Harris & Grekova 2005,
 /// eqs 16, 17).
-fn acceleration(coulomb: &Coulomb, state: &State, stress: &PlanarStress) -> [Rounded; 2] {
-    let angle = 2.0 * Rounded::angle(stress.angle);
+fn compute_acceleration(
+    coulomb: &MohrCoulomb,
+    state: &MaterialState,
+    stress: &PlanarStress,
+) -> [Rounded; 2] {
+    let angle = 2.0 * Rounded::from_angle(stress.angle);
     let (s2, c2) = (angle.sin(), angle.cos());
-    let sin_phi = Rounded::angle(coulomb.friction_angle).sin();
-    let [p1, p2] = state.pressure_gradient.map(Rounded::given);
-    let [a1, a2] = state.stress_angle_gradient.map(Rounded::angle);
+    let sin_phi = Rounded::from_angle(coulomb.friction_angle).sin();
+    let [p1, p2] = state.pressure_gradient.map(Rounded::from_rounded);
+    let [a1, a2] = state.stress_angle_gradient.map(Rounded::from_angle);
     let q = stress.deviator;
     let force = [
         (Rounded::ONE - sin_phi * c2) * p1 - sin_phi * s2 * p2 + 2.0 * (q * (s2 * a1 - c2 * a2)),
         (Rounded::ONE + sin_phi * c2) * p2 - sin_phi * s2 * p1 - 2.0 * (q * (c2 * a1 + s2 * a2)),
     ];
-    force.map(|f| -(f / Rounded::given(state.density)))
+    force.map(|f| -(f / Rounded::from_rounded(state.density)))
 }
 
 /// Internal power `2 Q_D cos 2Δ (q − p tr d/(2 Q_D cos 2Δ)) − 2 r (ω − s₂₁)`, W/m³.
-fn internal_power(rule: &FlowRule, flow: &Flow) -> f64 {
+fn compute_internal_power(rule: &FlowRule, flow: &DeformingFlow) -> f64 {
     let cosine = (2.0 * flow.rounded_noncoaxiality()).cos().value;
-    let dilatation = if rule.dilatant { rule.dilatation().value } else { 0.0 };
+    let dilatation = if rule.is_dilatant { rule.dilatation().value } else { 0.0 };
     2.0 * flow.shear_rate
         * cosine
         * (flow.stress.deviator.value - flow.stress.pressure * dilatation)
-        - 2.0 * flow.stress.rotational * flow.relative_rotation.value
+        - 2.0 * flow.stress.rotational_stress * flow.relative_rotation.value
 }
 
 /// Checks redundant inputs (velocity gradient, acceleration, body moment, ...) against the derived background.
-fn check_agreement(
+fn check_redundant_inputs(
     rotation: MaterialRotation,
-    state: &State,
-    flow: &Flow,
+    state: &MaterialState,
+    flow: &DeformingFlow,
 ) -> Result<(), InputError> {
-    let agree = |key, equation: &str, given: f64, derived: f64, size: f64| {
+    let ensure_agreement = |key, equation: &str, given: f64, derived: f64, size: f64| {
         ensure(
-            (given - derived).abs() <= AGREEMENT * size,
+            (given - derived).abs() <= REDUNDANCY_TOLERANCE * size,
             key,
             given,
             format_args!(
@@ -344,7 +362,7 @@ fn check_agreement(
             ]
         };
         for ((equation, given), (_, derived)) in parts(given).into_iter().zip(parts(derived)) {
-            agree(key, equation, given, derived, size)?;
+            ensure_agreement(key, equation, given, derived, size)?;
         }
     }
     if let Some(given) = state.acceleration {
@@ -357,7 +375,7 @@ fn check_agreement(
         .into_iter()
         .zip(given.into_iter().zip(flow.acceleration))
         {
-            agree("acceleration", equation, given, derived.value, size)?;
+            ensure_agreement("acceleration", equation, given, derived.value, size)?;
         }
     }
     if let (Some(given), Some(derived), MaterialRotation::IntrinsicSpin { moment_of_inertia, .. }) =
@@ -366,14 +384,20 @@ fn check_agreement(
         let spin = flow.spin.unwrap_or_default().value;
         let size = (moment_of_inertia * state.spin_acceleration).abs()
             + (state.inertia_rate * spin).abs()
-            + (2.0 * flow.stress.rotational / flow.density).abs();
-        agree("body_moment", "the balance of spin", given, derived, size)?;
+            + (2.0 * flow.stress.rotational_stress / flow.density).abs();
+        ensure_agreement("body_moment", "the balance of spin", given, derived, size)?;
     }
     if let (Some(given), Some(derived)) = (state.stress_angle_rate, flow.stress_angle_rate) {
         let size = flow.relative_rotation.value.abs() + state.half_vorticity.abs();
         let key = "stress_angle_rate";
         let equation = "the flow rule, in degrees per second,";
-        agree(key, equation, degrees(given), degrees(derived), degrees(size))?;
+        ensure_agreement(
+            key,
+            equation,
+            to_rounded_degrees(given),
+            to_rounded_degrees(derived),
+            to_rounded_degrees(size),
+        )?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@
 //! the printed errors of eqs (83) and (86) corrected. For ν > 0 the density is an unknown. Lower-case symbols are
 //! perturbations, capitals the background.
 
-use super::state::{Coulomb, Flow, FlowRule};
+use super::state::{DeformingFlow, FlowRule, MohrCoulomb};
 use crate::common::rounding::Rounded;
 use crate::common::system::{LinearisedSystem, Unknown};
 
@@ -12,19 +12,21 @@ const VELOCITY_1: Unknown = Unknown { name: "velocity 1", family: "velocity" };
 const VELOCITY_2: Unknown = Unknown { name: "velocity 2", family: "velocity" };
 const SPIN: Unknown = Unknown { name: "spin", family: "spin" };
 const PRESSURE: Unknown = Unknown { name: "pressure", family: "stress" };
-const ANGLE: Unknown = Unknown { name: "stress angle", family: "stress" };
+const STRESS_ANGLE: Unknown = Unknown { name: "stress angle", family: "stress" };
 const DENSITY: Unknown = Unknown { name: "density", family: "density" };
 
 // The density is the last unknown, so that it can be omitted for ν = 0.
-const UNKNOWNS: &[Unknown] = &[VELOCITY_1, VELOCITY_2, PRESSURE, ANGLE, DENSITY];
-const WITH_SPIN: &[Unknown] = &[VELOCITY_1, VELOCITY_2, SPIN, PRESSURE, ANGLE, DENSITY];
+const UNKNOWNS_WITHOUT_SPIN: &[Unknown] =
+    &[VELOCITY_1, VELOCITY_2, PRESSURE, STRESS_ANGLE, DENSITY];
+const UNKNOWNS_WITH_SPIN: &[Unknown] =
+    &[VELOCITY_1, VELOCITY_2, SPIN, PRESSURE, STRESS_ANGLE, DENSITY];
 
 /// Column of the intrinsic spin ω in models with spin.
 pub const SPIN_COLUMN: usize = 2;
 
 /// Columns of the unknowns other than the spin.
 #[derive(Clone, Copy, Debug)]
-pub struct Columns {
+pub struct UnknownColumns {
     /// Velocity v₁, v₂.
     pub velocity: [usize; 2],
     /// Pressure p.
@@ -35,33 +37,33 @@ pub struct Columns {
     pub density: Option<usize>,
 }
 
-impl Columns {
+impl UnknownColumns {
     /// Resets `system` to the unknowns of a model with or without intrinsic spin and to `equations`, whose last entry
     /// is the balance of mass. Without dilatancy the density and the balance of mass are omitted.
-    pub fn reset(
+    pub fn reset_system(
         system: &mut LinearisedSystem<2>,
         with_spin: bool,
         equations: &'static [&'static str],
         rule: &FlowRule,
-        flow: &Flow,
+        flow: &DeformingFlow,
     ) -> Self {
-        let left_off = usize::from(!rule.dilatant);
-        let all = if with_spin { WITH_SPIN } else { UNKNOWNS };
-        let unknowns = &all[..all.len() - left_off];
-        system.reset(unknowns, &equations[..equations.len() - left_off], flow.velocity);
+        let omitted = usize::from(!rule.is_dilatant);
+        let all = if with_spin { UNKNOWNS_WITH_SPIN } else { UNKNOWNS_WITHOUT_SPIN };
+        let unknowns = &all[..all.len() - omitted];
+        system.reset(unknowns, &equations[..equations.len() - omitted], flow.velocity);
         let after_velocity = if with_spin { SPIN_COLUMN + 1 } else { 2 };
         Self {
             velocity: [0, 1],
             pressure: after_velocity,
             angle: after_velocity + 1,
-            density: rule.dilatant.then_some(after_velocity + 2),
+            density: rule.is_dilatant.then_some(after_velocity + 2),
         }
     }
 }
 
 /// (sin 2Ψ, cos 2Ψ) of the stress angle Ψ.
-fn double_angle(flow: &Flow) -> [Rounded; 2] {
-    let angle = 2.0 * Rounded::angle(flow.stress.angle);
+fn sin_cos_twice_stress_angle(flow: &DeformingFlow) -> [Rounded; 2] {
+    let angle = 2.0 * Rounded::from_angle(flow.stress.angle);
     [angle.sin(), angle.cos()]
 }
 
@@ -72,20 +74,20 @@ fn double_angle(flow: &Flow) -> [Rounded; 2] {
 /// ρ Dv₂/Dt − sin φ sin 2ψ ∂₁p + (1 + sin φ cos 2ψ) ∂₂p − 2q (cos 2ψ ∂₁ψ + sin 2ψ ∂₂ψ) = ρF₂
 /// ```
 /// with `q = p sin φ + c cos φ`. The uniform rotational stress has zero divergence.
-pub fn momentum(
+pub fn write_momentum(
     system: &mut LinearisedSystem<2>,
-    columns: &Columns,
-    coulomb: &Coulomb,
-    flow: &Flow,
+    columns: &UnknownColumns,
+    coulomb: &MohrCoulomb,
+    flow: &DeformingFlow,
 ) {
-    let density = Rounded::given(flow.density);
-    let sin_phi = Rounded::angle(coulomb.friction_angle).sin();
-    let [s2, c2] = double_angle(flow);
+    let density = Rounded::from_rounded(flow.density);
+    let sin_phi = Rounded::from_angle(coulomb.friction_angle).sin();
+    let [s2, c2] = sin_cos_twice_stress_angle(flow);
     let (sin_s2, sin_c2) = (sin_phi * s2, sin_phi * c2);
     let twice_q = 2.0 * flow.stress.deviator;
-    let [p1, p2] = flow.pressure_gradient.map(Rounded::given);
-    let [a1, a2] = flow.stress_angle_gradient.map(Rounded::angle);
-    let Columns { velocity, pressure, angle, .. } = *columns;
+    let [p1, p2] = flow.pressure_gradient.map(Rounded::from_rounded);
+    let [a1, a2] = flow.stress_angle_gradient.map(Rounded::from_angle);
+    let UnknownColumns { velocity, pressure, angle, .. } = *columns;
 
     system.b[0][(0, pressure)] = Rounded::ONE - sin_c2;
     system.b[1][(0, pressure)] = -sin_s2;
@@ -115,13 +117,18 @@ pub fn momentum(
 }
 
 /// Writes the linearised balance of mass, `Dρ/Dt + ρ ∇·v = 0`, into `row`; writes nothing for ν = 0.
-pub fn mass(system: &mut LinearisedSystem<2>, row: usize, columns: &Columns, flow: &Flow) {
+pub fn write_mass(
+    system: &mut LinearisedSystem<2>,
+    row: usize,
+    columns: &UnknownColumns,
+    flow: &DeformingFlow,
+) {
     let Some(density) = columns.density else { return };
     system.a[(row, density)] = Rounded::ONE;
     system.c[(row, density)] = flow.velocity_gradient[0][0] + flow.velocity_gradient[1][1];
     for j in 0..2 {
-        system.b[j][(row, columns.velocity[j])] = Rounded::given(flow.density);
-        system.c[(row, columns.velocity[j])] = Rounded::given(flow.density_gradient[j]);
+        system.b[j][(row, columns.velocity[j])] = Rounded::from_rounded(flow.density);
+        system.c[(row, columns.velocity[j])] = Rounded::from_rounded(flow.density_gradient[j]);
     }
 }
 
@@ -132,31 +139,31 @@ pub fn mass(system: &mut LinearisedSystem<2>, row: usize, columns: &Columns, flo
 /// e_v tr d − s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ] = 0
 /// 2 e_r ω + e_r (∂₂v₁ − ∂₁v₂) − c_r [(d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ] = 0
 /// ```
-pub fn flow_rule(
+pub fn write_flow_rule(
     system: &mut LinearisedSystem<2>,
     row: usize,
-    columns: &Columns,
+    columns: &UnknownColumns,
     rule: &FlowRule,
-    flow: &Flow,
+    flow: &DeformingFlow,
 ) {
-    let [s2, c2] = double_angle(flow);
+    let [s2, c2] = sin_cos_twice_stress_angle(flow);
     let [v1, v2] = columns.velocity;
     let (volume, rotation) = (row, row + 1);
 
-    system.b[0][(volume, v1)] = rule.volume - rule.dilatancy * c2;
-    system.b[1][(volume, v1)] = -(rule.dilatancy * s2);
-    system.b[0][(volume, v2)] = -(rule.dilatancy * s2);
-    system.b[1][(volume, v2)] = rule.volume + rule.dilatancy * c2;
+    system.b[0][(volume, v1)] = rule.volume_coefficient - rule.dilatancy_coefficient * c2;
+    system.b[1][(volume, v1)] = -(rule.dilatancy_coefficient * s2);
+    system.b[0][(volume, v2)] = -(rule.dilatancy_coefficient * s2);
+    system.b[1][(volume, v2)] = rule.volume_coefficient + rule.dilatancy_coefficient * c2;
 
-    system.b[0][(rotation, v1)] = -(rule.shear * s2);
-    system.b[1][(rotation, v1)] = rule.rotation + rule.shear * c2;
-    system.b[0][(rotation, v2)] = -rule.rotation + rule.shear * c2;
-    system.b[1][(rotation, v2)] = rule.shear * s2;
+    system.b[0][(rotation, v1)] = -(rule.shear_coefficient * s2);
+    system.b[1][(rotation, v1)] = rule.rotation_coefficient + rule.shear_coefficient * c2;
+    system.b[0][(rotation, v2)] = -rule.rotation_coefficient + rule.shear_coefficient * c2;
+    system.b[1][(rotation, v2)] = rule.shear_coefficient * s2;
 
     // With D₁₁ − D₂₂ = 2 Q_D cos 2Ψ_D and 2 D₁₂ = 2 Q_D sin 2Ψ_D the derivatives of the square brackets
     // with respect to ψ are −4 Q_D sin 2(Ψ_Σ − Ψ_D) and 4 Q_D cos 2(Ψ_Σ − Ψ_D).
     let twice_delta = 2.0 * flow.rounded_noncoaxiality();
-    let rate = 4.0 * Rounded::given(flow.shear_rate);
-    system.c[(volume, columns.angle)] = -(rule.dilatancy * rate * twice_delta.sin());
-    system.c[(rotation, columns.angle)] = -(rule.shear * rate * twice_delta.cos());
+    let rate = 4.0 * Rounded::from_rounded(flow.shear_rate);
+    system.c[(volume, columns.angle)] = -(rule.dilatancy_coefficient * rate * twice_delta.sin());
+    system.c[(rotation, columns.angle)] = -(rule.shear_coefficient * rate * twice_delta.cos());
 }

@@ -7,16 +7,16 @@
 
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
-use crate::flow::state::Flow;
+use crate::flow::state::DeformingFlow;
 use std::f64::consts::PI;
 
 /// Closed-form verdict on the growth of short waves, in the categories of the numerical analysis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ClosedForm {
+pub enum ClosedFormVerdict {
     /// Well-posed: the growth rate is bounded uniformly over all wave vectors.
     WellPosed,
     /// Ill-posed: Re ς ≈ `coefficient` k^`order` in the worst direction.
-    Grows {
+    PowerLawGrowth {
         /// Exponent of the wave number k.
         order: u8,
         /// Limit of Re ς / k^order, m^order/s; positive.
@@ -41,7 +41,7 @@ pub enum ClosedForm {
 
 /// Largest relative rounding bound at which a formula decides: ten correct digits, so that independent evaluations of
 /// a coefficient agree to 1e-9.
-const RESOLUTION: f64 = 1e-10;
+const MAX_RELATIVE_BOUND: f64 = 1e-10;
 
 /// Range of magnitudes whose products of a few factors are far from overflow and underflow.
 const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-30..1e30;
@@ -52,31 +52,40 @@ const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-30..1e30;
 /// digits.
 const MIN_COSINE: f64 = 1e-2;
 
-impl ClosedForm {
+impl ClosedFormVerdict {
     /// Growth of order `order` with `coefficient` (m^order/s); `None` unless ten digits of the coefficient are certain.
     /// `beta` is β = 2(Ψ_Σ − ψ_K) in the direction of largest growth, rad.
-    pub(crate) fn grows(order: u8, coefficient: Rounded, flow: &Flow, beta: f64) -> Option<Self> {
-        let is_clear = clear_sign(coefficient) == Some(1) && coefficient.value.is_finite();
-        let direction = direction(flow, beta);
-        is_clear.then_some(Self::Grows { order, coefficient: coefficient.value, direction })
+    pub(crate) fn from_growth(
+        order: u8,
+        coefficient: Rounded,
+        flow: &DeformingFlow,
+        beta: f64,
+    ) -> Option<Self> {
+        let is_resolved = resolved_sign(coefficient) == Some(1) && coefficient.value.is_finite();
+        let direction = wave_vector_angle(flow, beta);
+        is_resolved.then_some(Self::PowerLawGrowth {
+            order,
+            coefficient: coefficient.value,
+            direction,
+        })
     }
 
     /// Unbounded growth at finite wave numbers in the direction with β = `beta`, rad.
-    pub(crate) fn unbounded(flow: &Flow, beta: f64) -> Self {
-        Self::UnboundedAtFiniteWaveNumber { direction: direction(flow, beta) }
+    pub(crate) fn from_unbounded_growth(flow: &DeformingFlow, beta: f64) -> Self {
+        Self::UnboundedAtFiniteWaveNumber { direction: wave_vector_angle(flow, beta) }
     }
 }
 
 /// Computes the angle ψ_K of the wave vector, rad, in [0, π), from β = 2(Ψ_Σ − ψ_K).
-fn direction(flow: &Flow, beta: f64) -> f64 {
+fn wave_vector_angle(flow: &DeformingFlow, beta: f64) -> f64 {
     let angle = (flow.stress.angle - 0.5 * beta).rem_euclid(PI);
     // rem_euclid rounds a tiny negative angle up to π itself.
     if angle < PI { angle } else { 0.0 }
 }
 
 /// Sign ±1 of a quantity whose first ten digits are certain, else `None`.
-pub(crate) fn clear_sign(x: Rounded) -> Option<i8> {
-    (x.bound < RESOLUTION * x.value.abs()).then_some(if x.value > 0.0 { 1 } else { -1 })
+pub(crate) fn resolved_sign(x: Rounded) -> Option<i8> {
+    (x.bound < MAX_RELATIVE_BOUND * x.value.abs()).then_some(if x.value > 0.0 { 1 } else { -1 })
 }
 
 /// Whether the cosine of a friction or dilatancy angle (rad) is at least [`MIN_COSINE`]: closer to 90° the verdict in
@@ -86,13 +95,13 @@ pub(crate) fn is_below_right_angle(angle: f64) -> bool {
 }
 
 /// Whether every number of a flow is zero or has a magnitude in [`SAFE_MAGNITUDES`].
-pub(crate) fn is_of_moderate_size(flow: &Flow) -> bool {
+pub(crate) fn has_safe_magnitudes(flow: &DeformingFlow) -> bool {
     let [[g11, g12], [g21, g22]] = flow.velocity_gradient;
     let single = [
         flow.density,
         flow.stress.pressure,
         flow.stress.deviator.value,
-        flow.stress.rotational,
+        flow.stress.rotational_stress,
         flow.shear_rate,
         flow.half_vorticity,
         flow.spin.unwrap_or_default().value,
@@ -110,6 +119,6 @@ pub(crate) fn is_of_moderate_size(flow: &Flow) -> bool {
         flow.density_gradient,
         flow.inertia_gradient,
     ];
-    let is_moderate = |x: f64| x == 0.0 || SAFE_MAGNITUDES.contains(&x.abs());
-    single.into_iter().all(is_moderate) && gradients.as_flattened().iter().copied().all(is_moderate)
+    let is_safe = |x: f64| x == 0.0 || SAFE_MAGNITUDES.contains(&x.abs());
+    single.into_iter().all(is_safe) && gradients.as_flattened().iter().copied().all(is_safe)
 }

@@ -18,4 +18,4 @@ pub mod plastic_potential;
 pub mod state;
 
 pub use model::{FlowKind, FlowLaw, FlowModel, Model, RotationKind};
-pub use parameters::{COHESION, DILATANCY_ANGLE, FAMILY, FRICTION_ANGLE};
+pub use parameters::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, SHARED_PARAMETERS};

@@ -1,12 +1,14 @@
 //! A granular-flow model: its entry in the registry, and the model with checked constants.
 
-use super::background::background;
-use super::state::{Background, Coulomb, Flow, FlowRule, MaterialRotation, State};
+use super::background::complete_background;
+use super::state::{
+    Background, DeformingFlow, FlowRule, MaterialRotation, MaterialState, MohrCoulomb,
+};
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
 use crate::common::parameter::Parameter;
 use crate::common::system::LinearisedSystem;
-use crate::flow::closed_form::ClosedForm;
+use crate::flow::closed_form::ClosedFormVerdict;
 use std::fmt;
 use std::sync::Arc;
 
@@ -21,11 +23,11 @@ pub struct FlowModel {
     /// Kind of material rotation in the flow rule.
     pub rotation: RotationKind,
     /// Constructor from the constants in the order of `parameters`, in SI units and rad.
-    pub build: Build,
+    pub constructor: FlowConstructor,
 }
 
 /// Constructor of a flow law: checks a list of constants and returns the law.
-pub type Build = fn(&[f64]) -> Result<Arc<dyn FlowLaw>, InputError>;
+pub type FlowConstructor = fn(&[f64]) -> Result<Arc<dyn FlowLaw>, InputError>;
 
 /// Kind of material rotation in the flow rule of a model; it determines which quantities a state has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,10 +48,10 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// A constant is out of range; the model is unchanged.
-    fn set(&mut self, constants: &[f64]) -> Result<(), InputError>;
+    fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError>;
 
     /// Yield condition of the model.
-    fn coulomb(&self) -> &Coulomb;
+    fn coulomb(&self) -> &MohrCoulomb;
 
     /// Coefficients of the flow rule.
     fn flow_rule(&self) -> FlowRule;
@@ -58,10 +60,10 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     fn rotation(&self) -> MaterialRotation;
 
     /// Writes the linearised equations about `flow` into `system`.
-    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>);
+    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>);
 
     /// Closed-form verdict on `flow`; `None` if no formula decides it with certainty.
-    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
+    fn closed_form(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
         let _ = flow;
         None
     }
@@ -150,17 +152,17 @@ impl Model {
     /// # Errors
     /// A constant is out of range; the error names the first such constant.
     pub fn new(kind: FlowKind, constants: &[f64]) -> Result<Self, InputError> {
-        Ok(Self { kind, law: (kind.0.build)(constants)? })
+        Ok(Self { kind, law: (kind.0.constructor)(constants)? })
     }
 
     /// Replaces the constants; allocates only if a clone shares the memory of this model.
     ///
     /// # Errors
     /// A constant is out of range; the model is unchanged.
-    pub fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+    pub fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError> {
         match Arc::get_mut(&mut self.law) {
-            Some(law) => law.set(constants)?,
-            None => self.law = (self.kind.0.build)(constants)?,
+            Some(law) => law.set_constants(constants)?,
+            None => self.law = (self.kind.0.constructor)(constants)?,
         }
         Ok(())
     }
@@ -172,7 +174,7 @@ impl Model {
 
     /// Whether the density evolves: ν > 0.
     pub fn is_dilatant(&self) -> bool {
-        self.flow_rule().dilatant
+        self.flow_rule().is_dilatant
     }
 
     /// Completes `state` to a background by the flow rule of the model and the balance laws.
@@ -180,14 +182,14 @@ impl Model {
     /// # Errors
     /// An input is out of range, is not used by the model, or contradicts the flow rule or a balance law; the error
     /// then gives the residual of the violated equation.
-    pub fn background(&self, state: &State) -> Result<Background, InputError> {
-        background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
+    pub fn background(&self, state: &MaterialState) -> Result<Background, InputError> {
+        complete_background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
     }
 
     /// Computes the wave number of the variation of the background, 1/m: the maximum of |∇p| sin φ/q, |∇Ψ_Σ|, |∇ρ|/ρ,
     /// |∇Ω|/Q_D and |∇I|/I; 0 for a uniform background. The frozen-coefficient analysis is valid for much larger wave
     /// numbers.
-    pub fn gradient_wave_number(&self, flow: &Flow) -> f64 {
+    pub fn gradient_wave_number(&self, flow: &DeformingFlow) -> f64 {
         let size = |g: [f64; 2]| g[0].root_sum_square(g[1]);
         let inertia = match self.rotation() {
             MaterialRotation::IntrinsicSpin { moment_of_inertia, .. } => {

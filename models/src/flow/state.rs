@@ -1,21 +1,21 @@
 //! State of a granular flow at a point, the Mohr–Coulomb yield condition, the flow rule, and the derived background.
 
 use crate::common::elementary::Elementary;
-use crate::common::input::{InputError, degrees, ensure};
-use crate::common::range::Range;
+use crate::common::input::{InputError, ensure, to_rounded_degrees};
+use crate::common::range::AllowedRange;
 use crate::common::rounding::Rounded;
 use crate::flow::parameters::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE};
 
 /// The Mohr–Coulomb yield condition `q ≤ p sin φ + c cos φ` (Harris & Grekova 2005, eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coulomb {
+pub struct MohrCoulomb {
     /// Angle of internal friction φ, rad.
     pub friction_angle: f64,
     /// Cohesion c, Pa.
     pub cohesion: f64,
 }
 
-impl Coulomb {
+impl MohrCoulomb {
     /// Creates the yield condition after checking 0 < φ < π/2 (rad) and c ≥ 0 (Pa).
     ///
     /// # Errors
@@ -31,16 +31,17 @@ impl Coulomb {
 
     /// Computes the deviatoric stress q on yield at the pressure p (Pa), `p sin φ + c cos φ`, Pa.
     pub fn yield_deviator(&self, pressure: f64) -> Rounded {
-        let phi = Rounded::angle(self.friction_angle);
-        Rounded::given(pressure) * phi.sin() + Rounded::given(self.cohesion) * phi.cos()
+        let phi = Rounded::from_angle(self.friction_angle);
+        Rounded::from_rounded(pressure) * phi.sin()
+            + Rounded::from_rounded(self.cohesion) * phi.cos()
     }
 }
 
 /// Checks that 0 ≤ ν < φ; `nu` ν in rad.
-pub(crate) fn check_dilatancy(coulomb: &Coulomb, nu: f64) -> Result<(), InputError> {
+pub(crate) fn check_dilatancy(coulomb: &MohrCoulomb, nu: f64) -> Result<(), InputError> {
     let allowed = "the dilatancy angle must be at least 0 and below the friction angle";
     DILATANCY_ANGLE.check(nu, allowed)?;
-    ensure(nu < coulomb.friction_angle, DILATANCY_ANGLE.name, degrees(nu), allowed)
+    ensure(nu < coulomb.friction_angle, DILATANCY_ANGLE.name, to_rounded_degrees(nu), allowed)
 }
 
 /// Coefficients of the flow rule in the form shared by all flow models,
@@ -55,40 +56,40 @@ pub(crate) fn check_dilatancy(coulomb: &Coulomb, nu: f64) -> Result<(), InputErr
 #[derive(Clone, Copy, Debug)]
 pub struct FlowRule {
     /// e_v: cos(φ − ν), or 1 for the plastic potential.
-    pub volume: Rounded,
+    pub volume_coefficient: Rounded,
     /// s_v: sin ν.
-    pub dilatancy: Rounded,
+    pub dilatancy_coefficient: Rounded,
     /// e_r: sin(φ − ν), or 0 for a coaxial model.
-    pub rotation: Rounded,
+    pub rotation_coefficient: Rounded,
     /// c_r: cos ν, or 1 for the plastic potential.
-    pub shear: Rounded,
+    pub shear_coefficient: Rounded,
     /// Whether ν > 0, so that the density evolves.
-    pub dilatant: bool,
+    pub is_dilatant: bool,
 }
 
 impl FlowRule {
     /// Flow rule of double shearing with any material rotation (Harris & Grekova 2005, eqs 41, 42); angles φ and ν in
     /// rad.
-    pub fn double_shearing(friction_angle: f64, dilatancy_angle: f64) -> Self {
-        let nu = Rounded::angle(dilatancy_angle);
-        let difference = Rounded::angle(friction_angle) - nu;
+    pub fn new_double_shearing(friction_angle: f64, dilatancy_angle: f64) -> Self {
+        let nu = Rounded::from_angle(dilatancy_angle);
+        let difference = Rounded::from_angle(friction_angle) - nu;
         Self {
-            volume: difference.cos(),
-            dilatancy: if dilatancy_angle == 0.0 { Rounded::ZERO } else { nu.sin() },
-            rotation: difference.sin(),
-            shear: nu.cos(),
-            dilatant: dilatancy_angle > 0.0,
+            volume_coefficient: difference.cos(),
+            dilatancy_coefficient: if dilatancy_angle == 0.0 { Rounded::ZERO } else { nu.sin() },
+            rotation_coefficient: difference.sin(),
+            shear_coefficient: nu.cos(),
+            is_dilatant: dilatancy_angle > 0.0,
         }
     }
 
     /// Ratio e_r/c_r, so that sin 2(ψ − ψ_D) = (e_r/c_r) (ω − s₂₁)/Q_D.
     pub fn rotation_ratio(&self) -> f64 {
-        (self.rotation / self.shear).value
+        (self.rotation_coefficient / self.shear_coefficient).value
     }
 
     /// Dilatation ratio tr d / (2 Q_D cos 2Δ) = s_v/e_v.
     pub fn dilatation(&self) -> Rounded {
-        self.dilatancy / self.volume
+        self.dilatancy_coefficient / self.volume_coefficient
     }
 }
 
@@ -112,7 +113,7 @@ pub enum MaterialRotation {
 
 /// State of a flow at a point as input; SI units, rad. Absent quantities are derived.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
+pub struct MaterialState {
     /// Density ρ, kg/m³; > 0.
     pub density: f64,
     /// Pressure p, Pa, compression-positive; > −c cot φ.
@@ -158,18 +159,18 @@ pub struct State {
     pub stress_angle_rate: Option<f64>,
 }
 
-impl State {
+impl MaterialState {
     /// Allowed range of the density.
-    pub const DENSITY: Range = Range::Positive;
+    pub const DENSITY: AllowedRange = AllowedRange::Positive;
     /// Allowed range of the shear rate.
-    pub const SHEAR_RATE: Range = Range::Positive;
+    pub const SHEAR_RATE: AllowedRange = AllowedRange::Positive;
     /// Allowed range of the deviatoric stress.
-    pub const DEVIATORIC_STRESS: Range = Range::NotNegative;
+    pub const DEVIATORIC_STRESS: AllowedRange = AllowedRange::NotNegative;
 }
 
 /// Position of a state relative to the yield conditions (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Region {
+pub enum YieldRegion {
     /// On both yield conditions: q = p sin φ + c cos φ and r ∈ {0, ±m}.
     FullyDeforming,
     /// Inside a yield condition: rigid, or deformation not determined.
@@ -178,7 +179,7 @@ pub enum Region {
     OutsideYield,
 }
 
-impl Region {
+impl YieldRegion {
     /// Name of the region in output.
     pub const fn name(self) -> &'static str {
         match self {
@@ -196,8 +197,8 @@ pub struct PlanarStress {
     pub pressure: f64,
     /// Deviatoric stress q, Pa.
     pub deviator: Rounded,
-    /// Rotational stress r, Pa (sign as in [`State::rotational_stress`]).
-    pub rotational: f64,
+    /// Rotational stress r, Pa (sign as in [`MaterialState::rotational_stress`]).
+    pub rotational_stress: f64,
     /// Angle ψ_σ of the greater principal stress of the symmetric part, rad.
     pub angle: f64,
 }
@@ -207,8 +208,8 @@ impl PlanarStress {
     ///
     /// Converts from the index order of Harris & Grekova (first index = face normal, eq. 6) by transposition; all other
     /// code uses second index = face normal.
-    pub fn tensor(&self) -> [[f64; 2]; 2] {
-        let (p, q, r) = (self.pressure, self.deviator.value, self.rotational);
+    pub fn to_tensor(&self) -> [[f64; 2]; 2] {
+        let (p, q, r) = (self.pressure, self.deviator.value, self.rotational_stress);
         let (sin, cos) = (2.0 * self.angle).cr_sin_cos();
         [[-p + q * cos, q * sin - r], [q * sin + r, -p - q * cos]]
     }
@@ -219,11 +220,11 @@ impl PlanarStress {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// Fully deforming flow, which can be analysed.
-    FullyDeforming(Flow),
+    FullyDeforming(DeformingFlow),
     /// Rigid, indeterminate or inadmissible: no flow to analyse.
-    Elsewhere {
+    NotDeforming {
         /// Position relative to the yield conditions.
-        region: Region,
+        region: YieldRegion,
         /// Stress of the state.
         stress: PlanarStress,
     },
@@ -231,10 +232,10 @@ pub enum Background {
 
 impl Background {
     /// Position of the state relative to the yield conditions.
-    pub fn region(&self) -> Region {
+    pub fn region(&self) -> YieldRegion {
         match self {
-            Self::FullyDeforming(_) => Region::FullyDeforming,
-            Self::Elsewhere { region, .. } => *region,
+            Self::FullyDeforming(_) => YieldRegion::FullyDeforming,
+            Self::NotDeforming { region, .. } => *region,
         }
     }
 
@@ -242,22 +243,22 @@ impl Background {
     pub fn stress(&self) -> &PlanarStress {
         match self {
             Self::FullyDeforming(flow) => &flow.stress,
-            Self::Elsewhere { stress, .. } => stress,
+            Self::NotDeforming { stress, .. } => stress,
         }
     }
 
     /// The flow if fully deforming, else `None`.
-    pub fn flow(&self) -> Option<&Flow> {
+    pub fn flow(&self) -> Option<&DeformingFlow> {
         match self {
             Self::FullyDeforming(flow) => Some(flow),
-            Self::Elsewhere { .. } => None,
+            Self::NotDeforming { .. } => None,
         }
     }
 }
 
 /// Fully deforming background: given and derived quantities.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flow {
+pub struct DeformingFlow {
     /// Density ρ, kg/m³.
     pub density: f64,
     /// Stress.
@@ -297,10 +298,10 @@ pub struct Flow {
     /// Gradient of the moment of inertia, m.
     pub inertia_gradient: [f64; 2],
     /// Internal power per unit volume, W/m³.
-    pub power: f64,
+    pub internal_power: f64,
 }
 
-impl Flow {
+impl DeformingFlow {
     /// Non-coaxiality Δ with its rounding bound, rad.
     pub fn rounded_noncoaxiality(&self) -> Rounded {
         Rounded { value: self.noncoaxiality, bound: self.noncoaxiality_rounding }

@@ -1,7 +1,7 @@
 //! Elastic interlayer: C Ṡ = d, with compliance C, mean traction S and opening rate d.
 
 use super::interlayer::OpeningLine;
-use super::{FaceLaw, FaceStep, Incoming};
+use super::{FaceLaw, FaceStep, RiemannData};
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
 
@@ -36,16 +36,16 @@ impl ElasticMaterial {
     }
 
     /// The interlayer law for the normal traction, with stiffness K = ρ′c₁′²/δ.
-    pub fn normal(&self) -> ElasticInterlayer<f64> {
-        self.with_speed(self.longitudinal_speed)
+    pub fn normal_interlayer(&self) -> ElasticInterlayer<f64> {
+        self.interlayer_for_speed(self.longitudinal_speed)
     }
 
     /// The interlayer law for a tangential traction, with stiffness K = ρ′c₂′²/δ.
-    pub fn tangential(&self) -> ElasticInterlayer<f64> {
-        self.with_speed(self.shear_speed)
+    pub fn tangential_interlayer(&self) -> ElasticInterlayer<f64> {
+        self.interlayer_for_speed(self.shear_speed)
     }
 
-    fn with_speed(&self, speed: f64) -> ElasticInterlayer<f64> {
+    fn interlayer_for_speed(&self, speed: f64) -> ElasticInterlayer<f64> {
         ElasticInterlayer {
             mass: self.density * self.thickness,
             compliance: self.thickness / (self.density * speed * speed),
@@ -56,7 +56,7 @@ impl ElasticMaterial {
 /// Face law of an elastic interlayer for one traction component. With zero mass and compliance the interface is welded:
 /// velocity and traction are continuous.
 ///
-/// Memory: mean velocity V, m/s, and mean traction S, Pa, at the end of the step.
+/// History variables: mean velocity V, m/s, and mean traction S, Pa, at the end of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ElasticInterlayer<N> {
     /// Mass per area m = ρ′δ ≥ 0, kg/m².
@@ -73,19 +73,19 @@ impl ElasticInterlayer<f64> {
 }
 
 impl<N: Number> FaceLaw<N> for ElasticInterlayer<N> {
-    type Memory = [N; 2];
-    const REST: [N; 2] = [N::ZERO; 2];
+    type History = [N; 2];
+    const REST_HISTORY: [N; 2] = [N::ZERO; 2];
 
     /// Midpoint rule: S_mid = (2CS/Δt + d₀)/(2C/Δt + g), then V ← 2V_mid − V and S ← 2S_mid − S.
     #[inline(always)]
-    fn advance(&self, incoming: &Incoming<N>, step: N, memory: &mut [N; 2]) -> FaceStep<N> {
+    fn advance(&self, incoming: &RiemannData<N>, step: N, memory: &mut [N; 2]) -> FaceStep<N> {
         let [velocity, stress] = *memory;
         let line = OpeningLine::new(*incoming, self.mass, velocity, step);
         let rate = (self.compliance + self.compliance) / step;
         let middle = (rate * stress + line.free_rate) / (rate + line.admittance);
         let (velocity_middle, states) = line.states(middle);
         *memory = [velocity_middle + velocity_middle - velocity, middle + middle - stress];
-        FaceStep { states, dissipated: N::ZERO }
+        FaceStep { states, dissipated_energy: N::ZERO }
     }
 
     /// Kinetic energy ½mV², J/m².

@@ -22,13 +22,13 @@
 //!
 //! The material law of the layer, a second relation between d and S, closes the system.
 
-use super::{FaceState, Incoming};
+use super::{FaceState, RiemannData};
 use crate::common::number::Number;
 
 /// Admissible states of the layer in a step: the line d = d₀ − gS of opening rate against mean traction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpeningLine<N> {
-    incoming: Incoming<N>,
+    incoming: RiemannData<N>,
     /// Coefficient a, kg/(m²s).
     inertia: N,
     /// Coefficient b, Pa.
@@ -45,7 +45,7 @@ impl<N: Number> OpeningLine<N> {
     /// Computes the line of a step: `mass` m ≥ 0 in kg/m², `velocity` V at the beginning of the step in m/s, `step` Δt
     /// in s.
     #[inline(always)]
-    pub fn new(incoming: Incoming<N>, mass: N, velocity: N, step: N) -> Self {
+    pub fn new(incoming: RiemannData<N>, mass: N, velocity: N, step: N) -> Self {
         let [before, after] = incoming.impedance;
         let [from_before, from_after] = incoming.invariant;
         let mean = N::HALF * (after + before);
@@ -72,7 +72,7 @@ impl<N: Number> OpeningLine<N> {
         let velocity = (self.impulse + (self.contrast + self.contrast) * stress) / self.inertia;
         let half_opening = N::HALF * (self.free_rate - self.admittance * stress);
         let [before, after] = [velocity - half_opening, velocity + half_opening];
-        let Incoming { impedance, invariant } = self.incoming;
+        let RiemannData { impedance, invariant } = self.incoming;
         let states = [
             FaceState { velocity: before, stress: impedance[0] * before - invariant[0] },
             FaceState { velocity: after, stress: invariant[1] - impedance[1] * after },

@@ -8,7 +8,7 @@
 //!
 //! where − is the lower side (smaller coordinate) and + the upper side, and v, σ and R are averages of velocity,
 //! traction and Riemann invariant at the face over the step. A [`FaceLaw`] closes these two equations for v± and σ±,
-//! possibly with memory variables. The cells on both sides are updated by the fluxes v± and σ± (Godunov 1959).
+//! possibly with history variables. The cells on both sides are updated by the fluxes v± and σ± (Godunov 1959).
 //!
 //! - [`interlayer`]: momentum balance of a thin layer with mass, for any material law;
 //! - [`elastic`]: face law of a layer with an elastic material.
@@ -22,7 +22,7 @@ use crate::common::number::Number;
 
 /// Incoming Riemann invariants and impedances at a face; index 0 is the lower side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Incoming<N> {
+pub struct RiemannData<N> {
     /// Impedances z⁻ and z⁺ > 0, kg/(m²s) for translations.
     pub impedance: [N; 2],
     /// Riemann invariants R⁻ = z⁻v⁻ − σ⁻ and R⁺ = z⁺v⁺ + σ⁺, Pa for translations: time averages over the step.
@@ -44,7 +44,7 @@ pub struct FaceStep<N> {
     /// States of both sides; index 0 is the lower side.
     pub states: [FaceState<N>; 2],
     /// Energy dissipated by the law in the step, J/m².
-    pub dissipated: N,
+    pub dissipated_energy: N,
 }
 
 impl<N: Number> FaceStep<N> {
@@ -61,18 +61,23 @@ impl<N: Number> FaceStep<N> {
 /// Energy balance of every step Δt, to rounding: ΔE_kinetic + ΔE_stored + dissipated = Δt (σ⁺v⁺ − σ⁻v⁻) with
 /// dissipated ≥ 0. So a face never adds energy to the adjacent cells.
 pub trait FaceLaw<N: Number>: Copy {
-    /// Memory variables of a face; all zero in a face at rest without stress.
-    type Memory: AsRef<[N]> + AsMut<[N]> + Copy;
+    /// History variables of a face; all zero in a face at rest without stress.
+    type History: AsRef<[N]> + AsMut<[N]> + Copy;
 
-    /// Memory variables of a face at rest without stress.
-    const REST: Self::Memory;
+    /// History variables of a face at rest without stress.
+    const REST_HISTORY: Self::History;
 
-    /// Advances the face by a step Δt (s): updates the memory variables and returns the fluxes.
-    fn advance(&self, incoming: &Incoming<N>, step: N, memory: &mut Self::Memory) -> FaceStep<N>;
+    /// Advances the face by a step Δt (s): updates the history variables and returns the fluxes.
+    fn advance(
+        &self,
+        incoming: &RiemannData<N>,
+        step: N,
+        memory: &mut Self::History,
+    ) -> FaceStep<N>;
 
     /// Kinetic energy of the face, J/m².
-    fn kinetic_energy(&self, memory: &Self::Memory) -> N;
+    fn kinetic_energy(&self, memory: &Self::History) -> N;
 
     /// Elastic energy stored in the face, J/m².
-    fn stored_energy(&self, memory: &Self::Memory) -> N;
+    fn stored_energy(&self, memory: &Self::History) -> N;
 }

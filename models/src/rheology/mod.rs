@@ -1,3 +1,3 @@
-//! Viscoelastic laws: solids whose stress depends on history through memory variables with their own rate equations.
+//! Viscoelastic laws: solids whose stress depends on history through history variables with rate equations.
 
 pub mod relaxation;

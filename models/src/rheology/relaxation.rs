@@ -9,7 +9,7 @@
 //! s = 2μ_R e + 2μ₁(e − a) = 2μ_U e − 2μ₁ a,    τ ȧ = e − a.
 //! ```
 //!
-//! The memory variable is the symmetric tensor a. The solver splits a step: waves propagate at constant a with the
+//! The history variable is the symmetric tensor a. The solver splits a step: waves propagate at constant a with the
 //! unrelaxed modulus μ_U, then the dashpot relaxes at constant e, exactly over any time t: with
 //! d = e − a = s/(2μ_U) − (μ_R/μ_U) a,
 //!
@@ -30,26 +30,26 @@ use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
 use crate::common::parameter::Parameter;
-use crate::common::range::Range;
+use crate::common::range::AllowedRange;
 use crate::solid::parameters::Isotropic;
-use crate::solid::stress::{Stress, square};
+use crate::solid::stress::{Stress, squared_norm};
 use nalgebra::Complex;
 
 /// Parameter: shear modulus μ₁ of the Maxwell branch, Pa.
-pub const BRANCH_MODULUS: Parameter = Parameter::required(
+pub const BRANCH_MODULUS: Parameter = Parameter::new_required(
     ["branch_mu", "modulus μ₁ of the Maxwell branch", "Pa"],
     "shear modulus μ₁ of the Maxwell branch; > 0",
     8.1e8,
 )
-.within(Range::Positive);
+.with_range(AllowedRange::Positive);
 
 /// Parameter: relaxation time τ, s.
-pub const RELAXATION_TIME: Parameter = Parameter::required(
+pub const RELAXATION_TIME: Parameter = Parameter::new_required(
     ["relaxation_time", "relaxation time τ", "s"],
     "relaxation time τ of the Maxwell branch at constant strain; > 0",
     1e-3,
 )
-.within(Range::Positive);
+.with_range(AllowedRange::Positive);
 
 /// Standard linear solid (Zener model): an isotropic solid whose deviatoric stress relaxes through one Maxwell branch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +71,7 @@ impl StandardLinearSolid {
         relaxation_time: f64,
     ) -> Result<Self, InputError> {
         let Isotropic { lambda, mu, density, microrotation } = relaxed;
-        check(branch_modulus, relaxation_time)?;
+        check_constants(branch_modulus, relaxation_time)?;
         let lambda = lambda - 2.0 / 3.0 * branch_modulus;
         let unrelaxed = Isotropic::new(lambda, mu + branch_modulus, density, microrotation)?;
         Ok(Self { unrelaxed, branch_modulus, relaxation_time })
@@ -87,7 +87,7 @@ impl StandardLinearSolid {
         branch_modulus: f64,
         relaxation_time: f64,
     ) -> Result<Self, InputError> {
-        check(branch_modulus, relaxation_time)?;
+        check_constants(branch_modulus, relaxation_time)?;
         ensure(
             branch_modulus < unrelaxed.mu,
             BRANCH_MODULUS.name,
@@ -148,18 +148,18 @@ impl StandardLinearSolid {
     /// Elastic energy stored in all springs, including the spring of the Maxwell branch, J/m³; `viscous_strain` is a.
     pub fn stored_energy(&self, stress: &Stress, viscous_strain: &[[f64; 3]; 3]) -> f64 {
         self.unrelaxed.stored_energy(stress)
-            + self.viscous_strain_modulus() * square(viscous_strain)
+            + self.viscous_strain_modulus() * squared_norm(viscous_strain)
     }
 
     /// Coefficients of the relaxation over `duration` ≥ 0 (s) at constant strain.
-    pub fn relaxation_over(&self, duration: f64) -> Relaxation<f64> {
+    pub fn compute_relaxation(&self, duration: f64) -> Relaxation<f64> {
         // 1 − exp(−x) = 2 sinh(x/2) exp(−x/2) without cancellation; for x ≥ 80 it rounds to 1.
         let half = (0.5 * duration / self.relaxation_time).min(40.0);
         let share = (2.0 * half.cr_sinh() * (-half).cr_exp()).min(1.0);
         Relaxation {
             strain_per_stress: 0.5 / self.unrelaxed.mu,
             strain_per_strain: self.relaxed_shear_modulus() / self.unrelaxed.mu,
-            share,
+            relaxed_fraction: share,
             stress_per_strain: 2.0 * self.branch_modulus,
             dissipation: self.branch_modulus * share * (2.0 - share),
         }
@@ -173,20 +173,20 @@ impl StandardLinearSolid {
         viscous_strain: &mut [[f64; 3]; 3],
         duration: f64,
     ) -> f64 {
-        const PAIRS: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
+        const SHEAR_INDICES: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
         let force = &mut stress.force;
         let symmetric = |t: &[[f64; 3]; 3]| SymmetricTensor {
             normal: [t[0][0], t[1][1], t[2][2]],
-            shear: PAIRS.map(|[i, j]| 0.5 * (t[i][j] + t[j][i])),
+            shear: SHEAR_INDICES.map(|[i, j]| 0.5 * (t[i][j] + t[j][i])),
         };
-        let step = self.relaxation_over(duration);
-        let Increments { stress, viscous_strain: strain, dissipated } =
+        let step = self.compute_relaxation(duration);
+        let RelaxationIncrements { stress, viscous_strain: strain, dissipated_energy: dissipated } =
             step.increments(symmetric(force), symmetric(viscous_strain));
         for i in 0..3 {
             force[i][i] += stress.normal[i];
             viscous_strain[i][i] += strain.normal[i];
         }
-        for (pair, [i, j]) in PAIRS.into_iter().enumerate() {
+        for (pair, [i, j]) in SHEAR_INDICES.into_iter().enumerate() {
             for [i, j] in [[i, j], [j, i]] {
                 force[i][j] += stress.shear[pair];
                 viscous_strain[i][j] += strain.shear[pair];
@@ -196,7 +196,7 @@ impl StandardLinearSolid {
     }
 }
 
-fn check(branch_modulus: f64, relaxation_time: f64) -> Result<(), InputError> {
+fn check_constants(branch_modulus: f64, relaxation_time: f64) -> Result<(), InputError> {
     BRANCH_MODULUS
         .check(branch_modulus, "the modulus of the Maxwell branch must be μ₁ > 0, in Pa")?;
     RELAXATION_TIME.check(relaxation_time, "the relaxation time must be τ > 0, in s")
@@ -237,7 +237,7 @@ pub struct Relaxation<N> {
     /// Coefficient μ_R/μ_U of −a in d.
     pub strain_per_strain: N,
     /// Relaxed fraction κ = 1 − exp(−t/τ).
-    pub share: N,
+    pub relaxed_fraction: N,
     /// Stress per viscous strain 2μ₁, Pa.
     pub stress_per_strain: N,
     /// Dissipated energy per |d|², μ₁κ(2 − κ), Pa.
@@ -246,21 +246,21 @@ pub struct Relaxation<N> {
 
 /// Increments of a state by relaxation, and the dissipated energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Increments<N, const SHEARS: usize> {
+pub struct RelaxationIncrements<N, const SHEARS: usize> {
     /// Stress increment, Pa.
     pub stress: SymmetricTensor<N, SHEARS>,
     /// Increment of the viscous strain.
     pub viscous_strain: SymmetricTensor<N, SHEARS>,
     /// Dissipated energy, J/m³.
-    pub dissipated: N,
+    pub dissipated_energy: N,
 }
 
 impl Relaxation<f64> {
     /// Coefficients with zero increments, for an elastic medium.
-    pub const NONE: Self = Self {
+    pub const ELASTIC: Self = Self {
         strain_per_stress: 0.0,
         strain_per_strain: 0.0,
-        share: 0.0,
+        relaxed_fraction: 0.0,
         stress_per_strain: 0.0,
         dissipation: 0.0,
     };
@@ -273,33 +273,33 @@ impl<N: Number> Relaxation<N> {
         &self,
         stress: SymmetricTensor<N, SHEARS>,
         viscous_strain: SymmetricTensor<N, SHEARS>,
-    ) -> Increments<N, SHEARS> {
+    ) -> RelaxationIncrements<N, SHEARS> {
         let (stress, strain) = (stress.deviator(), viscous_strain.deviator());
-        let mut all = Increments {
+        let mut increments = RelaxationIncrements {
             stress: SymmetricTensor::ZERO,
             viscous_strain: SymmetricTensor::ZERO,
-            dissipated: N::ZERO,
+            dissipated_energy: N::ZERO,
         };
         for i in 0..3 {
-            let (change, lost) = self.component(stress.normal[i], strain.normal[i]);
-            all.viscous_strain.normal[i] = change;
-            all.stress.normal[i] = -(self.stress_per_strain * change);
-            all.dissipated = all.dissipated + lost;
+            let (change, dissipated) = self.relax_component(stress.normal[i], strain.normal[i]);
+            increments.viscous_strain.normal[i] = change;
+            increments.stress.normal[i] = -(self.stress_per_strain * change);
+            increments.dissipated_energy = increments.dissipated_energy + dissipated;
         }
         for i in 0..SHEARS {
-            let (change, lost) = self.component(stress.shear[i], strain.shear[i]);
-            all.viscous_strain.shear[i] = change;
-            all.stress.shear[i] = -(self.stress_per_strain * change);
+            let (change, dissipated) = self.relax_component(stress.shear[i], strain.shear[i]);
+            increments.viscous_strain.shear[i] = change;
+            increments.stress.shear[i] = -(self.stress_per_strain * change);
             // A shear component occurs twice in the tensor, as ij and ji.
-            all.dissipated = all.dissipated + (lost + lost);
+            increments.dissipated_energy = increments.dissipated_energy + (dissipated + dissipated);
         }
-        all
+        increments
     }
 
     /// Computes the increment of one component of the viscous strain and its dissipated energy, J/m³.
     #[inline(always)]
-    fn component(&self, stress: N, strain: N) -> (N, N) {
+    fn relax_component(&self, stress: N, strain: N) -> (N, N) {
         let spring = self.strain_per_stress * stress - self.strain_per_strain * strain;
-        (self.share * spring, self.dissipation * spring * spring)
+        (self.relaxed_fraction * spring, self.dissipation * spring * spring)
     }
 }

@@ -2,33 +2,33 @@
 
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};
-use crate::common::parameter::{Parameter, constants};
-use crate::common::system::Matrix;
+use crate::common::parameter::{Parameter, to_constant_array};
+use crate::common::system::RoundedMatrix;
 use crate::solid::parameters::{ALPHA2, DENSITY, INERTIA, PlaneCompliances, Theory};
-use crate::solid::stress::{Component, Stress};
-use crate::solid::waves::{Pair, SpinRotation};
+use crate::solid::stress::{Stress, StressComponent};
+use crate::solid::waves::{SpinRotation, VelocityStressPair};
 
 /// Registry entry of the Cosserat solid by compliances.
 pub static COSSERAT_COMPLIANCES: SolidModel = SolidModel {
     name: "cosserat-compliances",
     title: "Cosserat solid by compliances",
     parameters: &[
-        Parameter::required(
+        Parameter::new_required(
             ["a1", "compliance a₁", "1/Pa"],
             "compliance a₁; > |b₁|",
             4.6296296296296296e-11,
         ),
-        Parameter::required(
+        Parameter::new_required(
             ["b1", "compliance b₁", "1/Pa"],
             "compliance b₁; a₁ + b₁ = a₂ − b₂ in isotropic solids",
             1.5432098765432098e-11,
         ),
-        Parameter::required(
+        Parameter::new_required(
             ["a2", "compliance a₂", "1/Pa"],
             "compliance a₂; > |b₂|",
             2.7962041638724895e-10,
         ),
-        Parameter::required(
+        Parameter::new_required(
             ["b2", "compliance b₂", "1/Pa"],
             "compliance b₂",
             2.178920212921872e-10,
@@ -39,8 +39,8 @@ pub static COSSERAT_COMPLIANCES: SolidModel = SolidModel {
     ],
     theory: Theory::Cosserat,
     is_plane: true,
-    build: |given| {
-        let [a1, b1, a2, b2, alpha2, density, inertia] = constants(given)?;
+    constructor: |given| {
+        let [a1, b1, a2, b2, alpha2, density, inertia] = to_constant_array(given)?;
         let compliances = PlaneCompliances { a1, b1, a2, b2, alpha2, density, inertia };
         compliances.check().map(ElasticLaw::from)
     },
@@ -75,11 +75,11 @@ impl Elasticity for PlaneCompliances {
         Some(frequency / speed)
     }
 
-    fn stiffness(&self, _stresses: &[Component]) -> Matrix {
+    fn stiffness(&self, _stresses: &[StressComponent]) -> RoundedMatrix {
         PlaneCompliances::stiffness(self)
     }
 
-    fn pairs(&self, _dimensions: usize, axis: usize) -> Vec<Pair> {
+    fn pairs(&self, _dimensions: usize, axis: usize) -> Vec<VelocityStressPair> {
         PlaneCompliances::pairs(self, axis)
     }
 

@@ -2,11 +2,11 @@
 
 use crate::common::DynEq;
 use crate::common::rates::RateEquations;
-use crate::common::system::Matrix;
+use crate::common::system::RoundedMatrix;
 use crate::solid::parameters::Theory;
-use crate::solid::stress::{Component, Stress};
-use crate::solid::symbol::{Layout, plane, space};
-use crate::solid::waves::{Field, Pair, SpinRotation, fields};
+use crate::solid::stress::{Stress, StressComponent};
+use crate::solid::symbol::{UnknownLayout, plane_layout, space_layout};
+use crate::solid::waves::{SolidField, SpinRotation, VelocityStressPair, state_fields};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -41,10 +41,10 @@ pub trait Elasticity: DynEq + Debug + Send + Sync {
     }
 
     /// Stiffness matrix (Hooke's law) between the stress components `stresses`, Pa or N.
-    fn stiffness(&self, stresses: &[Component]) -> Matrix;
+    fn stiffness(&self, stresses: &[StressComponent]) -> RoundedMatrix;
 
     /// Velocity–stress pairs of the one-dimensional waves along `axis`, in 2 (plane strain) or 3 dimensions.
-    fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair>;
+    fn pairs(&self, dimensions: usize, axis: usize) -> Vec<VelocityStressPair>;
 
     /// Coupling of spins and antisymmetric stress without gradients, a rotation; `None` in classical solids.
     fn rotation(&self) -> Option<SpinRotation> {
@@ -86,12 +86,12 @@ impl ElasticLaw {
         self.0.as_any().downcast_ref()
     }
 
-    /// Layout of the unknowns in `D` dimensions, and the stiffness matrix of all its stresses, carried stresses last.
-    pub fn layout_and_stiffness<const D: usize>(&self) -> (Layout, Matrix) {
+    /// Layout of the unknowns in `D` dimensions, and the stiffness matrix of all its stresses, out-of-plane stresses last.
+    pub fn layout_and_stiffness<const D: usize>(&self) -> (UnknownLayout, RoundedMatrix) {
         const { assert!(D == 2 || D == 3) };
-        let layout = if D == 2 { plane(self.theory()) } else { space(self.theory()) };
-        let layout = if self.is_plane() { layout.without_carried() } else { layout };
-        let stresses: Vec<Component> = layout.all_stresses().collect();
+        let layout = if D == 2 { plane_layout(self.theory()) } else { space_layout(self.theory()) };
+        let layout = if self.is_plane() { layout.without_out_of_plane() } else { layout };
+        let stresses: Vec<StressComponent> = layout.all_stresses().collect();
         let stiffness = self.stiffness(&stresses);
         (layout, stiffness)
     }
@@ -102,23 +102,23 @@ impl ElasticLaw {
         self.rates_with_stiffness(&layout, &stiffness)
     }
 
-    /// Rate equations in `D` dimensions with the carried (out-of-plane) stresses among the unknowns.
-    pub fn carried_rates<const D: usize>(&self) -> RateEquations<D> {
+    /// Rate equations in `D` dimensions with the out-of-plane stresses among the unknowns.
+    pub fn rates_with_out_of_plane<const D: usize>(&self) -> RateEquations<D> {
         let (layout, stiffness) = self.layout_and_stiffness::<D>();
-        self.rates_with_stiffness(&layout.carrying(), &stiffness)
+        self.rates_with_stiffness(&layout.with_out_of_plane(), &stiffness)
     }
 
     /// Rate equations in `D` dimensions with `stiffness` in place of the elastic stiffness, e.g. a tangent stiffness.
     pub(crate) fn rates_with_stiffness<const D: usize>(
         &self,
-        layout: &Layout,
-        stiffness: &Matrix,
+        layout: &UnknownLayout,
+        stiffness: &RoundedMatrix,
     ) -> RateEquations<D> {
         layout.rates(stiffness, self.density(), self.inertia())
     }
 
     /// State components of time-domain solvers, in 2 (plane strain) or 3 dimensions.
-    pub fn fields(&self, dimensions: usize) -> Vec<Field> {
-        fields(self.theory(), dimensions)
+    pub fn state_fields(&self, dimensions: usize) -> Vec<SolidField> {
+        state_fields(self.theory(), dimensions)
     }
 }

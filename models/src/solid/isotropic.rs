@@ -3,14 +3,14 @@
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};
 use crate::common::input::InputError;
-use crate::common::parameter::constants;
-use crate::common::system::Matrix;
+use crate::common::parameter::to_constant_array;
+use crate::common::system::RoundedMatrix;
 use crate::solid::parameters::{
     ALPHA, BETA, CoupleModuli, DENSITY, ETA, GAMMA, INERTIA, Isotropic, LAMBDA, MU, Microrotation,
     Theory,
 };
-use crate::solid::stress::{Component, Stress};
-use crate::solid::waves::{Pair, SpinRotation};
+use crate::solid::stress::{Stress, StressComponent};
+use crate::solid::waves::{SpinRotation, VelocityStressPair};
 
 /// Classical elasticity: λ, μ.
 pub static CLASSICAL: SolidModel = SolidModel {
@@ -19,9 +19,9 @@ pub static CLASSICAL: SolidModel = SolidModel {
     parameters: &[LAMBDA, MU, DENSITY],
     theory: Theory::Classical,
     is_plane: false,
-    build: |given| {
-        let [lambda, mu, density] = constants(given)?;
-        law(lambda, mu, density, None)
+    constructor: |given| {
+        let [lambda, mu, density] = to_constant_array(given)?;
+        build_law(lambda, mu, density, None)
     },
 };
 
@@ -32,9 +32,9 @@ pub static REDUCED_COSSERAT: SolidModel = SolidModel {
     parameters: &[LAMBDA, MU, ALPHA, DENSITY, INERTIA],
     theory: Theory::Reduced,
     is_plane: false,
-    build: |given| {
-        let [lambda, mu, alpha, density, inertia] = constants(given)?;
-        law(lambda, mu, density, Some(Microrotation { alpha, inertia, couple: None }))
+    constructor: |given| {
+        let [lambda, mu, alpha, density, inertia] = to_constant_array(given)?;
+        build_law(lambda, mu, density, Some(Microrotation { alpha, inertia, couple: None }))
     },
 };
 
@@ -45,14 +45,14 @@ pub static COSSERAT: SolidModel = SolidModel {
     parameters: &[LAMBDA, MU, ALPHA, BETA, GAMMA, ETA, DENSITY, INERTIA],
     theory: Theory::Cosserat,
     is_plane: false,
-    build: |given| {
-        let [lambda, mu, alpha, beta, gamma, eta, density, inertia] = constants(given)?;
+    constructor: |given| {
+        let [lambda, mu, alpha, beta, gamma, eta, density, inertia] = to_constant_array(given)?;
         let couple = Some(CoupleModuli { beta, gamma, eta });
-        law(lambda, mu, density, Some(Microrotation { alpha, inertia, couple }))
+        build_law(lambda, mu, density, Some(Microrotation { alpha, inertia, couple }))
     },
 };
 
-fn law(
+fn build_law(
     lambda: f64,
     mu: f64,
     density: f64,
@@ -83,11 +83,11 @@ impl Elasticity for Isotropic {
         Some(frequency / self.speeds().shear)
     }
 
-    fn stiffness(&self, stresses: &[Component]) -> Matrix {
+    fn stiffness(&self, stresses: &[StressComponent]) -> RoundedMatrix {
         Isotropic::stiffness(self, stresses.iter().copied())
     }
 
-    fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair> {
+    fn pairs(&self, dimensions: usize, axis: usize) -> Vec<VelocityStressPair> {
         Isotropic::pairs(self, dimensions, axis)
     }
 

@@ -19,7 +19,7 @@ pub struct SolidModel {
     /// Whether the law is defined in plane strain only.
     pub is_plane: bool,
     /// Constructor from the constants in the order of `parameters`, in SI units.
-    pub build: fn(&[f64]) -> Result<ElasticLaw, InputError>,
+    pub constructor: fn(&[f64]) -> Result<ElasticLaw, InputError>,
 }
 
 /// Reference to a registry entry of a solid; equality compares names.
@@ -37,7 +37,7 @@ impl SolidKind {
     /// # Errors
     /// A constant is out of range.
     pub fn example(self) -> Result<ElasticLaw, InputError> {
-        let constants: Vec<f64> = self.0.parameters.iter().map(Parameter::example).collect();
+        let constants: Vec<f64> = self.0.parameters.iter().map(Parameter::example_value).collect();
         self.law(&constants)
     }
 
@@ -46,7 +46,7 @@ impl SolidKind {
     /// # Errors
     /// A constant is out of range.
     pub fn law(self, constants: &[f64]) -> Result<ElasticLaw, InputError> {
-        (self.0.build)(constants)
+        (self.0.constructor)(constants)
     }
 }
 

@@ -7,55 +7,58 @@
 //! ½λ (tr Λ)² + μ|Λˢ|² + α|Λᵃ|² + ½β (tr M)² + γ|Mˢ|² + η|Mᵃ|².
 //! ```
 
-use super::stress::{Shape, Stress, Tensor};
+use super::stress::{Stress, StressShape, Tensor};
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
 use crate::common::parameter::Parameter;
-use crate::common::range::Range;
+use crate::common::range::AllowedRange;
 
 /// Parameter: Lamé modulus λ, Pa.
-pub(super) const LAMBDA: Parameter =
-    Parameter::required(["lambda", "Lamé modulus λ", "Pa"], "Lamé modulus λ; 3λ + 2μ > 0", 8.1e9);
+pub(super) const LAMBDA: Parameter = Parameter::new_required(
+    ["lambda", "Lamé modulus λ", "Pa"],
+    "Lamé modulus λ; 3λ + 2μ > 0",
+    8.1e9,
+);
 /// Parameter: shear modulus μ, Pa.
 pub(super) const MU: Parameter =
-    Parameter::required(["mu", "shear modulus μ", "Pa"], "shear modulus μ; > 0", 8.1e9)
-        .within(Range::Positive);
+    Parameter::new_required(["mu", "shear modulus μ", "Pa"], "shear modulus μ; > 0", 8.1e9)
+        .with_range(AllowedRange::Positive);
 /// Parameter: modulus α of the antisymmetric strain, Pa.
-pub(super) const ALPHA: Parameter = Parameter::required(
+pub(super) const ALPHA: Parameter = Parameter::new_required(
     ["alpha", "Cosserat modulus α", "Pa"],
     "modulus α of the antisymmetric strain; > 0",
     1.005e9,
 )
-.within(Range::Positive);
+.with_range(AllowedRange::Positive);
 /// Parameter: couple modulus β, N.
-pub(super) const BETA: Parameter = Parameter::required(
+pub(super) const BETA: Parameter = Parameter::new_required(
     ["beta", "Cosserat modulus β", "N"],
     "couple modulus β; 3β + 2γ > 0",
     7.75e8,
 );
 /// Parameter: couple modulus γ, N.
 pub(super) const GAMMA: Parameter =
-    Parameter::required(["gamma", "Cosserat modulus γ", "N"], "couple modulus γ; > 0", 1.5e8)
-        .within(Range::Positive);
+    Parameter::new_required(["gamma", "Cosserat modulus γ", "N"], "couple modulus γ; > 0", 1.5e8)
+        .with_range(AllowedRange::Positive);
 /// Parameter: couple modulus η, N.
 pub(super) const ETA: Parameter =
-    Parameter::required(["eta", "Cosserat modulus η", "N"], "couple modulus η; > 0", 3e8)
-        .within(Range::Positive);
+    Parameter::new_required(["eta", "Cosserat modulus η", "N"], "couple modulus η; > 0", 3e8)
+        .with_range(AllowedRange::Positive);
 /// Parameter: density ρ, kg/m³, shared by all solids.
 pub(super) const DENSITY: Parameter =
-    Parameter::required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2700.0)
-        .within(Range::Positive);
+    Parameter::new_required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2700.0)
+        .with_range(AllowedRange::Positive);
 /// Parameter: moment of inertia per unit volume, kg/m, shared by all solids with microrotation.
-pub(super) const INERTIA: Parameter = Parameter::required(
+pub(super) const INERTIA: Parameter = Parameter::new_required(
     ["inertia", "moment of inertia j", "kg/m"],
     "moment of inertia per unit volume j; > 0",
     2700.0,
 )
-.within(Range::Positive);
+.with_range(AllowedRange::Positive);
 /// Parameter: couple modulus α₂ of a solid given by compliances, N.
 pub(super) const ALPHA2: Parameter =
-    Parameter::required(["alpha2", "couple modulus α₂", "N"], "couple modulus α₂; > 0", 4.5e8)
-        .within(Range::Positive);
+    Parameter::new_required(["alpha2", "couple modulus α₂", "N"], "couple modulus α₂; > 0", 4.5e8)
+        .with_range(AllowedRange::Positive);
 
 /// An isotropic elastic solid: classical without `microrotation`, reduced Cosserat without couple
 /// stress, else Cosserat. The three theories have different unknowns; none is a singular limit of another.
@@ -106,7 +109,7 @@ pub enum Theory {
 
 /// Wave speeds of an isotropic solid, m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Speeds {
+pub struct WaveSpeeds {
     /// Longitudinal waves, c_p² = (λ + 2μ)/ρ.
     pub longitudinal: f64,
     /// Shear waves in the short-wave limit, c_s² = (μ + α)/ρ (classical: μ/ρ).
@@ -128,19 +131,20 @@ impl Isotropic {
         density: f64,
         microrotation: Option<Microrotation>,
     ) -> Result<Self, InputError> {
-        const BULK: &str = "the energy is positive definite only for 3λ + 2μ > 0";
+        const BULK_CONDITION: &str = "the energy is positive definite only for 3λ + 2μ > 0";
         MU.check(mu, "the energy is positive definite only for μ > 0, in Pa")?;
-        combined("lambda", 3.0 * lambda + 2.0 * mu, "3λ + 2μ", BULK)?;
+        check_positive("lambda", 3.0 * lambda + 2.0 * mu, "3λ + 2μ", BULK_CONDITION)?;
         DENSITY.check(density, "the density must be positive, ρ > 0, in kg/m³")?;
         if let Some(Microrotation { alpha, inertia, couple }) = microrotation {
-            const ALLOWED: &str = "the energy is positive definite only for α > 0, in Pa; without \
+            const ALPHA_CONDITION: &str = "the energy is positive definite only for α > 0, in Pa; without \
                                    microrotation the solid is classical";
-            ALPHA.check(alpha, ALLOWED)?;
+            ALPHA.check(alpha, ALPHA_CONDITION)?;
             INERTIA.check(inertia, "the moment of inertia must be j > 0, in kg/m")?;
             if let Some(CoupleModuli { beta, gamma, eta }) = couple {
-                const TORSION: &str = "the energy is positive definite only for 3β + 2γ > 0";
+                const TORSION_CONDITION: &str =
+                    "the energy is positive definite only for 3β + 2γ > 0";
                 GAMMA.check(gamma, "the energy is positive definite only for γ > 0, in N")?;
-                combined("beta", 3.0 * beta + 2.0 * gamma, "3β + 2γ", TORSION)?;
+                check_positive("beta", 3.0 * beta + 2.0 * gamma, "3β + 2γ", TORSION_CONDITION)?;
                 ETA.check(eta, "the energy is positive definite only for η > 0, in N")?;
             }
         }
@@ -164,7 +168,7 @@ impl Isotropic {
     /// Elastic energy of a stress, J/m³: ½σ·C·σ + ½m·C·m with the compliance C. Stress parts without a modulus store no
     /// energy.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
-        stored_energy(Shape::ANY, &stress.force, &stress.couple, &self.energy_moduli())
+        stored_energy(StressShape::GENERAL, &stress.force, &stress.couple, &self.energy_moduli())
     }
 
     /// Moduli of the elastic energy by stress part: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part
@@ -180,12 +184,12 @@ impl Isotropic {
     }
 
     /// Wave speeds in closed form; they equal the characteristic speeds of the rate equations.
-    pub fn speeds(&self) -> Speeds {
+    pub fn speeds(&self) -> WaveSpeeds {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let rotational = |modulus: fn(CoupleModuli) -> f64| {
             self.microrotation.and_then(|m| Some((modulus(m.couple?) / m.inertia).sqrt()))
         };
-        Speeds {
+        WaveSpeeds {
             longitudinal: ((self.lambda + 2.0 * self.mu) / self.density).sqrt(),
             shear: ((self.mu + alpha) / self.density).sqrt(),
             torsion: rotational(|c| c.beta + 2.0 * c.gamma),
@@ -235,13 +239,13 @@ impl PlaneCompliances {
     /// An inequality is violated; the error gives it with the numbers.
     pub fn check(self) -> Result<Self, InputError> {
         let Self { a1, b1, a2, b2, alpha2, density, inertia } = self;
-        combined(
+        check_positive(
             "a1",
             a1 - b1.abs(),
             "a₁ − |b₁|",
             "the energy is positive definite only for a₁ > |b₁|",
         )?;
-        combined(
+        check_positive(
             "a2",
             a2 - b2.abs(),
             "a₂ − |b₂|",
@@ -304,34 +308,41 @@ impl PlaneCompliances {
 /// of the force stress and γ, η, 3β + 2γ of the couple stress, infinite if absent.
 #[inline(always)]
 pub fn stored_energy<N: Number>(
-    shape: Shape,
+    shape: StressShape,
     force: &Tensor<N>,
     couple: &Tensor<N>,
     moduli: &[[N; 3]; 2],
 ) -> N {
-    let sum = stored_in_part(shape, 0, force, &moduli[0]);
+    let sum = stored_tensor_energy(shape, 0, force, &moduli[0]);
     match shape.has_couples {
-        true => sum + stored_in_part(shape, 1, couple, &moduli[1]),
+        true => sum + stored_tensor_energy(shape, 1, couple, &moduli[1]),
         false => sum,
     }
 }
 
-/// Elastic energy of the force stress (`which` = 0) or couple stress (1), J/m³, with the moduli of its three parts.
+/// Elastic energy of the force stress (`tensor_index` = 0) or couple stress (1), J/m³, with the moduli of its three parts.
 #[inline(always)]
-fn stored_in_part<N: Number>(
-    shape: Shape,
-    which: usize,
+fn stored_tensor_energy<N: Number>(
+    shape: StressShape,
+    tensor_index: usize,
     tensor: &Tensor<N>,
     [symmetric, antisymmetric, mean]: &[N; 3],
 ) -> N {
-    let (own, deviator, spin) = shape.split(tensor);
-    let mut sum = N::QUARTER * shape.square(which, &deviator) / *symmetric;
+    let (mean_stress, deviator, antisymmetric_part) = shape.split(tensor);
+    let mut sum = N::QUARTER * shape.squared_norm(tensor_index, &deviator) / *symmetric;
     if !shape.is_symmetric {
-        sum = sum + N::QUARTER * shape.square_antisymmetric(which, &spin) / *antisymmetric;
+        sum = sum
+            + N::QUARTER * shape.squared_norm_antisymmetric(tensor_index, &antisymmetric_part)
+                / *antisymmetric;
     }
-    sum + (N::ONE + N::HALF) * own * own / *mean
+    sum + (N::ONE + N::HALF) * mean_stress * mean_stress / *mean
 }
 
-fn combined(key: &'static str, value: f64, name: &str, allowed: &str) -> Result<(), InputError> {
+fn check_positive(
+    key: &'static str,
+    value: f64,
+    name: &str,
+    allowed: &str,
+) -> Result<(), InputError> {
     ensure(value > 0.0 && value.is_finite(), key, format_args!("{name} = {value}"), allowed)
 }

@@ -1,7 +1,7 @@
 //! Stress of a Cosserat solid: force stress and couple stress, their components and invariants.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
 
-use crate::common::number::{Number, third};
+use crate::common::number::{Number, divide_by_three};
 
 /// Force stress and couple stress in space. The second index is the face normal: σᵢⱼ is the i-th
 /// component of the traction on the face with normal j, mₖⱼ the couple about axis k on that face.
@@ -15,7 +15,7 @@ pub struct Stress {
 
 /// A stress component as an unknown; indices from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Component {
+pub enum StressComponent {
     /// Force stress σᵢⱼ, work-conjugate to ∂ⱼvᵢ + εᵢⱼₖωₖ.
     Force(usize, usize),
     /// Stress σᵢⱼ = σⱼᵢ of a classical solid, i ≤ j, work-conjugate to ∂ⱼvᵢ + ∂ᵢvⱼ (to ∂ᵢvᵢ for i = j).
@@ -24,7 +24,7 @@ pub enum Component {
     Couple(usize, usize),
 }
 
-impl Component {
+impl StressComponent {
     /// Value of the component in `stress`.
     pub fn value_in(self, stress: &Stress) -> f64 {
         match self {
@@ -61,7 +61,7 @@ pub type Tensor<N> = [[N; 3]; 3];
 
 /// Known zeros and symmetries of a stress, which kernels use to skip terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shape {
+pub struct StressShape {
     /// Whether the force stress is bitwise symmetric.
     pub is_symmetric: bool,
     /// Plane strain: σ₁₃, σ₂₃, σ₃₁, σ₃₂ are zero, and all couple stresses except m₁₃, m₂₃, m₃₁, m₃₂.
@@ -70,27 +70,27 @@ pub struct Shape {
     pub has_couples: bool,
 }
 
-impl Shape {
+impl StressShape {
     /// A general stress without known zeros or symmetry.
-    pub const ANY: Self = Self { is_symmetric: false, is_plane: false, has_couples: true };
+    pub const GENERAL: Self = Self { is_symmetric: false, is_plane: false, has_couples: true };
 
-    /// Whether component (i, j) of the force stress (`which` = 0) or couple stress (1) may be nonzero.
+    /// Whether component (i, j) of the force stress (`tensor_index` = 0) or couple stress (1) may be nonzero.
     #[inline(always)]
-    pub const fn has(self, which: usize, i: usize, j: usize) -> bool {
+    pub const fn has_component(self, tensor_index: usize, i: usize, j: usize) -> bool {
         let is_across = (i == 2) != (j == 2);
-        match which {
+        match tensor_index {
             0 => !(self.is_plane && is_across),
             _ => self.has_couples && (!self.is_plane || is_across),
         }
     }
 
-    /// Squared Frobenius norm |t|² of (a part of) the force stress (`which` = 0) or couple stress (1).
+    /// Squared Frobenius norm |t|² of (a part of) the force stress (`tensor_index` = 0) or couple stress (1).
     #[inline(always)]
-    pub fn square<N: Number>(self, which: usize, t: &Tensor<N>) -> N {
+    pub fn squared_norm<N: Number>(self, tensor_index: usize, t: &Tensor<N>) -> N {
         let mut sum = N::ZERO;
         for i in 0..3 {
             for j in 0..3 {
-                if self.has(which, i, j) {
+                if self.has_component(tensor_index, i, j) {
                     sum = sum + t[i][j] * t[i][j];
                 }
             }
@@ -99,13 +99,13 @@ impl Shape {
     }
 
     /// Squared Frobenius norm |t|² of an antisymmetric tensor t: of the antisymmetric part of the force stress
-    /// (`which` = 0) or couple stress (1).
+    /// (`tensor_index` = 0) or couple stress (1).
     #[inline(always)]
-    pub fn square_antisymmetric<N: Number>(self, which: usize, t: &Tensor<N>) -> N {
+    pub fn squared_norm_antisymmetric<N: Number>(self, tensor_index: usize, t: &Tensor<N>) -> N {
         let mut sum = N::ZERO;
         for i in 0..3 {
             for j in 0..3 {
-                if i != j && self.has(which, i, j) {
+                if i != j && self.has_component(tensor_index, i, j) {
                     sum = sum + t[i][j] * t[i][j];
                 }
             }
@@ -117,11 +117,11 @@ impl Shape {
     /// from differences of the normal stresses, which avoids cancellation if the mean is much larger.
     #[inline(always)]
     pub fn split<N: Number>(self, t: &Tensor<N>) -> (N, Tensor<N>, Tensor<N>) {
-        let mean = third(t[0][0] + t[1][1] + t[2][2]);
+        let mean = divide_by_three(t[0][0] + t[1][1] + t[2][2]);
         let (mut deviator, mut antisymmetric) = ([[N::ZERO; 3]; 3], [[N::ZERO; 3]; 3]);
         for i in 0..3 {
             let (next, last) = ((i + 1) % 3, (i + 2) % 3);
-            deviator[i][i] = third((t[i][i] - t[next][next]) + (t[i][i] - t[last][last]));
+            deviator[i][i] = divide_by_three((t[i][i] - t[next][next]) + (t[i][i] - t[last][last]));
             for j in [next, last] {
                 if self.is_symmetric {
                     deviator[i][j] = t[i][j];
@@ -137,10 +137,10 @@ impl Shape {
 
 /// Splits a tensor into mean, symmetric deviator and antisymmetric part.
 pub(crate) fn split(t: &Tensor<f64>) -> (f64, Tensor<f64>, Tensor<f64>) {
-    Shape::ANY.split(t)
+    StressShape::GENERAL.split(t)
 }
 
 /// Squared Frobenius norm |t|² of a tensor.
-pub(crate) fn square(t: &Tensor<f64>) -> f64 {
-    Shape::ANY.square(0, t)
+pub(crate) fn squared_norm(t: &Tensor<f64>) -> f64 {
+    StressShape::GENERAL.squared_norm(0, t)
 }

@@ -8,10 +8,10 @@
 //! (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum").
 
 use super::parameters::{Isotropic, PlaneCompliances, Theory};
-use super::stress::Component::{self, Couple, Force, Symmetric};
+use super::stress::StressComponent::{self, Couple, Force, Symmetric};
 use crate::common::rates::RateEquations;
 use crate::common::rounding::Rounded;
-use crate::common::system::{Matrix, Unknown};
+use crate::common::system::{RoundedMatrix, Unknown};
 use nalgebra::DMatrix;
 
 /// A generalised velocity; axes from 0.
@@ -26,7 +26,7 @@ use Velocity::{Spin, Translation};
 
 /// Unknowns and equations of a theory in space or in plane strain.
 #[derive(Debug)]
-pub struct Layout {
+pub struct UnknownLayout {
     /// Names of the unknowns: velocities, then all stresses.
     unknowns: &'static [Unknown],
     /// Names of the equations: balances, then constitutive laws.
@@ -34,26 +34,27 @@ pub struct Layout {
     /// Generalised velocities among the unknowns.
     pub velocities: &'static [Velocity],
     /// Stress components among the unknowns.
-    pub stresses: &'static [Component],
-    /// `stresses`, followed by the carried stresses: out-of-plane stresses of plane strain, which do not enter the
+    pub stresses: &'static [StressComponent],
+    /// `stresses`, followed by the out-of-plane stresses of plane strain, which do not enter the
     /// balances and have zero conjugate strain, but enter yield conditions and energies.
-    all: &'static [Component],
+    all_components: &'static [StressComponent],
 }
 
-const fn unknown(name: &'static str, family: &'static str) -> Unknown {
+const fn new_unknown(name: &'static str, family: &'static str) -> Unknown {
     Unknown { name, family }
 }
 
 /// Builds the static lists of names of unknowns and equations.
 macro_rules! names {
     ($($name:literal $family:literal $equation:literal;)*) => {
-        (&[$(unknown($name, $family)),*], &[$($equation),*])
+        (&[$(new_unknown($name, $family)),*], &[$($equation),*])
     };
 }
 
-type Names<const N: usize> = (&'static [Unknown; N], &'static [&'static str; N]);
+/// Names of the unknowns and of the equations of a system.
+type SystemNames = (&'static [Unknown], &'static [&'static str]);
 
-static PLANE_CLASSICAL: Names<6> = names! {
+static PLANE_CLASSICAL: SystemNames = names! {
     "v1" "velocity" "momentum 1";
     "v2" "velocity" "momentum 2";
     "σ11" "stress" "law of σ11";
@@ -62,7 +63,7 @@ static PLANE_CLASSICAL: Names<6> = names! {
     "σ33" "stress" "law of σ33";
 };
 
-static PLANE_REDUCED: Names<8> = names! {
+static PLANE_REDUCED: SystemNames = names! {
     "v1" "velocity" "momentum 1";
     "v2" "velocity" "momentum 2";
     "ω3" "spin" "spin 3";
@@ -73,7 +74,7 @@ static PLANE_REDUCED: Names<8> = names! {
     "σ33" "stress" "law of σ33";
 };
 
-static PLANE_COSSERAT: Names<12> = names! {
+static PLANE_COSSERAT: SystemNames = names! {
     "v1" "velocity" "momentum 1";
     "v2" "velocity" "momentum 2";
     "ω3" "spin" "spin 3";
@@ -88,7 +89,7 @@ static PLANE_COSSERAT: Names<12> = names! {
     "m23" "couple stress" "law of m23";
 };
 
-static SPACE_CLASSICAL: Names<9> = names! {
+static SPACE_CLASSICAL: SystemNames = names! {
     "v1" "velocity" "momentum 1";
     "v2" "velocity" "momentum 2";
     "v3" "velocity" "momentum 3";
@@ -100,7 +101,7 @@ static SPACE_CLASSICAL: Names<9> = names! {
     "σ12" "stress" "law of σ12";
 };
 
-static SPACE_COSSERAT: Names<24> = names! {
+static SPACE_COSSERAT: SystemNames = names! {
     "v1" "velocity" "momentum 1";
     "v2" "velocity" "momentum 2";
     "v3" "velocity" "momentum 3";
@@ -127,16 +128,16 @@ static SPACE_COSSERAT: Names<24> = names! {
     "m33" "couple stress" "law of m33";
 };
 
-const IN_PLANE: [Velocity; 3] = [Translation(0), Translation(1), Spin(2)];
-const IN_SPACE: [Velocity; 6] =
+const PLANE_VELOCITIES: [Velocity; 3] = [Translation(0), Translation(1), Spin(2)];
+const SPACE_VELOCITIES: [Velocity; 6] =
     [Translation(0), Translation(1), Translation(2), Spin(0), Spin(1), Spin(2)];
 
-// In each list of plane-strain stresses the carried (out-of-plane) stresses are last.
-const CLASSICAL_PLANE_STRESSES: [Component; 4] =
+// In each list of plane-strain stresses the out-of-plane stresses are last.
+const CLASSICAL_PLANE_STRESSES: [StressComponent; 4] =
     [Symmetric(0, 0), Symmetric(1, 1), Symmetric(0, 1), Symmetric(2, 2)];
-const REDUCED_PLANE_STRESSES: [Component; 5] =
+const REDUCED_PLANE_STRESSES: [StressComponent; 5] =
     [Force(0, 0), Force(1, 1), Force(1, 0), Force(0, 1), Force(2, 2)];
-const COSSERAT_PLANE_STRESSES: [Component; 9] = [
+const COSSERAT_PLANE_STRESSES: [StressComponent; 9] = [
     Force(0, 0),
     Force(1, 1),
     Force(1, 0),
@@ -147,7 +148,7 @@ const COSSERAT_PLANE_STRESSES: [Component; 9] = [
     Couple(0, 2),
     Couple(1, 2),
 ];
-const CLASSICAL_STRESSES: [Component; 6] = [
+const CLASSICAL_SPACE_STRESSES: [StressComponent; 6] = [
     Symmetric(0, 0),
     Symmetric(1, 1),
     Symmetric(2, 2),
@@ -155,7 +156,7 @@ const CLASSICAL_STRESSES: [Component; 6] = [
     Symmetric(0, 2),
     Symmetric(0, 1),
 ];
-const SPACE_STRESSES: [Component; 18] = [
+const COSSERAT_SPACE_STRESSES: [StressComponent; 18] = [
     Force(0, 0),
     Force(0, 1),
     Force(0, 2),
@@ -177,61 +178,43 @@ const SPACE_STRESSES: [Component; 18] = [
 ];
 
 /// Layout of the unknowns in plane strain.
-pub fn plane(theory: Theory) -> Layout {
+pub fn plane_layout(theory: Theory) -> UnknownLayout {
     match theory {
-        Theory::Classical => Layout {
-            unknowns: PLANE_CLASSICAL.0,
-            equations: PLANE_CLASSICAL.1,
-            velocities: &IN_PLANE[..2],
-            stresses: &CLASSICAL_PLANE_STRESSES[..3],
-            all: &CLASSICAL_PLANE_STRESSES,
-        },
-        Theory::Reduced => Layout {
-            unknowns: PLANE_REDUCED.0,
-            equations: PLANE_REDUCED.1,
-            velocities: &IN_PLANE,
-            stresses: &REDUCED_PLANE_STRESSES[..4],
-            all: &REDUCED_PLANE_STRESSES,
-        },
-        Theory::Cosserat => Layout {
-            unknowns: PLANE_COSSERAT.0,
-            equations: PLANE_COSSERAT.1,
-            velocities: &IN_PLANE,
-            stresses: &COSSERAT_PLANE_STRESSES[..6],
-            all: &COSSERAT_PLANE_STRESSES,
-        },
+        Theory::Classical => UnknownLayout::new(
+            PLANE_CLASSICAL,
+            &PLANE_VELOCITIES[..2],
+            &CLASSICAL_PLANE_STRESSES,
+            3,
+        ),
+        Theory::Reduced => {
+            UnknownLayout::new(PLANE_REDUCED, &PLANE_VELOCITIES, &REDUCED_PLANE_STRESSES, 4)
+        }
+        Theory::Cosserat => {
+            UnknownLayout::new(PLANE_COSSERAT, &PLANE_VELOCITIES, &COSSERAT_PLANE_STRESSES, 6)
+        }
     }
 }
 
 /// Layout of the unknowns in three-dimensional space.
-pub fn space(theory: Theory) -> Layout {
+pub fn space_layout(theory: Theory) -> UnknownLayout {
     match theory {
-        Theory::Classical => Layout {
-            unknowns: SPACE_CLASSICAL.0,
-            equations: SPACE_CLASSICAL.1,
-            velocities: &IN_SPACE[..3],
-            stresses: &CLASSICAL_STRESSES,
-            all: &CLASSICAL_STRESSES,
-        },
-        Theory::Reduced => Layout {
-            unknowns: &SPACE_COSSERAT.0[..15],
-            equations: &SPACE_COSSERAT.1[..15],
-            velocities: &IN_SPACE,
-            stresses: &SPACE_STRESSES[..9],
-            all: &SPACE_STRESSES[..9],
-        },
-        Theory::Cosserat => Layout {
-            unknowns: SPACE_COSSERAT.0,
-            equations: SPACE_COSSERAT.1,
-            velocities: &IN_SPACE,
-            stresses: &SPACE_STRESSES,
-            all: &SPACE_STRESSES,
-        },
+        Theory::Classical => UnknownLayout::new(
+            SPACE_CLASSICAL,
+            &SPACE_VELOCITIES[..3],
+            &CLASSICAL_SPACE_STRESSES,
+            6,
+        ),
+        Theory::Reduced => {
+            UnknownLayout::new(SPACE_COSSERAT, &SPACE_VELOCITIES, &COSSERAT_SPACE_STRESSES[..9], 9)
+        }
+        Theory::Cosserat => {
+            UnknownLayout::new(SPACE_COSSERAT, &SPACE_VELOCITIES, &COSSERAT_SPACE_STRESSES, 18)
+        }
     }
 }
 
 /// Permutation symbol εᵢⱼₖ (Levi-Civita).
-fn permutation(i: usize, j: usize, k: usize) -> f64 {
+fn permutation_symbol(i: usize, j: usize, k: usize) -> f64 {
     match (i, j, k) {
         (0, 1, 2) | (1, 2, 0) | (2, 0, 1) => 1.0,
         (2, 1, 0) | (1, 0, 2) | (0, 2, 1) => -1.0,
@@ -239,21 +222,33 @@ fn permutation(i: usize, j: usize, k: usize) -> f64 {
     }
 }
 
-impl Layout {
-    /// All stress components: unknowns, then carried stresses.
-    pub fn all_stresses(&self) -> impl Iterator<Item = Component> + Clone {
-        self.all.iter().copied()
+impl UnknownLayout {
+    /// Creates the layout of which the first `stress_count` of `all_components` are unknowns. `names` may be longer than
+    /// the layout.
+    fn new(
+        names: SystemNames,
+        velocities: &'static [Velocity],
+        all_components: &'static [StressComponent],
+        stress_count: usize,
+    ) -> Self {
+        let stresses = &all_components[..stress_count];
+        Self { unknowns: names.0, equations: names.1, velocities, stresses, all_components }
     }
 
-    /// This layout with the carried stresses among the unknowns, needed if plastic flow couples them to the in-plane
+    /// All stress components: unknowns, then out-of-plane stresses.
+    pub fn all_stresses(&self) -> impl Iterator<Item = StressComponent> + Clone {
+        self.all_components.iter().copied()
+    }
+
+    /// This layout with the out-of-plane stresses among the unknowns, needed if plastic flow couples them to the in-plane
     /// stresses.
-    pub fn carrying(self) -> Self {
-        Self { stresses: self.all, ..self }
+    pub fn with_out_of_plane(self) -> Self {
+        Self { stresses: self.all_components, ..self }
     }
 
-    /// This layout without carried stresses.
-    pub(crate) fn without_carried(self) -> Self {
-        Self { all: self.stresses, ..self }
+    /// This layout without out-of-plane stresses.
+    pub(crate) fn without_out_of_plane(self) -> Self {
+        Self { all_components: self.stresses, ..self }
     }
 
     /// Names of the unknowns: velocities, then stresses.
@@ -269,13 +264,13 @@ impl Layout {
     /// Gradient operator Gⁱ of the strain rates for the axis i = `axis`.
     pub fn gradient(&self, axis: usize) -> DMatrix<f64> {
         DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
-            let strains = match (self.stresses[s], self.velocities[v]) {
+            let is_strained = match (self.stresses[s], self.velocities[v]) {
                 (Force(i, j), Translation(a)) => a == i && axis == j,
                 (Symmetric(i, j), Translation(a)) => (a == i && axis == j) || (a == j && axis == i),
                 (Couple(k, j), Spin(a)) => a == k && axis == j,
                 _ => false,
             };
-            f64::from(u8::from(strains))
+            f64::from(u8::from(is_strained))
         })
     }
 
@@ -283,48 +278,51 @@ impl Layout {
     pub fn rotation(&self) -> DMatrix<f64> {
         DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
             match (self.stresses[s], self.velocities[v]) {
-                (Force(i, j), Spin(k)) => permutation(i, j, k),
+                (Force(i, j), Spin(k)) => permutation_symbol(i, j, k),
                 _ => 0.0,
             }
         })
     }
 
     /// Rate equations with `stiffness` in the order of [`all_stresses`](Self::all_stresses); rows and columns of
-    /// carried stresses are ignored.
+    /// out-of-plane stresses are ignored.
     pub fn rates<const D: usize>(
         &self,
-        stiffness: &Matrix,
+        stiffness: &RoundedMatrix,
         density: f64,
         inertia: f64,
     ) -> RateEquations<D> {
         let size = self.stresses.len();
-        let of = |v: &Velocity| match v {
-            Translation(_) => Rounded::given(density),
-            Spin(_) => Rounded::given(inertia),
+        let inertia_of = |v: &Velocity| match v {
+            Translation(_) => Rounded::from_rounded(density),
+            Spin(_) => Rounded::from_rounded(inertia),
         };
         RateEquations {
             unknowns: self.unknowns(),
             equations: self.equations(),
-            inertia: self.velocities.iter().map(of).collect(),
+            inertia: self.velocities.iter().map(inertia_of).collect(),
             stiffness: stiffness.view((0, 0), (size, size)).into_owned(),
             gradient: std::array::from_fn(|axis| self.gradient(axis)),
             rotation: self.rotation(),
-            relaxation: Matrix::from_element(size, size, Rounded::ZERO),
+            relaxation: RoundedMatrix::from_element(size, size, Rounded::ZERO),
         }
     }
 }
 
 impl Isotropic {
     /// Layout of the unknowns in `D` = 2 (plane strain) or 3 dimensions.
-    pub fn layout<const D: usize>(&self) -> Layout {
+    pub fn layout<const D: usize>(&self) -> UnknownLayout {
         const { assert!(D == 2 || D == 3) };
-        if D == 2 { plane(self.theory()) } else { space(self.theory()) }
+        if D == 2 { plane_layout(self.theory()) } else { space_layout(self.theory()) }
     }
 
     /// Stiffness matrix (Hooke's law) between the stress components `stresses`, Pa or N:
     /// σ = λ tr(Λ) δ + 2μ Λˢ + 2α Λᵃ and m = β tr(M) δ + 2γ Mˢ + 2η Mᵃ.
-    pub fn stiffness(&self, stresses: impl Iterator<Item = Component> + Clone) -> Matrix {
-        let given = Rounded::given;
+    pub fn stiffness(
+        &self,
+        stresses: impl Iterator<Item = StressComponent> + Clone,
+    ) -> RoundedMatrix {
+        let given = Rounded::from_rounded;
         let (lambda, mu) = (given(self.lambda), given(self.mu));
         let alpha = self.microrotation.map_or(Rounded::ZERO, |m| given(m.alpha));
         let [beta, gamma, eta] = self
@@ -345,15 +343,17 @@ impl Isotropic {
             }
             entry
         };
-        let list: Vec<Component> = stresses.collect();
-        Matrix::from_fn(list.len(), list.len(), |row, column| match (list[row], list[column]) {
-            (Force(i, j), Force(k, l)) => isotropic([lambda, mu, alpha], (i, j), (k, l)),
-            // For i ≠ j the conjugate strain rate is the engineering shear 2Λ̇ᵢⱼ, so the coefficient is μ, not 2μ.
-            (Symmetric(i, j), Symmetric(k, l)) => {
-                isotropic([lambda, mu, Rounded::ZERO], (i, j), (k, l))
+        let list: Vec<StressComponent> = stresses.collect();
+        RoundedMatrix::from_fn(list.len(), list.len(), |row, column| {
+            match (list[row], list[column]) {
+                (Force(i, j), Force(k, l)) => isotropic([lambda, mu, alpha], (i, j), (k, l)),
+                // For i ≠ j the conjugate strain rate is the engineering shear 2Λ̇ᵢⱼ, so the coefficient is μ, not 2μ.
+                (Symmetric(i, j), Symmetric(k, l)) => {
+                    isotropic([lambda, mu, Rounded::ZERO], (i, j), (k, l))
+                }
+                (Couple(i, j), Couple(k, l)) => isotropic([beta, gamma, eta], (i, j), (k, l)),
+                _ => Rounded::ZERO,
             }
-            (Couple(i, j), Couple(k, l)) => isotropic([beta, gamma, eta], (i, j), (k, l)),
-            _ => Rounded::ZERO,
         })
     }
 
@@ -367,14 +367,14 @@ impl Isotropic {
 
 impl PlaneCompliances {
     /// Layout of the unknowns in plane strain.
-    pub fn layout(&self) -> Layout {
-        let layout = plane(Theory::Cosserat);
-        Layout { all: layout.stresses, ..layout }
+    pub fn layout(&self) -> UnknownLayout {
+        let layout = plane_layout(Theory::Cosserat);
+        UnknownLayout { all_components: layout.stresses, ..layout }
     }
 
     /// Stiffness matrix, the inverse of the compliances, in the order of the [`layout`](Self::layout), Pa or N.
-    pub fn stiffness(&self) -> Matrix {
-        let given = Rounded::given;
+    pub fn stiffness(&self) -> RoundedMatrix {
+        let given = Rounded::from_rounded;
         let inverse = |a: f64, b: f64| {
             let (a, b) = (given(a), given(b));
             let determinant = (a - b) * (a + b);
@@ -382,7 +382,7 @@ impl PlaneCompliances {
         };
         let (normal, cross) = inverse(self.a1, self.b1);
         let (shear, transposed) = inverse(self.a2, self.b2);
-        let mut stiffness = Matrix::from_element(6, 6, Rounded::ZERO);
+        let mut stiffness = RoundedMatrix::from_element(6, 6, Rounded::ZERO);
         for ([i, j], own, other) in [([0, 1], normal, cross), ([2, 3], shear, transposed)] {
             stiffness[(i, i)] = own;
             stiffness[(j, j)] = own;

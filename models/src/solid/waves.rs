@@ -18,7 +18,7 @@ use std::fmt;
 
 /// A component of the state of a time-domain solver; axes from 0. The second index of a stress is the face normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Field {
+pub enum SolidField {
     /// Velocity vᵢ, m/s.
     Velocity(usize),
     /// Spin ωₖ, rad/s.
@@ -27,14 +27,14 @@ pub enum Field {
     Stress(usize, usize),
     /// Couple stress mₖⱼ, N/m.
     Couple(usize, usize),
-    /// Viscous strain aᵢⱼ = aⱼᵢ, i ≤ j: memory variable of a [viscoelastic solid](crate::rheology::relaxation).
+    /// Viscous strain aᵢⱼ = aⱼᵢ, i ≤ j: history variable of a [viscoelastic solid](crate::rheology::relaxation).
     ViscousStrain(usize, usize),
 }
-use Field::{Couple, Spin, Stress, Velocity, ViscousStrain};
+use SolidField::{Couple, Spin, Stress, Velocity, ViscousStrain};
 
 /// Name of the component, as among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`, `σ12`,
-/// `m31`; memory variables `a12`.
-impl fmt::Display for Field {
+/// `m31`; history variables `a12`.
+impl fmt::Display for SolidField {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Velocity(i) => write!(formatter, "v{}", i + 1),
@@ -48,21 +48,21 @@ impl fmt::Display for Field {
 
 /// A velocity–stress pair of a one-dimensional wave along an axis: m v̇ = ∂ₐs, ṡ = M ∂ₐv.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pair {
+pub struct VelocityStressPair {
     /// Velocity v: a translation or a spin.
-    pub velocity: Field,
+    pub velocity: SolidField,
     /// Stress s that drives the velocity.
-    pub stress: Field,
+    pub stress: SolidField,
     /// Inertia m: density, kg/m³, or moment of inertia, kg/m.
     pub inertia: f64,
     /// Modulus M, Pa or N.
     pub modulus: f64,
     /// Passive stresses, which the pair changes but which do not enter its equations (characteristics of speed zero),
     /// each with its coupling ratio r = ds′/ds: λ/(λ + 2μ) for the transverse normal stresses of a P wave.
-    pub passive_stresses: Vec<(Field, f64)>,
+    pub passive_stresses: Vec<(SolidField, f64)>,
 }
 
-impl Pair {
+impl VelocityStressPair {
     /// Wave speed c = √(M/m), m/s.
     pub fn speed(&self) -> f64 {
         (self.modulus / self.inertia).sqrt()
@@ -93,7 +93,7 @@ impl SpinRotation {
     }
 
     /// Exact solution: advances (ω, a) by the time `duration` (s).
-    pub fn turn(&self, [spin, stress]: [f64; 2], duration: f64) -> [f64; 2] {
+    pub fn advance(&self, [spin, stress]: [f64; 2], duration: f64) -> [f64; 2] {
         let (sin, cos) = (self.frequency * duration).cr_sin_cos();
         [spin * cos - stress / self.ratio * sin, stress * cos + self.ratio * spin * sin]
     }
@@ -101,9 +101,9 @@ impl SpinRotation {
 
 /// State components of a theory in 2 (plane strain, with the out-of-plane stresses that enter yield conditions and
 /// energies) or 3 dimensions.
-pub fn fields(theory: Theory, dimensions: usize) -> Vec<Field> {
+pub fn state_fields(theory: Theory, dimensions: usize) -> Vec<SolidField> {
     let axes = 0..dimensions;
-    let mut fields: Vec<Field> = axes.clone().map(Velocity).collect();
+    let mut fields: Vec<SolidField> = axes.clone().map(Velocity).collect();
     if theory != Theory::Classical {
         fields.extend(if dimensions == 2 {
             vec![Spin(2)]
@@ -131,49 +131,51 @@ pub fn fields(theory: Theory, dimensions: usize) -> Vec<Field> {
 
 /// Coefficients (a, b, c) of an isotropic law t = a tr(T) δ + b T + c Tᵀ. They give the moduli of longitudinal
 /// (T(axis, axis)) and transverse (T(i, axis)) waves and the coupling ratios of their passive stresses.
-struct Law {
+struct IsotropicLaw {
     trace: f64,
-    own: f64,
+    direct: f64,
     transposed: f64,
 }
 
-impl Law {
+impl IsotropicLaw {
     fn new(trace: f64, symmetric: f64, antisymmetric: f64) -> Self {
-        Self { trace, own: symmetric + antisymmetric, transposed: symmetric - antisymmetric }
+        Self { trace, direct: symmetric + antisymmetric, transposed: symmetric - antisymmetric }
     }
 
     fn modulus(&self, is_along: bool) -> f64 {
         match is_along {
-            true => self.trace + self.own + self.transposed,
-            false => self.own,
+            true => self.trace + self.direct + self.transposed,
+            false => self.direct,
         }
     }
 
-    fn ratio(&self, is_along: bool) -> f64 {
-        let follower = if is_along { self.trace } else { self.transposed };
-        follower / self.modulus(is_along)
+    fn coupling_ratio(&self, is_along: bool) -> f64 {
+        let passive = if is_along { self.trace } else { self.transposed };
+        passive / self.modulus(is_along)
     }
 }
 
 impl Isotropic {
     /// Velocity–stress pairs along `axis`, in 2 (plane strain) or 3 dimensions.
-    pub fn pairs(&self, dimensions: usize, axis: usize) -> Vec<Pair> {
+    pub fn pairs(&self, dimensions: usize, axis: usize) -> Vec<VelocityStressPair> {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
-        let force = Law::new(self.lambda, self.mu, alpha);
+        let force = IsotropicLaw::new(self.lambda, self.mu, alpha);
         let is_classical = self.theory() == Theory::Classical;
         let normals = move || (0..3).filter(move |&k| k != axis);
-        let mut pairs: Vec<Pair> = (0..dimensions)
+        let mut pairs: Vec<VelocityStressPair> = (0..dimensions)
             .map(|i| {
                 let passive_stresses = match (i == axis, is_classical) {
-                    (true, _) => normals().map(|k| (Stress(k, k), force.ratio(true))).collect(),
+                    (true, _) => {
+                        normals().map(|k| (Stress(k, k), force.coupling_ratio(true))).collect()
+                    }
                     (false, true) => Vec::new(),
-                    (false, false) => vec![(Stress(axis, i), force.ratio(false))],
+                    (false, false) => vec![(Stress(axis, i), force.coupling_ratio(false))],
                 };
                 let [first, second] = match is_classical {
                     true => [i.min(axis), i.max(axis)],
                     false => [i, axis],
                 };
-                Pair {
+                VelocityStressPair {
                     velocity: Velocity(i),
                     stress: Stress(first, second),
                     inertia: self.density,
@@ -183,16 +185,16 @@ impl Isotropic {
             })
             .collect();
         if let (Some(couple), Some(rotation)) = (self.couple(), self.microrotation) {
-            let law = Law::new(couple.beta, couple.gamma, couple.eta);
+            let law = IsotropicLaw::new(couple.beta, couple.gamma, couple.eta);
             let spins = if dimensions == 2 { 2..3 } else { 0..3 };
-            pairs.extend(spins.map(|k| Pair {
+            pairs.extend(spins.map(|k| VelocityStressPair {
                 velocity: Spin(k),
                 stress: Couple(k, axis),
                 inertia: rotation.inertia,
                 modulus: law.modulus(k == axis),
                 passive_stresses: match k == axis {
-                    true => normals().map(|l| (Couple(l, l), law.ratio(true))).collect(),
-                    false => vec![(Couple(axis, k), law.ratio(false))],
+                    true => normals().map(|l| (Couple(l, l), law.coupling_ratio(true))).collect(),
+                    false => vec![(Couple(axis, k), law.coupling_ratio(false))],
                 },
             }));
         }
@@ -207,20 +209,20 @@ impl Isotropic {
 
 impl PlaneCompliances {
     /// Velocity–stress pairs along `axis` in plane strain: a₁ and b₁ relate normal stresses, a₂ and b₂ shear stresses.
-    pub fn pairs(&self, axis: usize) -> Vec<Pair> {
+    pub fn pairs(&self, axis: usize) -> Vec<VelocityStressPair> {
         let pair = |i: usize| {
             let (a, b) = if i == axis { (self.a1, self.b1) } else { (self.a2, self.b2) };
             let other = 1 - axis;
-            let follower = if i == axis { Stress(other, other) } else { Stress(axis, i) };
-            Pair {
+            let passive = if i == axis { Stress(other, other) } else { Stress(axis, i) };
+            VelocityStressPair {
                 velocity: Velocity(i),
                 stress: Stress(i, axis),
                 inertia: self.density,
                 modulus: a / ((a - b) * (a + b)),
-                passive_stresses: vec![(follower, b / a)],
+                passive_stresses: vec![(passive, b / a)],
             }
         };
-        let rotation = Pair {
+        let rotation = VelocityStressPair {
             velocity: Spin(2),
             stress: Couple(2, axis),
             inertia: self.inertia,

@@ -1,17 +1,17 @@
 //! The von Mises, Drucker–Prager and Cosserat–Mises yield sets.
 
-use super::Needs::{All, Couples, Rotation};
+use super::SolidClass::{AllSolids, CoupleStressSolids, MicrorotationSolids};
 use super::{
-    NotInterior, YieldConditions, YieldSet, YieldSetModel, check_associated, linear_ray_exit,
+    RayStartError, YieldConditions, YieldSet, YieldSetModel, check_associated, linear_ray_exit,
 };
 use crate::common::input::{InputError, ensure};
-use crate::common::parameter::constants;
+use crate::common::parameter::to_constant_array;
 use crate::solid::ElasticLaw;
 use crate::solid::parameters::{Isotropic, Theory};
-use crate::solid::stress::{Component, Stress};
+use crate::solid::stress::{Stress, StressComponent};
 use crate::yield_set::parameters::{
     ANTISYMMETRIC_LENGTH, ANTISYMMETRIC_WEIGHT, ActiveCondition, DILATANCY, FRICTION, HARDENING,
-    Mises, STRENGTH, SYMMETRIC_LENGTH, mean,
+    Mises, STRENGTH, SYMMETRIC_LENGTH, mean_stress,
 };
 use crate::yield_set::projection::Projection;
 use nalgebra::DMatrix;
@@ -20,14 +20,14 @@ use nalgebra::DMatrix;
 pub static VON_MISES: YieldSetModel = YieldSetModel {
     name: "von-mises",
     title: "von Mises",
-    parameters: &[(STRENGTH, All), (HARDENING, All)],
+    parameters: &[(STRENGTH, AllSolids), (HARDENING, AllSolids)],
     is_plane: false,
     is_curved: true,
     conditions: &[],
-    admits: is_isotropic,
-    build: |_, given| {
-        let [strength, hardening] = constants(given)?;
-        checked(Mises { hardening, ..Mises::von_mises(strength) })
+    is_compatible_law: is_isotropic,
+    constructor: |_, given| {
+        let [strength, hardening] = to_constant_array(given)?;
+        build_checked(Mises { hardening, ..Mises::new_von_mises(strength) })
     },
 };
 
@@ -35,14 +35,22 @@ pub static VON_MISES: YieldSetModel = YieldSetModel {
 pub static DRUCKER_PRAGER: YieldSetModel = YieldSetModel {
     name: "drucker-prager",
     title: "Drucker–Prager",
-    parameters: &[(STRENGTH, All), (FRICTION, All), (DILATANCY, All), (HARDENING, All)],
+    parameters: &[
+        (STRENGTH, AllSolids),
+        (FRICTION, AllSolids),
+        (DILATANCY, AllSolids),
+        (HARDENING, AllSolids),
+    ],
     is_plane: false,
     is_curved: true,
     conditions: &[],
-    admits: is_isotropic,
-    build: |_, given| {
-        let [strength, friction, dilatancy, hardening] = constants(given)?;
-        checked(Mises { hardening, ..Mises::drucker_prager(strength, friction, dilatancy) })
+    is_compatible_law: is_isotropic,
+    constructor: |_, given| {
+        let [strength, friction, dilatancy, hardening] = to_constant_array(given)?;
+        build_checked(Mises {
+            hardening,
+            ..Mises::new_drucker_prager(strength, friction, dilatancy)
+        })
     },
 };
 
@@ -51,30 +59,30 @@ pub static COSSERAT_MISES: YieldSetModel = YieldSetModel {
     name: "cosserat-mises",
     title: "Cosserat–Mises",
     parameters: &[
-        (STRENGTH, All),
-        (FRICTION, All),
-        (DILATANCY, All),
-        (ANTISYMMETRIC_WEIGHT, Rotation),
-        (SYMMETRIC_LENGTH, Couples),
-        (ANTISYMMETRIC_LENGTH, Couples),
-        (HARDENING, All),
+        (STRENGTH, AllSolids),
+        (FRICTION, AllSolids),
+        (DILATANCY, AllSolids),
+        (ANTISYMMETRIC_WEIGHT, MicrorotationSolids),
+        (SYMMETRIC_LENGTH, CoupleStressSolids),
+        (ANTISYMMETRIC_LENGTH, CoupleStressSolids),
+        (HARDENING, AllSolids),
     ],
     is_plane: false,
     is_curved: true,
     conditions: &[],
-    admits: |law| is_isotropic(law) && law.theory() != Theory::Classical,
-    build: |theory, given| {
+    is_compatible_law: |law| is_isotropic(law) && law.theory() != Theory::Classical,
+    constructor: |theory, given| {
         let ([strength, friction, dilatancy, antisymmetric_weight, hardening], lengths) =
             if theory == Theory::Cosserat {
                 let [k, friction, dilatancy, weight, symmetric, antisymmetric, hardening] =
-                    constants(given)?;
+                    to_constant_array(given)?;
                 ([k, friction, dilatancy, weight, hardening], [symmetric, antisymmetric])
             } else {
-                (constants(given)?, [0.0; 2])
+                (to_constant_array(given)?, [0.0; 2])
             };
         let [symmetric_length, antisymmetric_length] =
             lengths.map(|length| (length != 0.0).then_some(length));
-        checked(Mises {
+        build_checked(Mises {
             strength,
             friction,
             dilatancy,
@@ -91,17 +99,17 @@ fn is_isotropic(law: &ElasticLaw) -> bool {
     law.downcast::<Isotropic>().is_some()
 }
 
-fn checked(set: Mises) -> Result<YieldSet, InputError> {
+fn build_checked(set: Mises) -> Result<YieldSet, InputError> {
     set.check().map(YieldSet::from)
 }
 
 impl YieldConditions for Mises {
-    fn value(&self, stress: &Stress) -> f64 {
-        self.equivalent_shear(stress) + self.friction * mean(stress) - self.strength
+    fn yield_function(&self, stress: &Stress) -> f64 {
+        self.equivalent_shear(stress) + self.friction * mean_stress(stress) - self.strength
     }
 
-    fn active(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition> {
-        let (shear, mean) = (self.equivalent_shear(stress), self.friction * mean(stress));
+    fn active_conditions(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition> {
+        let (shear, mean) = (self.equivalent_shear(stress), self.friction * mean_stress(stress));
         let size = shear + mean.abs() + self.strength;
         let is_active = shear + mean - self.strength >= -tolerance * size;
         is_active.then(|| self.condition(stress)).flatten().into_iter().collect()
@@ -117,11 +125,11 @@ impl YieldConditions for Mises {
         check_associated("dilatancy", self.dilatancy, self.friction)
     }
 
-    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, NotInterior> {
+    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, RayStartError> {
         linear_ray_exit(
-            self.friction * mean(start),
+            self.friction * mean_stress(start),
             self.strength,
-            self.equivalent_shear(direction) + self.friction * mean(direction),
+            self.equivalent_shear(direction) + self.friction * mean_stress(direction),
         )
     }
 
@@ -133,7 +141,7 @@ impl YieldConditions for Mises {
         }
     }
 
-    fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
+    fn curvature(&self, stress: &Stress, components: &[StressComponent]) -> Option<DMatrix<f64>> {
         Mises::curvature(self, stress, components)
     }
 }

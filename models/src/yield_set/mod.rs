@@ -15,7 +15,7 @@ use crate::common::DynEq;
 use crate::common::input::{InputError, ensure};
 use crate::common::parameter::Parameter;
 use crate::solid::parameters::Theory;
-use crate::solid::stress::{Component, Stress};
+use crate::solid::stress::{Stress, StressComponent};
 use crate::solid::{ElasticLaw, SolidKind};
 use crate::yield_set::parameters::ActiveCondition;
 use crate::yield_set::projection::Projection;
@@ -26,10 +26,10 @@ use std::sync::Arc;
 /// A yield set with checked constants: a closed convex set of stresses given by conditions f ≤ 0.
 pub trait YieldConditions: DynEq + Debug + Send + Sync {
     /// Yield function: maximum of f over all conditions, Pa (couple conditions: N/m over 1 m); ≤ 0 inside.
-    fn value(&self, stress: &Stress) -> f64;
+    fn yield_function(&self, stress: &Stress) -> f64;
 
     /// Active or violated conditions: f ≥ 0 to within `tolerance`, relative to the size of the terms of f.
-    fn active(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition>;
+    fn active_conditions(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition>;
 
     /// Checks that plastic flow is ideal (no hardening) and associated, as time-domain runs require.
     ///
@@ -41,17 +41,17 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
     ///
     /// # Errors
     /// `start` is not an interior point of the set.
-    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, NotInterior>;
+    fn ray_exit(&self, start: &Stress, direction: &Stress) -> Result<f64, RayStartError>;
 
     /// Return mapping: closest-point projection of the trial stress in the energy norm of `law`, which must be
-    /// [admitted](YieldSetModel::admits).
+    /// [compatible with the set](YieldSetModel::is_compatible_law).
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress>;
 
     /// Hessian of the yield function with respect to `components`, 1/Pa; `None` if the condition is linear.
     ///
     /// Multiplied by the plastic multiplier rate Λ (1/s) of the background, it is the relaxation R of perturbations
     /// (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
-    fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
+    fn curvature(&self, stress: &Stress, components: &[StressComponent]) -> Option<DMatrix<f64>> {
         let _ = (stress, components);
         None
     }
@@ -64,7 +64,7 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
 
 /// Error of [`YieldConditions::ray_exit`]: the starting point is not an interior point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NotInterior {
+pub enum RayStartError {
     /// The set has no strength at the starting point.
     NoStrength,
     /// The starting point is outside the set.
@@ -89,15 +89,15 @@ pub fn check_associated(
 }
 
 /// Computes the exit point of a ray for a condition that is linear along it: the largest s with
-/// `used` + s·`rate` ≤ `strength`.
+/// `start_value` + s·`rate` ≤ `strength`.
 ///
 /// # Errors
-/// `used` ≥ `strength`: the starting point is not interior.
-pub fn linear_ray_exit(used: f64, strength: f64, rate: f64) -> Result<f64, NotInterior> {
-    match strength - used {
+/// `start_value` ≥ `strength`: the starting point is not interior.
+pub fn linear_ray_exit(start_value: f64, strength: f64, rate: f64) -> Result<f64, RayStartError> {
+    match strength - start_value {
         margin if margin > 0.0 => Ok(if rate > 0.0 { margin / rate } else { f64::INFINITY }),
-        _ if used <= 0.0 => Err(NotInterior::NoStrength),
-        _ => Err(NotInterior::Outside),
+        _ if start_value <= 0.0 => Err(RayStartError::NoStrength),
+        _ => Err(RayStartError::Outside),
     }
 }
 
@@ -139,39 +139,39 @@ pub struct YieldSetModel {
     /// Name in titles.
     pub title: &'static str,
     /// Constants, with the solids that need them. Constants of the same name in different sets must have the same unit.
-    pub parameters: &'static [(Parameter, Needs)],
+    pub parameters: &'static [(Parameter, SolidClass)],
     /// Whether the set is defined in plane strain only.
     pub is_plane: bool,
     /// Whether the yield surface is curved, so that plastic flow of the background damps waves.
     pub is_curved: bool,
     /// Names of the conditions in the order of the half-spaces, by which a case file selects active ones: a sign and
     /// the limited stress. Empty if a case file cannot select conditions.
-    pub conditions: &'static [(&'static str, Needs)],
+    pub conditions: &'static [(&'static str, SolidClass)],
     /// Whether the set can be combined with an elastic law; must return false for every law that
     /// [`YieldConditions::project`] does not support.
-    pub admits: fn(&ElasticLaw) -> bool,
+    pub is_compatible_law: fn(&ElasticLaw) -> bool,
     /// Constructor from the constants that a solid of the theory needs, in the order of `parameters`, in SI units.
-    pub build: fn(Theory, &[f64]) -> Result<YieldSet, InputError>,
+    pub constructor: fn(Theory, &[f64]) -> Result<YieldSet, InputError>,
 }
 
 /// Solids that need a constant or a condition of a yield set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Needs {
+pub enum SolidClass {
     /// All solids.
-    All,
+    AllSolids,
     /// Solids with microrotation.
-    Rotation,
+    MicrorotationSolids,
     /// Solids with couple stress.
-    Couples,
+    CoupleStressSolids,
 }
 
-impl Needs {
+impl SolidClass {
     /// Whether solids of `theory` need the constant or condition.
     pub fn includes(self, theory: Theory) -> bool {
         match self {
-            Self::All => true,
-            Self::Rotation => theory != Theory::Classical,
-            Self::Couples => theory == Theory::Cosserat,
+            Self::AllSolids => true,
+            Self::MicrorotationSolids => theory != Theory::Classical,
+            Self::CoupleStressSolids => theory == Theory::Cosserat,
         }
     }
 }
@@ -188,34 +188,37 @@ impl YieldSetKind {
 
     /// Constants that a solid of `theory` needs.
     pub fn parameters_for(self, theory: Theory) -> impl Iterator<Item = &'static Parameter> {
-        let needed = move |own: &&(Parameter, Needs)| own.1.includes(theory);
-        self.0.parameters.iter().filter(needed).map(|own| &own.0)
+        let is_needed = move |entry: &&(Parameter, SolidClass)| entry.1.includes(theory);
+        self.0.parameters.iter().filter(is_needed).map(|entry| &entry.0)
     }
 
-    /// Whether the set can be combined with `solid`, judged by [`SolidKind::example`].
-    pub fn admits(self, solid: SolidKind) -> bool {
-        solid.example().is_ok_and(|law| (self.0.admits)(&law))
+    /// Whether the set can be combined with `solid`, decided by the law of [`SolidKind::example_law`].
+    pub fn is_compatible(self, solid: SolidKind) -> bool {
+        solid.example().is_ok_and(|law| (self.0.is_compatible_law)(&law))
     }
 
     /// Checks that the set can be combined with the elastic law `law` of kind `solid`.
     ///
     /// # Errors
     /// The combination is not supported; the error names both.
-    pub fn check_admits(self, solid: SolidKind, law: &ElasticLaw) -> Result<(), InputError> {
-        match (self.0.admits)(law) {
+    pub fn check_compatible(self, solid: SolidKind, law: &ElasticLaw) -> Result<(), InputError> {
+        match (self.0.is_compatible_law)(law) {
             true => Ok(()),
             false => Err(InputError {
                 input: "kind",
-                found: format!("{}, which cannot yield by {}", solid.name, self.name),
-                allowed: format!("a solid whose elastic law the yield set {} admits", self.name),
+                rejected_value: format!("{}, which cannot yield by {}", solid.name, self.name),
+                allowed_values: format!(
+                    "a solid whose elastic law the yield set {} admits",
+                    self.name
+                ),
             }),
         }
     }
 
     /// Names of the conditions for a solid of `theory`.
     pub fn conditions_for(self, theory: Theory) -> Vec<&'static str> {
-        let has = |own: &&(&str, Needs)| own.1.includes(theory);
-        self.0.conditions.iter().filter(has).map(|own| own.0).collect()
+        let is_needed = |entry: &&(&str, SolidClass)| entry.1.includes(theory);
+        self.0.conditions.iter().filter(is_needed).map(|entry| entry.0).collect()
     }
 
     /// Builds the yield set for a solid of `theory` with the given constants, in the order of
@@ -223,8 +226,8 @@ impl YieldSetKind {
     ///
     /// # Errors
     /// A constant is out of range.
-    pub fn set(self, theory: Theory, constants: &[f64]) -> Result<YieldSet, InputError> {
-        (self.0.build)(theory, constants)
+    pub fn build_set(self, theory: Theory, constants: &[f64]) -> Result<YieldSet, InputError> {
+        (self.0.constructor)(theory, constants)
     }
 }
 

@@ -7,55 +7,58 @@
 
 use crate::common::input::{InputError, ensure};
 use crate::common::parameter::Parameter;
-use crate::common::range::Range;
-use crate::solid::stress::{Component, Stress, split, square};
+use crate::common::range::AllowedRange;
+use crate::solid::stress::{Stress, StressComponent, split, squared_norm};
 use nalgebra::DMatrix;
 
 /// Error text for a constant without bounds.
-const FINITE: &str = "a finite number is needed";
+const FINITE_REQUIRED: &str = "a finite number is needed";
 
-pub(super) const SHEAR_STRENGTH: Parameter = Parameter::required(
+pub(super) const SHEAR_STRENGTH: Parameter = Parameter::new_required(
     ["shear_strength", "shear strength τ₀", "Pa"],
     "shear strength τ₀ of the layers without normal stress; ≥ 0",
     1e6,
 )
-.within(Range::NotNegative);
-pub(super) const SHEAR_FRICTION: Parameter = Parameter::required(
+.with_range(AllowedRange::NotNegative);
+pub(super) const SHEAR_FRICTION: Parameter = Parameter::new_required(
     ["shear_friction", "friction of the layers", ""],
     "friction κ_τ of the layers; ≥ 0",
     0.6,
 )
-.within(Range::NotNegative);
-pub(super) const SHEAR_DILATANCY: Parameter = Parameter::required(
+.with_range(AllowedRange::NotNegative);
+pub(super) const SHEAR_DILATANCY: Parameter = Parameter::new_required(
     ["shear_dilatancy", "dilatancy of the layers", ""],
     "dilatancy κ̂_τ of the layers; associated if equal to the friction",
     0.1,
 );
-pub(super) const COUPLE_STRENGTH: Parameter = Parameter::required(
+pub(super) const COUPLE_STRENGTH: Parameter = Parameter::new_required(
     ["couple_strength", "couple strength μ₀", "N/m"],
     "couple strength μ₀ of the layers without normal stress; ≥ 0",
     1e6,
 )
-.within(Range::NotNegative);
-pub(super) const COUPLE_FRICTION: Parameter = Parameter::required(
+.with_range(AllowedRange::NotNegative);
+pub(super) const COUPLE_FRICTION: Parameter = Parameter::new_required(
     ["couple_friction", "friction of rolling", "m"],
     "friction κ_μ of rolling; ≥ 0",
     0.6,
 )
-.within(Range::NotNegative);
-pub(super) const COUPLE_DILATANCY: Parameter = Parameter::required(
+.with_range(AllowedRange::NotNegative);
+pub(super) const COUPLE_DILATANCY: Parameter = Parameter::new_required(
     ["couple_dilatancy", "dilatancy of rolling", "m"],
     "dilatancy κ̂_μ of rolling; associated if equal to the friction",
     0.6,
 );
 
-pub(super) const STRENGTH: Parameter =
-    Parameter::required(["strength", "shear strength k", "Pa"], "strength k in shear; > 0", 1e6)
-        .within(Range::Positive);
+pub(super) const STRENGTH: Parameter = Parameter::new_required(
+    ["strength", "shear strength k", "Pa"],
+    "strength k in shear; > 0",
+    1e6,
+)
+.with_range(AllowedRange::Positive);
 pub(super) const FRICTION: Parameter =
-    Parameter::required(["friction", "friction", ""], "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0", 0.6)
-        .within(Range::NotNegative);
-pub(super) const DILATANCY: Parameter = Parameter::required(
+    Parameter::new_required(["friction", "friction", ""], "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0", 0.6)
+        .with_range(AllowedRange::NotNegative);
+pub(super) const DILATANCY: Parameter = Parameter::new_required(
     ["dilatancy", "dilatancy", ""],
     "dilatancy κ̂; associated if equal to the friction",
     0.3,
@@ -65,24 +68,24 @@ pub(super) const HARDENING: Parameter = Parameter::with_default(
     "plastic modulus H; 0 for ideal plasticity, negative while softening",
     0.0,
 );
-pub(super) const ANTISYMMETRIC_WEIGHT: Parameter = Parameter::required(
+pub(super) const ANTISYMMETRIC_WEIGHT: Parameter = Parameter::new_required(
     ["antisymmetric_weight", "antisymmetric weight h", ""],
     "weight h of the antisymmetric stress; ≥ 0",
     1.0,
 )
-.within(Range::NotNegative);
+.with_range(AllowedRange::NotNegative);
 pub(super) const SYMMETRIC_LENGTH: Parameter = Parameter::with_default(
     ["symmetric_length", "internal length ℓ_s", "m"],
     "internal length ℓ_s of the symmetric couple stress; 0: no limit to it",
     0.0,
 )
-.within(Range::NotNegative);
+.with_range(AllowedRange::NotNegative);
 pub(super) const ANTISYMMETRIC_LENGTH: Parameter = Parameter::with_default(
     ["antisymmetric_length", "internal length ℓ_a", "m"],
     "internal length ℓ_a of the antisymmetric couple stress; 0: no limit to it",
     0.0,
 )
-.within(Range::NotNegative);
+.with_range(AllowedRange::NotNegative);
 
 /// Yielding controlled by the layers between blocks whose faces are normal to x₁ and x₂
 /// (Sadovskii & Sadovskaya 2019, "Plane strain state"), tension positive:
@@ -91,7 +94,7 @@ pub(super) const ANTISYMMETRIC_LENGTH: Parameter = Parameter::with_default(
 /// |σ₂₁| ≤ τ₀ − κ_τ σ₁₁,  |σ₁₂| ≤ τ₀ − κ_τ σ₂₂,  |m₃₁| ≤ μ₀ − κ_μ σ₁₁,  |m₃₂| ≤ μ₀ − κ_μ σ₂₂.
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interlayer {
+pub struct InterlayerYieldSet {
     /// Shear strength τ₀ without normal stress, Pa; ≥ 0.
     pub shear_strength: f64,
     /// Friction κ_τ; ≥ 0.
@@ -99,12 +102,12 @@ pub struct Interlayer {
     /// Dilatancy κ̂_τ, in place of κ_τ in the flow rule; associated if equal.
     pub shear_dilatancy: f64,
     /// Limits of the couple stress; `None` in solids without couple stress.
-    pub couple: Option<InterlayerCouple>,
+    pub couple: Option<InterlayerCoupleLimits>,
 }
 
-/// The part of [`Interlayer`] that limits couple stresses.
+/// Limits of the couple stress in an [`InterlayerYieldSet`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InterlayerCouple {
+pub struct InterlayerCoupleLimits {
     /// Couple strength μ₀ without normal stress, N/m; ≥ 0.
     pub strength: f64,
     /// Couple friction κ_μ, m; ≥ 0.
@@ -148,12 +151,12 @@ pub struct ActiveCondition {
     /// Yield normal n = ∂f/∂σ.
     pub normal: Stress,
     /// Direction m of the plastic strain rate; equal to n for associated flow.
-    pub flow: Stress,
+    pub flow_direction: Stress,
     /// Plastic modulus H, Pa.
     pub hardening: f64,
 }
 
-impl Interlayer {
+impl InterlayerYieldSet {
     /// Checks the constants.
     ///
     /// # Errors
@@ -161,18 +164,18 @@ impl Interlayer {
     pub fn check(self) -> Result<Self, InputError> {
         SHEAR_STRENGTH.check(self.shear_strength, "the shear strength must be τ₀ ≥ 0, in Pa")?;
         SHEAR_FRICTION.check(self.shear_friction, "the friction must be κ_τ ≥ 0")?;
-        SHEAR_DILATANCY.check(self.shear_dilatancy, FINITE)?;
+        SHEAR_DILATANCY.check(self.shear_dilatancy, FINITE_REQUIRED)?;
         if let Some(couple) = self.couple {
             COUPLE_STRENGTH.check(couple.strength, "the couple strength must be μ₀ ≥ 0, in N/m")?;
             COUPLE_FRICTION.check(couple.friction, "the friction must be κ_μ ≥ 0, in m")?;
-            COUPLE_DILATANCY.check(couple.dilatancy, FINITE)?;
+            COUPLE_DILATANCY.check(couple.dilatancy, FINITE_REQUIRED)?;
         }
         Ok(self)
     }
 
     /// Half-spaces n·s ≤ k of the set: condition (name, normal n, flow direction) and strength k.
     pub fn half_spaces(&self) -> impl Iterator<Item = (ActiveCondition, f64)> {
-        const SHEAR: [[&str; 2]; 2] = [
+        const SHEAR_NAMES: [[&str; 2]; 2] = [
             [
                 "shear of the layer normal to x1, σ21 > 0",
                 "shear of the layer normal to x1, σ21 < 0",
@@ -182,7 +185,7 @@ impl Interlayer {
                 "shear of the layer normal to x2, σ12 < 0",
             ],
         ];
-        const COUPLE: [[&str; 2]; 2] = [
+        const COUPLE_NAMES: [[&str; 2]; 2] = [
             [
                 "couple on the layer normal to x1, m31 > 0",
                 "couple on the layer normal to x1, m31 < 0",
@@ -192,7 +195,7 @@ impl Interlayer {
                 "couple on the layer normal to x2, m32 < 0",
             ],
         ];
-        let own = *self;
+        let set = *self;
         let faces = (0..2).flat_map(|face| [(face, 0, 1.0), (face, 1, -1.0)]);
         let shear = faces.clone().map(move |(face, index, sign)| {
             let gradient = |friction: f64| {
@@ -202,14 +205,14 @@ impl Interlayer {
                 gradient
             };
             let condition = ActiveCondition {
-                name: SHEAR[face][index],
-                normal: gradient(own.shear_friction),
-                flow: gradient(own.shear_dilatancy),
+                name: SHEAR_NAMES[face][index],
+                normal: gradient(set.shear_friction),
+                flow_direction: gradient(set.shear_dilatancy),
                 hardening: 0.0,
             };
-            (condition, own.shear_strength)
+            (condition, set.shear_strength)
         });
-        let couple = own.couple.into_iter().flat_map(move |couple| {
+        let couple = set.couple.into_iter().flat_map(move |couple| {
             faces.clone().map(move |(face, index, sign)| {
                 let gradient = |friction: f64| {
                     let mut gradient = Stress::default();
@@ -218,9 +221,9 @@ impl Interlayer {
                     gradient
                 };
                 let condition = ActiveCondition {
-                    name: COUPLE[face][index],
+                    name: COUPLE_NAMES[face][index],
                     normal: gradient(couple.friction),
-                    flow: gradient(couple.dilatancy),
+                    flow_direction: gradient(couple.dilatancy),
                     hardening: 0.0,
                 };
                 (condition, couple.strength)
@@ -232,7 +235,7 @@ impl Interlayer {
 
 impl Mises {
     /// von Mises yield set (1913): √(½ s:s) ≤ k; `strength` k in Pa.
-    pub const fn von_mises(strength: f64) -> Self {
+    pub const fn new_von_mises(strength: f64) -> Self {
         Self {
             strength,
             friction: 0.0,
@@ -245,8 +248,8 @@ impl Mises {
     }
 
     /// Drucker–Prager cone (1952): √(½ s:s) + κ σ_m ≤ k; `strength` k in Pa.
-    pub const fn drucker_prager(strength: f64, friction: f64, dilatancy: f64) -> Self {
-        Self { friction, dilatancy, ..Self::von_mises(strength) }
+    pub const fn new_drucker_prager(strength: f64, friction: f64, dilatancy: f64) -> Self {
+        Self { friction, dilatancy, ..Self::new_von_mises(strength) }
     }
 
     /// Checks the constants.
@@ -256,11 +259,11 @@ impl Mises {
     pub fn check(self) -> Result<Self, InputError> {
         STRENGTH.check(self.strength, "the strength must be k > 0, in Pa")?;
         FRICTION.check(self.friction, "the friction must be κ ≥ 0")?;
-        DILATANCY.check(self.dilatancy, FINITE)?;
+        DILATANCY.check(self.dilatancy, FINITE_REQUIRED)?;
         ANTISYMMETRIC_WEIGHT.check(self.antisymmetric_weight, "the weight must be h ≥ 0")?;
         // Input lengths of 0 have been converted to `None`, so a length must be positive here.
         let positive = |key: &'static str, value: f64, allowed: &str| {
-            ensure(Range::Positive.contains(value), key, value, allowed)
+            ensure(AllowedRange::Positive.contains(value), key, value, allowed)
         };
         if let Some(length) = self.symmetric_length {
             positive(SYMMETRIC_LENGTH.name, length, "the length must be ℓ_s > 0, in m")?;
@@ -268,7 +271,7 @@ impl Mises {
         if let Some(length) = self.antisymmetric_length {
             positive(ANTISYMMETRIC_LENGTH.name, length, "the length must be ℓ_a > 0, in m")?;
         }
-        HARDENING.check(self.hardening, FINITE)?;
+        HARDENING.check(self.hardening, FINITE_REQUIRED)?;
         Ok(self)
     }
 
@@ -281,15 +284,15 @@ impl Mises {
     /// Gradient of ½τ̄² with respect to the stress: ½(sˢ + h σᵃ) and ½(mˢ/ℓ_s² + mᵃ/ℓ_a²).
     fn half_gradient(&self, stress: &Stress) -> Stress {
         let [symmetric, antisymmetric] = self.couple_weights();
-        let (_, deviator, spin) = split(&stress.force);
-        let (mean, couple_deviator, couple_spin) = split(&stress.couple);
+        let (_, deviator, antisymmetric_part) = split(&stress.force);
+        let (mean, couple_deviator, couple_antisymmetric) = split(&stress.couple);
         let mut gradient = Stress::default();
         for i in 0..3 {
             for j in 0..3 {
-                let force = deviator[i][j] + self.antisymmetric_weight * spin[i][j];
+                let force = deviator[i][j] + self.antisymmetric_weight * antisymmetric_part[i][j];
                 let spherical = if i == j { mean } else { 0.0 };
                 let couple = symmetric * (couple_deviator[i][j] + spherical)
-                    + antisymmetric * couple_spin[i][j];
+                    + antisymmetric * couple_antisymmetric[i][j];
                 (gradient.force[i][j], gradient.couple[i][j]) = (0.5 * force, 0.5 * couple);
             }
         }
@@ -299,17 +302,22 @@ impl Mises {
     /// Equivalent shear stress τ̄, Pa.
     pub fn equivalent_shear(&self, stress: &Stress) -> f64 {
         let [symmetric, antisymmetric] = self.couple_weights();
-        let (_, deviator, spin) = split(&stress.force);
-        let (mean, couple_deviator, couple_spin) = split(&stress.couple);
-        let force = square(&deviator) + self.antisymmetric_weight * square(&spin);
-        let couple = symmetric * (square(&couple_deviator) + 3.0 * mean * mean)
-            + antisymmetric * square(&couple_spin);
+        let (_, deviator, antisymmetric_part) = split(&stress.force);
+        let (mean, couple_deviator, couple_antisymmetric) = split(&stress.couple);
+        let force =
+            squared_norm(&deviator) + self.antisymmetric_weight * squared_norm(&antisymmetric_part);
+        let couple = symmetric * (squared_norm(&couple_deviator) + 3.0 * mean * mean)
+            + antisymmetric * squared_norm(&couple_antisymmetric);
         (0.5 * (force + couple)).sqrt()
     }
 
     /// Hessian of τ̄ with respect to `components`, 1/Pa: symmetric positive semidefinite. `None` on the hydrostatic
     /// axis.
-    pub fn curvature(&self, stress: &Stress, components: &[Component]) -> Option<DMatrix<f64>> {
+    pub fn curvature(
+        &self,
+        stress: &Stress,
+        components: &[StressComponent],
+    ) -> Option<DMatrix<f64>> {
         let shear = self.equivalent_shear(stress);
         if shear <= 0.0 {
             return None;
@@ -343,14 +351,14 @@ impl Mises {
         Some(ActiveCondition {
             name: "yield",
             normal: gradient(self.friction),
-            flow: gradient(self.dilatancy),
+            flow_direction: gradient(self.dilatancy),
             hardening: self.hardening,
         })
     }
 }
 
 /// Mean stress σ_m = ⅓ tr σ, Pa, tension-positive.
-pub fn mean(stress: &Stress) -> f64 {
+pub fn mean_stress(stress: &Stress) -> f64 {
     (stress.force[0][0] + stress.force[1][1] + stress.force[2][2]) / 3.0
 }
 
@@ -364,7 +372,7 @@ pub fn contract(gradient: &Stress, stress: &Stress) -> f64 {
 }
 
 /// Stress of the absolute values of all components.
-pub(crate) fn absolute(stress: &Stress) -> Stress {
-    let absolute = |t: [[f64; 3]; 3]| t.map(|row| row.map(f64::abs));
-    Stress { force: absolute(stress.force), couple: absolute(stress.couple) }
+pub(crate) fn absolute_values(stress: &Stress) -> Stress {
+    let absolute_values = |t: [[f64; 3]; 3]| t.map(|row| row.map(f64::abs));
+    Stress { force: absolute_values(stress.force), couple: absolute_values(stress.couple) }
 }

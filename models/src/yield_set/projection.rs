@@ -16,12 +16,15 @@
 //!
 //! A stress outside F by no more than rounding is returned unchanged, bit for bit, so the projection is idempotent.
 
-use super::parameters::{Interlayer, Mises};
-use super::return_mapping::{Cone, Equation, Mapped, PARTS, Parts, ROUNDING, energy_lost, sum_of};
+use super::parameters::{InterlayerYieldSet, Mises};
+use super::return_mapping::{
+    Cone, ConsistencyEquation, EIGENSPACE_COUNT, EigenspaceDecomposition, ReturnMappingResult,
+    YIELD_ROUNDING, compute_energy_lost, sum_active,
+};
 use crate::common::elementary::Elementary;
 use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
-use crate::solid::stress::{Shape, Stress, square};
-use crate::solid::symbol::plane;
+use crate::solid::stress::{Stress, StressShape, squared_norm};
+use crate::solid::symbol::plane_layout;
 
 /// Result of a projection: the stress in F and the elastic energy lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,12 +37,12 @@ pub struct Projection<S> {
 
 /// Relative threshold below which a reorthogonalised vector counts as zero: ε² with a safety factor for nearly
 /// dependent normals.
-const CANCELLED: f64 = 65536.0 * f64::EPSILON * f64::EPSILON;
+const CANCELLATION_THRESHOLD: f64 = 65536.0 * f64::EPSILON * f64::EPSILON;
 
 impl Mises {
     /// Weights p in τ̄² and stiffnesses D (Pa or N) of the eigenspaces of Hooke's law: deviator and antisymmetric part
     /// of the force stress; deviator, mean and antisymmetric part of the couple stress.
-    pub fn parts(&self, solid: &Isotropic) -> [[f64; 2]; PARTS] {
+    pub fn eigenspace_coefficients(&self, solid: &Isotropic) -> [[f64; 2]; EIGENSPACE_COUNT] {
         let [symmetric, antisymmetric] = self.couple_weights();
         let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
         let [spherical, gamma, eta] =
@@ -73,29 +76,47 @@ impl Mises {
     pub fn project(&self, solid: &Isotropic, trial: &Stress) -> Projection<Stress> {
         let inside = Projection { stress: *trial, energy_lost: 0.0 };
         let cone = Cone::new(self, solid);
-        let seen = cone.seen();
-        let parts = Parts::new(Shape::ANY, &trial.force, &trial.couple);
-        let squares = parts.weighted(&cone, &seen);
+        let active = cone.active_eigenspaces();
+        let parts = EigenspaceDecomposition::new(StressShape::GENERAL, &trial.force, &trial.couple);
+        let squares = parts.weighted_squares(&cone, &active);
         let pressure = parts.force.0;
-        let Cone { friction, strength, a, rates, .. } = cone;
+        let Cone { friction, strength, a, weighted_stiffnesses: rates, .. } = cone;
 
-        let shear = sum_of(&squares, &seen).sqrt();
-        let room = strength - friction * pressure;
+        let shear = sum_active(&squares, &active).sqrt();
+        let shear_capacity = strength - friction * pressure;
         // Rounding errors scale with the stress components, which may exceed the parts computed from them.
         let [force, couple] = cone.rounding_weights;
-        let rounded = (force * square(&trial.force) + couple * square(&trial.couple)).sqrt();
+        let rounded =
+            (force * squared_norm(&trial.force) + couple * squared_norm(&trial.couple)).sqrt();
         let size = shear + friction * pressure.abs() + strength + rounded;
-        let excess = shear - room;
+        let excess = shear - shear_capacity;
         // A NaN stress is returned unchanged.
-        if excess.is_nan() || excess <= ROUNDING * size {
+        if excess.is_nan() || excess <= YIELD_ROUNDING * size {
             return inside;
         }
-        let (mapped, apex) = if room < 0.0 {
-            beyond_apex(&cone, &squares, &parts, &seen, room)
+        let (mapped, apex) = if shear_capacity < 0.0 {
+            map_beyond_apex(&cone, &squares, &parts, &active, shear_capacity)
         } else {
-            let root = Equation { squares, rates, a, shear_capacity: room, seen: &seen }.solve();
+            let root = ConsistencyEquation {
+                squares,
+                weighted_stiffnesses: rates,
+                a,
+                shear_capacity,
+                active: &active,
+            }
+            .solve();
             let scale = [1.0, root.x];
-            (Mapped::new(&cone, &parts.squares, scale, root.reciprocal, root.kept, &seen), None)
+            (
+                ReturnMappingResult::new(
+                    &cone,
+                    &parts.squares,
+                    scale,
+                    root.reciprocal,
+                    root.scale_factors,
+                    &active,
+                ),
+                None,
+            )
         };
         // Mean stress from the yield condition if the difference σ̄_m − κKλ would lose more digits.
         let mean = apex.unwrap_or_else(|| {
@@ -105,21 +126,21 @@ impl Mises {
                 pressure - mapped.mean_drop
             }
         });
-        let (force, couple) = parts.scaled(Shape::ANY, &mapped.kept, mean);
+        let (force, couple) = parts.scale_parts(StressShape::GENERAL, &mapped.scale_factors, mean);
         Projection { stress: Stress { force, couple }, energy_lost: mapped.energy_lost }
     }
 }
 
 /// Return mapping of a stress with shear capacity r < 0, and the mean stress of the apex if the stress maps to the
 /// apex; see [`Mises::project`].
-fn beyond_apex(
+fn map_beyond_apex(
     cone: &Cone<f64>,
-    squares: &[f64; PARTS],
-    parts: &Parts<f64>,
-    seen: &[bool; PARTS],
-    room: f64,
-) -> (Mapped<f64>, Option<f64>) {
-    let Cone { strength, friction, mean_drop, a, rates, .. } = *cone;
+    squares: &[f64; EIGENSPACE_COUNT],
+    parts: &EigenspaceDecomposition<f64>,
+    active: &[bool; EIGENSPACE_COUNT],
+    shear_capacity: f64,
+) -> (ReturnMappingResult<f64>, Option<f64>) {
+    let Cone { strength, friction, mean_drop, a, weighted_stiffnesses: rates, .. } = *cone;
     // 1/(xτ̄) at y = 1/x, and its derivative with respect to y.
     let reciprocal = |y: f64| {
         let (mut norm, mut slope) = (0.0, 0.0);
@@ -133,25 +154,33 @@ fn beyond_apex(
         let reciprocal = 1.0 / norm.sqrt();
         (reciprocal, slope / norm * reciprocal)
     };
-    let is_apex = a + room * reciprocal(0.0).0 <= 0.0;
+    let is_apex = a + shear_capacity * reciprocal(0.0).0 <= 0.0;
     let mut y = 0.0;
     // If the stress maps to the apex, the solution is y = 0: the first Newton step is zero and ends the loop.
     loop {
         let (value, slope) = reciprocal(y);
         let before = y;
-        y += ((a - y + room * value) / (1.0 - room * slope)).max(0.0);
+        y += ((a - y + shear_capacity * value) / (1.0 - shear_capacity * slope)).max(0.0);
         if y == before {
             break;
         }
     }
-    let kept = rates.map(|rate| if rate == 0.0 { 1.0 } else { y / (y + rate) });
-    let mut mapped = Mapped::new(cone, &parts.squares, [y, 1.0], reciprocal(y).0, kept, seen);
+    let scale_factors = rates.map(|rate| if rate == 0.0 { 1.0 } else { y / (y + rate) });
+    let mut mapped = ReturnMappingResult::new(
+        cone,
+        &parts.squares,
+        [y, 1.0],
+        reciprocal(y).0,
+        scale_factors,
+        active,
+    );
     if !is_apex {
         return (mapped, None);
     }
     let apex = strength / friction;
     let multiplier = (parts.force.0 - apex) / mean_drop;
-    mapped.energy_lost = energy_lost(cone, &parts.squares, &mapped.lost, multiplier, seen);
+    mapped.energy_lost =
+        compute_energy_lost(cone, &parts.squares, &mapped.lost_fractions, multiplier, active);
     (mapped, Some(apex))
 }
 
@@ -193,19 +222,19 @@ impl From<&PlaneCompliances> for PlaneMetric {
     }
 }
 
-type Plane = [f64; 6];
+type PlaneVector = [f64; 6];
 
-fn dot(x: &Plane, y: &Plane) -> f64 {
+fn dot(x: &PlaneVector, y: &PlaneVector) -> f64 {
     x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
-fn dot_absolute(x: &Plane, y: &Plane) -> f64 {
+fn dot_absolute(x: &PlaneVector, y: &PlaneVector) -> f64 {
     x.iter().zip(y).map(|(x, y)| (x * y).abs()).sum()
 }
 
 impl PlaneMetric {
     /// Product L z.
-    fn apply(&self, z: &Plane) -> Plane {
+    fn apply(&self, z: &PlaneVector) -> PlaneVector {
         let ([p, q], [r, t]) = (self.normal, self.shear);
         [
             p * z[0] + q * z[1],
@@ -227,7 +256,7 @@ impl PlaneMetric {
     }
 
     /// Product Lᵀ n.
-    fn apply_transposed(&self, n: &Plane) -> Plane {
+    fn apply_transposed(&self, n: &PlaneVector) -> PlaneVector {
         [
             self.normal[0] * (n[0] + n[1]),
             self.normal[1] * (n[0] - n[1]),
@@ -241,40 +270,39 @@ impl PlaneMetric {
 
 /// A half-space n·s ≤ k with its scaled normal Lᵀn.
 #[derive(Clone, Copy, Default)]
-struct HalfSpace {
-    normal: Plane,
+struct ScaledHalfSpace {
+    normal: PlaneVector,
     strength: f64,
     /// Scaled normal Lᵀ n.
-    scaled: Plane,
+    scaled_normal: PlaneVector,
     /// Norm |Lᵀ n| of the scaled normal.
-    norm: f64,
+    scaled_norm: f64,
 }
 
-impl HalfSpace {
+impl ScaledHalfSpace {
     /// Sum of the magnitudes of the terms of n·s − k, the scale of its rounding error.
-    fn size(&self, stress: &Plane) -> f64 {
+    fn rounding_scale(&self, stress: &PlaneVector) -> f64 {
         dot_absolute(&self.normal, stress) + self.strength
     }
 }
 
 /// Active set of half-spaces with the QR factorisation of their scaled normals, Lᵀ(n₁ … n_q) = Q R.
 #[derive(Default)]
-struct Active {
-    index: [usize; 6],
-    multiplier: [f64; 6],
+struct ActiveSet {
+    indices: [usize; 6],
+    multipliers: [f64; 6],
     count: usize,
-    orthonormal: [Plane; 6],
-    triangle: [[f64; 6]; 6],
+    q_columns: [PlaneVector; 6],
+    r_columns: [[f64; 6]; 6],
 }
 
-impl Active {
+impl ActiveSet {
     /// Splits a vector into its coordinates in the span Q of the active normals and the orthogonal rest, by
     /// Gram–Schmidt with reorthogonalisation.
-    fn split(&self, vector: &Plane, count: usize) -> ([f64; 6], Plane) {
+    fn orthogonalise(&self, vector: &PlaneVector, count: usize) -> ([f64; 6], PlaneVector) {
         let (mut coordinates, mut rest) = ([0.0; 6], *vector);
         for _ in 0..2 {
-            for (coordinate, direction) in coordinates.iter_mut().zip(&self.orthonormal).take(count)
-            {
+            for (coordinate, direction) in coordinates.iter_mut().zip(&self.q_columns).take(count) {
                 let along = dot(direction, &rest);
                 *coordinate += along;
                 for (x, y) in rest.iter_mut().zip(direction) {
@@ -286,22 +314,23 @@ impl Active {
     }
 
     /// Computes Q and R of the active scaled normals anew.
-    fn factorise(&mut self, half_spaces: &[HalfSpace]) {
+    fn factorise(&mut self, half_spaces: &[ScaledHalfSpace]) {
         for column in 0..self.count {
-            let (coordinates, rest) = self.split(&half_spaces[self.index[column]].scaled, column);
+            let (coordinates, rest) =
+                self.orthogonalise(&half_spaces[self.indices[column]].scaled_normal, column);
             let length = dot(&rest, &rest).sqrt();
-            self.triangle[column] = coordinates;
-            self.triangle[column][column] = length;
-            self.orthonormal[column] = rest.map(|x| x / length);
+            self.r_columns[column] = coordinates;
+            self.r_columns[column][column] = length;
+            self.q_columns[column] = rest.map(|x| x / length);
         }
     }
 
-    /// Solves R x = c; the columns of R are the rows of `triangle`.
+    /// Solves R x = c; the columns of R are the rows of `r_columns`.
     fn solve(&self, mut c: [f64; 6]) -> [f64; 6] {
         for i in (0..self.count).rev() {
-            c[i] /= self.triangle[i][i];
+            c[i] /= self.r_columns[i][i];
             for j in 0..i {
-                c[j] -= self.triangle[i][j] * c[i];
+                c[j] -= self.r_columns[i][j] * c[i];
             }
         }
         c
@@ -311,23 +340,23 @@ impl Active {
     fn solve_transposed(&self, mut c: [f64; 6]) -> [f64; 6] {
         for i in 0..self.count {
             for j in 0..i {
-                c[i] -= self.triangle[i][j] * c[j];
+                c[i] -= self.r_columns[i][j] * c[j];
             }
-            c[i] /= self.triangle[i][i];
+            c[i] /= self.r_columns[i][i];
         }
         c
     }
 
     /// Removes the half-space at `position` from the active set.
-    fn remove(&mut self, position: usize, half_spaces: &[HalfSpace]) {
-        self.index.copy_within(position + 1..self.count, position);
-        self.multiplier.copy_within(position + 1..self.count, position);
+    fn remove(&mut self, position: usize, half_spaces: &[ScaledHalfSpace]) {
+        self.indices.copy_within(position + 1..self.count, position);
+        self.multipliers.copy_within(position + 1..self.count, position);
         self.count -= 1;
         self.factorise(half_spaces);
     }
 }
 
-impl Interlayer {
+impl InterlayerYieldSet {
     /// Closest-point projection of a trial stress (σ₁₁, σ₂₂, σ₂₁, σ₁₂, m₃₁, m₃₂) in plane strain.
     ///
     /// With s = s̄ − L z this is the shortest z with (Lᵀn)·z ≥ n·s̄ − k for up to eight half-spaces: a strictly convex
@@ -340,17 +369,22 @@ impl Interlayer {
     /// Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) with ν = λ/2(λ + μ) in an isotropic solid; minimising the energy over all stresses
     /// including σ₃₃ gives the same result.
     pub fn project(&self, metric: &PlaneMetric, trial: &[f64; 6]) -> Projection<[f64; 6]> {
-        let components = plane(Theory::Cosserat).stresses;
-        let mut storage = [HalfSpace::default(); 8];
+        let components = plane_layout(Theory::Cosserat).stresses;
+        let mut storage = [ScaledHalfSpace::default(); 8];
         let mut total = 0;
         for (place, (condition, strength)) in storage.iter_mut().zip(self.half_spaces()) {
             let normal = std::array::from_fn(|i| components[i].value_in(&condition.normal));
-            let scaled = metric.apply_transposed(&normal);
-            *place = HalfSpace { normal, strength, scaled, norm: dot(&scaled, &scaled).sqrt() };
+            let scaled_normal = metric.apply_transposed(&normal);
+            *place = ScaledHalfSpace {
+                normal,
+                strength,
+                scaled_normal,
+                scaled_norm: dot(&scaled_normal, &scaled_normal).sqrt(),
+            };
             total += 1;
         }
         let half_spaces = &storage[..total];
-        let mut active = Active::default();
+        let mut active = ActiveSet::default();
         let (mut stress, mut path, mut reach) = (*trial, [0.0; 6], 0.0f64);
 
         // There are at most 2⁸ active sets and none recurs; fewer than a dozen iterations are observed.
@@ -358,13 +392,15 @@ impl Interlayer {
             // Most violated half-space, measured by its distance in the energy norm.
             let mut worst = (0.0, None);
             for (index, half_space) in half_spaces.iter().enumerate() {
-                let HalfSpace { normal, strength, norm, .. } = half_space;
+                let ScaledHalfSpace { normal, strength, scaled_norm, .. } = half_space;
                 let excess = dot(normal, &stress) - strength;
-                if excess > ROUNDING * half_space.size(&stress) + CANCELLED * norm * reach
-                    && excess > worst.0 * norm
-                    && !active.index[..active.count].contains(&index)
+                if excess
+                    > YIELD_ROUNDING * half_space.rounding_scale(&stress)
+                        + CANCELLATION_THRESHOLD * scaled_norm * reach
+                    && excess > worst.0 * scaled_norm
+                    && !active.indices[..active.count].contains(&index)
                 {
-                    worst = (excess / norm, Some((index, excess)));
+                    worst = (excess / scaled_norm, Some((index, excess)));
                 }
             }
             let Some((index, mut excess)) = worst.1 else { break };
@@ -373,14 +409,15 @@ impl Interlayer {
             loop {
                 // A unit increase of the entering multiplier changes the other multipliers by −R⁻¹Qᵀ(Lᵀn), and z by
                 // the component of Lᵀn orthogonal to Q.
-                let (coordinates, rest) = active.split(&entering.scaled, active.count);
+                let (coordinates, rest) =
+                    active.orthogonalise(&entering.scaled_normal, active.count);
                 let change = active.solve(coordinates);
                 let length = dot(&rest, &rest).sqrt();
-                let independent = active.count < 6 && length > 1e-12 * entering.norm;
+                let independent = active.count < 6 && length > 1e-12 * entering.scaled_norm;
                 let full = if independent { excess / (length * length) } else { f64::INFINITY };
                 let mut blocking = (full, None);
                 for (position, change) in change.iter().enumerate().take(active.count) {
-                    let ratio = active.multiplier[position].max(0.0) / change;
+                    let ratio = active.multipliers[position].max(0.0) / change;
                     if *change > 0.0 && ratio < blocking.0 {
                         blocking = (ratio, Some(position));
                     }
@@ -391,8 +428,10 @@ impl Interlayer {
                     break;
                 }
                 multiplier += step;
-                for (own, change) in active.multiplier.iter_mut().zip(change).take(active.count) {
-                    *own -= step * change;
+                for (active_multiplier, change) in
+                    active.multipliers.iter_mut().zip(change).take(active.count)
+                {
+                    *active_multiplier -= step * change;
                 }
                 if let Some(position) = leaving {
                     if independent {
@@ -400,8 +439,8 @@ impl Interlayer {
                     }
                     active.remove(position, half_spaces);
                 } else {
-                    active.index[active.count] = index;
-                    active.multiplier[active.count] = multiplier;
+                    active.indices[active.count] = index;
+                    active.multipliers[active.count] = multiplier;
                     active.count += 1;
                     active.factorise(half_spaces);
                     break;
@@ -413,14 +452,14 @@ impl Interlayer {
             (stress, path) = (*trial, [0.0; 6]);
             for _ in 0..3 {
                 let mut excess = [0.0; 6];
-                for (excess, &index) in excess.iter_mut().zip(&active.index[..active.count]) {
+                for (excess, &index) in excess.iter_mut().zip(&active.indices[..active.count]) {
                     *excess =
                         dot(&half_spaces[index].normal, &stress) - half_spaces[index].strength;
                 }
                 let coordinates = active.solve_transposed(excess);
                 let mut step = [0.0; 6];
                 for (along, direction) in
-                    coordinates.iter().zip(&active.orthonormal).take(active.count)
+                    coordinates.iter().zip(&active.q_columns).take(active.count)
                 {
                     for (x, y) in step.iter_mut().zip(direction) {
                         *x += along * y;
@@ -432,16 +471,20 @@ impl Interlayer {
                     stress[i] -= change[i];
                 }
             }
-            let (coordinates, _) = active.split(&path, active.count);
-            active.multiplier = active.solve(coordinates);
+            let (coordinates, _) = active.orthogonalise(&path, active.count);
+            active.multipliers = active.solve(coordinates);
             // Scale of the rounding errors of s, divided by the row norm of L: |z| for the component of L z, and the
             // size of an active condition divided by |Lᵀn| for its correction.
             reach = dot(&path, &path).sqrt();
-            for &index in &active.index[..active.count] {
-                reach = reach.max(half_spaces[index].size(&stress) / half_spaces[index].norm);
+            for &index in &active.indices[..active.count] {
+                reach = reach.max(
+                    half_spaces[index].rounding_scale(&stress) / half_spaces[index].scaled_norm,
+                );
             }
             for i in 0..6 {
-                if stress[i].abs() <= CANCELLED * (trial[i].abs() + metric.row_norm(i) * reach) {
+                if stress[i].abs()
+                    <= CANCELLATION_THRESHOLD * (trial[i].abs() + metric.row_norm(i) * reach)
+                {
                     stress[i] = 0.0;
                 }
             }
@@ -449,8 +492,8 @@ impl Interlayer {
 
         let mut energy_lost = 0.5 * dot(&path, &path);
         for position in 0..active.count {
-            let strength = half_spaces[active.index[position]].strength;
-            energy_lost += strength * active.multiplier[position].max(0.0);
+            let strength = half_spaces[active.indices[position]].strength;
+            energy_lost += strength * active.multipliers[position].max(0.0);
         }
         Projection { stress, energy_lost }
     }

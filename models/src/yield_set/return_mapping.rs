@@ -7,14 +7,14 @@
 use super::parameters::Mises;
 use crate::common::number::Number;
 use crate::solid::parameters::Isotropic;
-use crate::solid::stress::{Shape, Tensor};
+use crate::solid::stress::{StressShape, Tensor};
 
-/// Number of stress parts (eigenspaces of Hooke's law): deviator and antisymmetric part of the force stress; deviator,
+/// Number of eigenspaces of Hooke's law, the parts of a stress: deviator and antisymmetric part of the force stress; deviator,
 /// mean and antisymmetric part of the couple stress.
-pub const PARTS: usize = 5;
+pub const EIGENSPACE_COUNT: usize = 5;
 
 /// Rounding error of the value of a yield condition, relative to the magnitudes of its terms; a power of 2.
-pub const ROUNDING: f64 = 32.0 * f64::EPSILON;
+pub const YIELD_ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// Coefficients of the return mapping of a [`Mises`] cone in an isotropic solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,11 +29,11 @@ pub struct Cone<N> {
     pub a: N,
     /// Half weights ½p of the parts, in 1/m² for the couple stress; zero for a passive part, without weight or
     /// stiffness, which the mapping leaves unchanged.
-    pub half_weights: [N; PARTS],
+    pub half_weights: [N; EIGENSPACE_COUNT],
     /// Stiffnesses D, Pa or N; 1 for passive parts.
-    pub stiffnesses: [N; PARTS],
+    pub stiffnesses: [N; EIGENSPACE_COUNT],
     /// Products Dp, Pa.
-    pub rates: [N; PARTS],
+    pub weighted_stiffnesses: [N; EIGENSPACE_COUNT],
     /// Weights of the rounding errors of the stress components: max(h, 1) for the force stress, and the largest weight
     /// p for the couple stress, 1/m².
     pub rounding_weights: [N; 2],
@@ -44,38 +44,38 @@ impl Cone<f64> {
     pub fn new(set: &Mises, solid: &Isotropic) -> Self {
         let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
         let Mises { friction, strength, .. } = *set;
-        let parts = set.parts(solid);
-        let is_seen = |[weight, stiffness]: [f64; 2]| weight > 0.0 && stiffness > 0.0;
-        let seen =
-            |part: [f64; 2], value: f64, other: f64| if is_seen(part) { value } else { other };
+        let parts = set.eigenspace_coefficients(solid);
+        let is_active = |[weight, stiffness]: [f64; 2]| weight > 0.0 && stiffness > 0.0;
+        let active =
+            |part: [f64; 2], value: f64, other: f64| if is_active(part) { value } else { other };
         Self {
             strength,
             friction,
             mean_drop: friction * bulk,
             a: 2.0 * friction * friction * bulk,
-            half_weights: parts.map(|part| seen(part, 0.5 * part[0], 0.0)),
-            stiffnesses: parts.map(|part| seen(part, part[1], 1.0)),
-            rates: parts.map(|part| seen(part, part[1] * part[0], 0.0)),
+            half_weights: parts.map(|part| active(part, 0.5 * part[0], 0.0)),
+            stiffnesses: parts.map(|part| active(part, part[1], 1.0)),
+            weighted_stiffnesses: parts.map(|part| active(part, part[1] * part[0], 0.0)),
             rounding_weights: [set.antisymmetric_weight.max(1.0), parts[2][0].max(parts[4][0])],
         }
     }
 
     /// A cone that never yields, for elastic solids: strength `strength` (Pa) far above every stress.
-    pub fn unbounded(strength: f64) -> Self {
+    pub fn with_unreachable_strength(strength: f64) -> Self {
         Self {
             strength,
             friction: 0.0,
             mean_drop: 0.0,
             a: 0.0,
-            half_weights: [0.0; PARTS],
-            stiffnesses: [1.0; PARTS],
-            rates: [0.0; PARTS],
+            half_weights: [0.0; EIGENSPACE_COUNT],
+            stiffnesses: [1.0; EIGENSPACE_COUNT],
+            weighted_stiffnesses: [0.0; EIGENSPACE_COUNT],
             rounding_weights: [1.0, 0.0],
         }
     }
 
     /// Flags of the active parts, which the mapping changes.
-    pub fn seen(&self) -> [bool; PARTS] {
+    pub fn active_eigenspaces(&self) -> [bool; EIGENSPACE_COUNT] {
         self.half_weights.map(|weight| weight > 0.0)
     }
 }
@@ -83,20 +83,22 @@ impl Cone<f64> {
 impl<N: Copy> Cone<N> {
     /// Builds a cone whose coefficients are computed by `value` from the same coefficient of other cones, e.g. SIMD
     /// lanes from single cones.
-    pub fn gather<M>(mut value: impl FnMut(&dyn Fn(&Cone<M>) -> M) -> N) -> Self
+    pub fn from_coefficients<M>(mut value: impl FnMut(&dyn Fn(&Cone<M>) -> M) -> N) -> Self
     where
         M: Copy,
     {
         Self {
-            strength: value(&|own| own.strength),
-            friction: value(&|own| own.friction),
-            mean_drop: value(&|own| own.mean_drop),
-            a: value(&|own| own.a),
-            half_weights: std::array::from_fn(|part| value(&|own| own.half_weights[part])),
-            stiffnesses: std::array::from_fn(|part| value(&|own| own.stiffnesses[part])),
-            rates: std::array::from_fn(|part| value(&|own| own.rates[part])),
+            strength: value(&|cone| cone.strength),
+            friction: value(&|cone| cone.friction),
+            mean_drop: value(&|cone| cone.mean_drop),
+            a: value(&|cone| cone.a),
+            half_weights: std::array::from_fn(|part| value(&|cone| cone.half_weights[part])),
+            stiffnesses: std::array::from_fn(|part| value(&|cone| cone.stiffnesses[part])),
+            weighted_stiffnesses: std::array::from_fn(|part| {
+                value(&|cone| cone.weighted_stiffnesses[part])
+            }),
             rounding_weights: std::array::from_fn(|which| {
-                value(&|own| own.rounding_weights[which])
+                value(&|cone| cone.rounding_weights[which])
             }),
         }
     }
@@ -104,70 +106,80 @@ impl<N: Copy> Cone<N> {
 
 /// A trial stress decomposed into the eigenspaces of Hooke's law.
 #[derive(Clone, Copy, Debug)]
-pub struct Parts<N> {
+pub struct EigenspaceDecomposition<N> {
     /// Mean σ̄_m, deviator and antisymmetric part of the force stress.
     pub force: (N, Tensor<N>, Tensor<N>),
     /// Mean, deviator and antisymmetric part of the couple stress.
     pub couple: (N, Tensor<N>, Tensor<N>),
     /// Squared norms |s̄|² of the parts.
-    pub squares: [N; PARTS],
+    pub squares: [N; EIGENSPACE_COUNT],
 }
 
-impl<N: Number> Parts<N> {
+impl<N: Number> EigenspaceDecomposition<N> {
     /// Decomposes force and couple stress.
     #[inline(always)]
-    pub fn new(shape: Shape, force: &Tensor<N>, couple: &Tensor<N>) -> Self {
+    pub fn new(shape: StressShape, force: &Tensor<N>, couple: &Tensor<N>) -> Self {
         let force = shape.split(force);
         let mut parts = Self {
             force,
             couple: (N::ZERO, [[N::ZERO; 3]; 3], [[N::ZERO; 3]; 3]),
-            squares: [N::ZERO; PARTS],
+            squares: [N::ZERO; EIGENSPACE_COUNT],
         };
-        parts.squares[0] = shape.square(0, &force.1);
+        parts.squares[0] = shape.squared_norm(0, &force.1);
         if !shape.is_symmetric {
-            parts.squares[1] = shape.square_antisymmetric(0, &force.2);
+            parts.squares[1] = shape.squared_norm_antisymmetric(0, &force.2);
         }
         if shape.has_couples {
             parts.couple = shape.split(couple);
             let (mean, deviator, antisymmetric) = &parts.couple;
-            parts.squares[2] = shape.square(1, deviator);
+            parts.squares[2] = shape.squared_norm(1, deviator);
             parts.squares[3] = (N::ONE + N::ONE + N::ONE) * *mean * *mean;
-            parts.squares[4] = shape.square_antisymmetric(1, antisymmetric);
+            parts.squares[4] = shape.squared_norm_antisymmetric(1, antisymmetric);
         }
         parts
     }
 
     /// Weighted squares ½p|s̄|² of the active parts, Pa²; zero for passive parts.
     #[inline(always)]
-    pub fn weighted(&self, cone: &Cone<N>, seen: &[bool; PARTS]) -> [N; PARTS] {
-        let mut weighted = [N::ZERO; PARTS];
-        for part in 0..PARTS {
-            if seen[part] {
+    pub fn weighted_squares(
+        &self,
+        cone: &Cone<N>,
+        active: &[bool; EIGENSPACE_COUNT],
+    ) -> [N; EIGENSPACE_COUNT] {
+        let mut weighted = [N::ZERO; EIGENSPACE_COUNT];
+        for part in 0..EIGENSPACE_COUNT {
+            if active[part] {
                 weighted[part] = cone.half_weights[part] * self.squares[part];
             }
         }
         weighted
     }
 
-    /// Force and couple stress with each part scaled by its factor in `kept` and the mean of the force stress replaced
+    /// Force and couple stress with each part scaled by its factor in `scale_factors` and the mean of the force stress replaced
     /// by `mean`.
     #[inline(always)]
-    pub fn scaled(&self, shape: Shape, kept: &[N; PARTS], mean: N) -> (Tensor<N>, Tensor<N>) {
+    pub fn scale_parts(
+        &self,
+        shape: StressShape,
+        scale_factors: &[N; EIGENSPACE_COUNT],
+        mean: N,
+    ) -> (Tensor<N>, Tensor<N>) {
         let [mut force, mut couple] = [[[N::ZERO; 3]; 3]; 2];
         for i in 0..3 {
             for j in 0..3 {
                 let diagonal = if i == j { N::ONE } else { N::ZERO };
-                if shape.has(0, i, j) {
+                if shape.has_component(0, i, j) {
                     let antisymmetric = match shape.is_symmetric {
                         true => N::ZERO,
-                        false => kept[1] * self.force.2[i][j],
+                        false => scale_factors[1] * self.force.2[i][j],
                     };
-                    force[i][j] = kept[0] * self.force.1[i][j] + antisymmetric + mean * diagonal;
+                    force[i][j] =
+                        scale_factors[0] * self.force.1[i][j] + antisymmetric + mean * diagonal;
                 }
-                if shape.has(1, i, j) {
-                    couple[i][j] = kept[2] * self.couple.1[i][j]
-                        + kept[3] * self.couple.0 * diagonal
-                        + kept[4] * self.couple.2[i][j];
+                if shape.has_component(1, i, j) {
+                    couple[i][j] = scale_factors[2] * self.couple.1[i][j]
+                        + scale_factors[3] * self.couple.0 * diagonal
+                        + scale_factors[4] * self.couple.2[i][j];
                 }
             }
         }
@@ -177,10 +189,13 @@ impl<N: Number> Parts<N> {
 
 /// Sum of `terms` over the active parts.
 #[inline(always)]
-pub fn sum_of<N: Number>(terms: &[N; PARTS], seen: &[bool; PARTS]) -> N {
+pub fn sum_active<N: Number>(
+    terms: &[N; EIGENSPACE_COUNT],
+    active: &[bool; EIGENSPACE_COUNT],
+) -> N {
     let mut sum = N::ZERO;
-    for part in 0..PARTS {
-        if seen[part] {
+    for part in 0..EIGENSPACE_COUNT {
+        if active[part] {
             sum = sum + terms[part];
         }
     }
@@ -190,22 +205,22 @@ pub fn sum_of<N: Number>(terms: &[N; PARTS], seen: &[bool; PARTS]) -> N {
 /// The equation h(x) = τ̄(x)(1 − ax) − r = 0 for x = λ/2τ̄, where r = k − κσ̄_m ≥ 0 and τ̄(x)² = Σ s/(1 + xDp)² over
 /// the active parts.
 #[derive(Clone, Copy, Debug)]
-pub struct Equation<'a, N> {
+pub struct ConsistencyEquation<'a, N> {
     /// Weighted squares s = ½p|s̄|² of the parts, Pa².
-    pub squares: [N; PARTS],
+    pub squares: [N; EIGENSPACE_COUNT],
     /// Products Dp of the parts, Pa.
-    pub rates: [N; PARTS],
+    pub weighted_stiffnesses: [N; EIGENSPACE_COUNT],
     /// Coefficient a = 2κ²K, Pa.
     pub a: N,
     /// Shear capacity r = k − κσ̄_m, Pa.
     pub shear_capacity: N,
     /// Flags of the active parts.
-    pub seen: &'a [bool; PARTS],
+    pub active: &'a [bool; EIGENSPACE_COUNT],
 }
 
 /// An iterate of Newton's method with the terms of the equation at x.
 #[derive(Clone, Copy, Debug)]
-pub struct Iterate<N> {
+pub struct NewtonIterate<N> {
     /// Unknown x = λ/2τ̄, 1/Pa.
     pub x: N,
     /// Equivalent shear stress τ̄(x), Pa.
@@ -213,90 +228,103 @@ pub struct Iterate<N> {
     /// Reciprocal 1/τ̄(x), 1/Pa.
     pub reciprocal: N,
     /// Factors 1/(1 + xDp) by which the parts are scaled.
-    pub kept: [N; PARTS],
+    pub scale_factors: [N; EIGENSPACE_COUNT],
     /// Squared equivalent shear stress τ̄², Pa².
-    pub norm: N,
+    pub shear_squared: N,
     /// Slope term Σ s Dp/(1 + xDp)³, Pa³.
     pub slope: N,
     /// Residual h/τ̄ = 1 − ax − r/τ̄.
-    pub excess: N,
+    pub residual: N,
 }
 
-impl<N: Number> Iterate<N> {
+impl<N: Number> NewtonIterate<N> {
     /// Placeholder iterate of an elastic cell: x = 0, factors 1.
-    pub const NONE: Self = Self {
+    pub const ELASTIC: Self = Self {
         x: N::ZERO,
         shear: N::ONE,
         reciprocal: N::ONE,
-        kept: [N::ONE; PARTS],
-        norm: N::ONE,
+        scale_factors: [N::ONE; EIGENSPACE_COUNT],
+        shear_squared: N::ONE,
         slope: N::ZERO,
-        excess: N::ZERO,
+        residual: N::ZERO,
     };
 }
 
-impl<N: Number> Equation<'_, N> {
+impl<N: Number> ConsistencyEquation<'_, N> {
     /// Equivalent shear stress τ̄(0) of the trial stress, Pa.
     #[inline(always)]
-    pub fn shear_at_zero(&self) -> N {
-        sum_of(&self.squares, self.seen).max(N::MIN_POSITIVE).sqrt()
+    pub fn trial_shear(&self) -> N {
+        sum_active(&self.squares, self.active).max(N::MIN_POSITIVE).sqrt()
     }
 
     /// Computes the iterate at x = 0, given `shear` = τ̄(0).
     #[inline(always)]
-    pub fn at_zero(&self, shear: N) -> Iterate<N> {
+    pub fn iterate_at_zero(&self, shear: N) -> NewtonIterate<N> {
         let (mut norm, mut slope) = (N::ZERO, N::ZERO);
-        for part in 0..PARTS {
-            if self.seen[part] {
+        for part in 0..EIGENSPACE_COUNT {
+            if self.active[part] {
                 norm = norm + self.squares[part];
-                slope = slope + self.squares[part] * self.rates[part];
+                slope = slope + self.squares[part] * self.weighted_stiffnesses[part];
             }
         }
-        self.iterate(N::ZERO, [N::ONE; PARTS], (norm.max(N::MIN_POSITIVE), shear), slope)
+        self.build_iterate(
+            N::ZERO,
+            [N::ONE; EIGENSPACE_COUNT],
+            (norm.max(N::MIN_POSITIVE), shear),
+            slope,
+        )
     }
 
     /// Computes the iterate at x.
     #[inline(always)]
-    pub fn at(&self, x: N) -> Iterate<N> {
-        let mut kept = [N::ONE; PARTS];
+    pub fn iterate_at(&self, x: N) -> NewtonIterate<N> {
+        let mut scale_factors = [N::ONE; EIGENSPACE_COUNT];
         let (mut norm, mut slope) = (N::ZERO, N::ZERO);
-        for part in 0..PARTS {
-            if self.seen[part] {
-                kept[part] = N::ONE / (N::ONE + x * self.rates[part]);
-                let term = self.squares[part] * kept[part] * kept[part];
+        for part in 0..EIGENSPACE_COUNT {
+            if self.active[part] {
+                scale_factors[part] = N::ONE / (N::ONE + x * self.weighted_stiffnesses[part]);
+                let term = self.squares[part] * scale_factors[part] * scale_factors[part];
                 norm = norm + term;
-                slope = slope + term * kept[part] * self.rates[part];
+                slope = slope + term * scale_factors[part] * self.weighted_stiffnesses[part];
             }
         }
         // Avoids division by zero at zero stress.
         let norm = norm.max(N::MIN_POSITIVE);
-        self.iterate(x, kept, (norm, norm.sqrt()), slope)
+        self.build_iterate(x, scale_factors, (norm, norm.sqrt()), slope)
     }
 
     #[inline(always)]
-    fn iterate(&self, x: N, kept: [N; PARTS], (norm, shear): (N, N), slope: N) -> Iterate<N> {
+    fn build_iterate(
+        &self,
+        x: N,
+        scale_factors: [N; EIGENSPACE_COUNT],
+        (norm, shear): (N, N),
+        slope: N,
+    ) -> NewtonIterate<N> {
         let reciprocal = N::ONE / shear;
-        let excess = N::ONE - self.a * x - self.shear_capacity * reciprocal;
-        Iterate { x, shear, reciprocal, kept, norm, slope, excess }
+        let residual = N::ONE - self.a * x - self.shear_capacity * reciprocal;
+        NewtonIterate { x, shear, reciprocal, scale_factors, shear_squared: norm, slope, residual }
     }
 
-    /// Next x by a Newton step from the iterate `at`.
+    /// Next x by a Newton step from `iterate`.
     #[inline(always)]
-    pub fn first(&self, at: &Iterate<N>) -> N {
-        let slope = at.slope / at.norm * at.reciprocal;
-        at.x + (at.excess / (self.a + self.shear_capacity * slope)).max(N::ZERO)
+    pub fn newton_step(&self, iterate: &NewtonIterate<N>) -> N {
+        let slope = iterate.slope / iterate.shear_squared * iterate.reciprocal;
+        iterate.x + (iterate.residual / (self.a + self.shear_capacity * slope)).max(N::ZERO)
     }
 
-    /// Next x by a Newton step with one division instead of two, bitwise equal to [`Self::first`]: the increment is
-    /// computed with a relative error bound of 16 ε, and [`Self::first`] is called if the bound could change the
+    /// Next x by a Newton step with one division instead of two, bitwise equal to [`Self::newton_step`]: the increment is
+    /// computed with a relative error bound of 16 ε, and [`Self::newton_step`] is called if the bound could change the
     /// rounded sum.
     #[inline(always)]
-    pub fn next(&self, at: &Iterate<N>) -> N {
-        let slope = self.a * at.norm + self.shear_capacity * (at.slope * at.reciprocal);
-        let more = (at.excess.max(N::ZERO) * at.norm / slope).max(N::ZERO);
-        let margin = more * (N::from_f64(16.0) * N::EPSILON);
-        let [low, high] = [at.x + (more - margin), at.x + (more + margin)];
-        if high.any_gt(low) { self.first(at) } else { low }
+    pub fn fast_newton_step(&self, iterate: &NewtonIterate<N>) -> N {
+        let slope = self.a * iterate.shear_squared
+            + self.shear_capacity * (iterate.slope * iterate.reciprocal);
+        let increment =
+            (iterate.residual.max(N::ZERO) * iterate.shear_squared / slope).max(N::ZERO);
+        let margin = increment * (N::from_f64(16.0) * N::EPSILON);
+        let [low, high] = [iterate.x + (increment - margin), iterate.x + (increment + margin)];
+        if high.any_gt(low) { self.newton_step(iterate) } else { low }
     }
 
     /// Solves h(x) = 0 by Newton's method; x = 0 if τ̄(0) ≤ r. The iterates increase monotonically from zero to the
@@ -308,28 +336,28 @@ impl<N: Number> Equation<'_, N> {
     ///
     /// SIMD lanes iterate until all have converged; converged lanes do not change.
     #[inline(always)]
-    pub fn solve(&self) -> Iterate<N> {
-        let mut at = self.at_zero(self.shear_at_zero());
-        let mut next = self.first(&at);
-        while next.any_gt(at.x) {
-            at = self.at(next);
-            if !at.excess.any_gt(N::ZERO) {
+    pub fn solve(&self) -> NewtonIterate<N> {
+        let mut iterate = self.iterate_at_zero(self.trial_shear());
+        let mut next = self.newton_step(&iterate);
+        while next.any_gt(iterate.x) {
+            iterate = self.iterate_at(next);
+            if !iterate.residual.any_gt(N::ZERO) {
                 break;
             }
-            next = self.next(&at);
+            next = self.fast_newton_step(&iterate);
         }
-        at
+        iterate
     }
 }
 
 /// Result of the return mapping. The unknown x = v/u is given in homogeneous coordinates (u, v): (1, x), or (1/x, 1)
 /// beyond the apex.
 #[derive(Clone, Copy, Debug)]
-pub struct Mapped<N> {
+pub struct ReturnMappingResult<N> {
     /// Ratio s/s̄ of each part.
-    pub kept: [N; PARTS],
+    pub scale_factors: [N; EIGENSPACE_COUNT],
     /// Lost fraction (s̄ − s)/s̄ of each part.
-    pub lost: [N; PARTS],
+    pub lost_fractions: [N; EIGENSPACE_COUNT],
     /// Equivalent shear stress τ̄ of the projected stress, Pa.
     pub shear: N,
     /// Decrease of the mean stress κKλ, Pa.
@@ -338,48 +366,49 @@ pub struct Mapped<N> {
     pub energy_lost: N,
 }
 
-impl<N: Number> Mapped<N> {
-    /// Computes the result from (u, v), `reciprocal` u/τ̄ and the factors `kept` = u/(u + vDp).
+impl<N: Number> ReturnMappingResult<N> {
+    /// Computes the result from (u, v), `reciprocal` u/τ̄ and the factors `scale_factors` = u/(u + vDp).
     #[inline(always)]
     pub fn new(
         cone: &Cone<N>,
-        squares: &[N; PARTS],
+        squares: &[N; EIGENSPACE_COUNT],
         [u, v]: [N; 2],
         reciprocal: N,
-        kept: [N; PARTS],
-        seen: &[bool; PARTS],
+        scale_factors: [N; EIGENSPACE_COUNT],
+        active: &[bool; EIGENSPACE_COUNT],
     ) -> Self {
-        let mut lost = [N::ZERO; PARTS];
-        for part in 0..PARTS {
-            if seen[part] {
-                lost[part] = v * cone.rates[part] / (u + v * cone.rates[part]);
+        let mut lost_fractions = [N::ZERO; EIGENSPACE_COUNT];
+        for part in 0..EIGENSPACE_COUNT {
+            if active[part] {
+                lost_fractions[part] =
+                    v * cone.weighted_stiffnesses[part] / (u + v * cone.weighted_stiffnesses[part]);
             }
         }
         let multiplier = (v + v) / reciprocal;
         Self {
-            kept,
-            lost,
+            scale_factors,
+            lost_fractions,
             shear: u / reciprocal,
             mean_drop: cone.mean_drop * multiplier,
-            energy_lost: energy_lost(cone, squares, &lost, multiplier, seen),
+            energy_lost: compute_energy_lost(cone, squares, &lost_fractions, multiplier, active),
         }
     }
 }
 
 /// Elastic energy lost by the projection, Σ λk + ½ (s̄ − s)·D⁻¹(s̄ − s), J/m³; `squares` are |s̄|².
 #[inline(always)]
-pub fn energy_lost<N: Number>(
+pub fn compute_energy_lost<N: Number>(
     cone: &Cone<N>,
-    squares: &[N; PARTS],
-    lost: &[N; PARTS],
+    squares: &[N; EIGENSPACE_COUNT],
+    lost_fractions: &[N; EIGENSPACE_COUNT],
     multiplier: N,
-    seen: &[bool; PARTS],
+    active: &[bool; EIGENSPACE_COUNT],
 ) -> N {
     let mut sum = cone.strength * multiplier + N::QUARTER * cone.a * multiplier * multiplier;
-    for part in 0..PARTS {
-        if seen[part] {
+    for part in 0..EIGENSPACE_COUNT {
+        if active[part] {
             let energy = squares[part] / cone.stiffnesses[part];
-            sum = sum + N::HALF * energy * lost[part] * lost[part];
+            sum = sum + N::HALF * energy * lost_fractions[part] * lost_fractions[part];
         }
     }
     sum

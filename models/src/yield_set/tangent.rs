@@ -8,8 +8,8 @@
 
 use super::parameters::ActiveCondition;
 use crate::common::rounding::{Rounded, UNIT_ROUNDOFF};
-use crate::common::system::Matrix;
-use crate::solid::stress::Component;
+use crate::common::system::RoundedMatrix;
+use crate::solid::stress::StressComponent;
 
 /// Error of the tangent stiffness: the rate response of the solid is undefined, since H + nᵀD m is not positive for an
 /// active condition.
@@ -25,46 +25,49 @@ pub struct NoResponse {
     pub value: f64,
 }
 
-/// Computes the tangent stiffness between the components `stresses` for plastic loading of all `active` conditions.
+/// Computes the tangent stiffness between the components `stresses` for plastic loading of all `active_conditions`.
 ///
 /// A condition without hardening whose normal depends linearly on the normals of the previous conditions is skipped.
 ///
 /// # Errors
 /// H + nᵀD m is not positive; see [`NoResponse`].
 pub fn tangent(
-    elastic: &Matrix,
-    stresses: &[Component],
-    active: &[ActiveCondition],
-) -> Result<Matrix, NoResponse> {
-    let mut tangent = elastic.clone();
+    elastic_stiffness: &RoundedMatrix,
+    stresses: &[StressComponent],
+    active_conditions: &[ActiveCondition],
+) -> Result<RoundedMatrix, NoResponse> {
+    let mut tangent = elastic_stiffness.clone();
     let size = stresses.len();
-    for (index, condition) in active.iter().enumerate() {
+    for (index, condition) in active_conditions.iter().enumerate() {
         // Rounding bound of the components of a normal: 8 u times the largest component.
-        let vector = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
+        let project_gradient = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
             let values: Vec<f64> = stresses.iter().map(|c| c.derivative(gradient)).collect();
             let largest = values.iter().fold(0.0f64, |a, b| a.max(b.abs()));
-            let bounded = |&value: &f64| match value {
+            let to_rounded = |&value: &f64| match value {
                 0.0 => Rounded::ZERO,
                 _ => Rounded { value, bound: 8.0 * UNIT_ROUNDOFF * largest },
             };
-            values.iter().map(bounded).collect()
+            values.iter().map(to_rounded).collect()
         };
-        let (normal, flow) = (vector(&condition.normal), vector(&condition.flow));
+        let (normal, flow) =
+            (project_gradient(&condition.normal), project_gradient(&condition.flow_direction));
         let sum = |terms: &mut dyn Iterator<Item = Rounded>| {
             terms.fold(Rounded::ZERO, std::ops::Add::add)
         };
-        let image =
-            |matrix: &Matrix, i: usize| sum(&mut (0..size).map(|j| matrix[(i, j)] * flow[j]));
-        let covector =
-            |matrix: &Matrix, j: usize| sum(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]));
+        let image = |matrix: &RoundedMatrix, i: usize| {
+            sum(&mut (0..size).map(|j| matrix[(i, j)] * flow[j]))
+        };
+        let covector = |matrix: &RoundedMatrix, j: usize| {
+            sum(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]))
+        };
         let stretch = sum(&mut (0..size).map(|i| normal[i] * image(&tangent, i)));
         // The previous conditions reduce n·Dm of a linearly dependent normal to rounding errors.
-        let before = sum(&mut (0..size).map(|i| normal[i] * image(elastic, i)));
-        let is_spent = stretch.value.abs() <= 1e-12 * before.value.abs();
-        if index > 0 && condition.hardening == 0.0 && is_spent {
+        let initial_stretch = sum(&mut (0..size).map(|i| normal[i] * image(elastic_stiffness, i)));
+        let is_dependent = stretch.value.abs() <= 1e-12 * initial_stretch.value.abs();
+        if index > 0 && condition.hardening == 0.0 && is_dependent {
             continue;
         }
-        let pivot = Rounded::given(condition.hardening) + stretch;
+        let pivot = Rounded::from_rounded(condition.hardening) + stretch;
         if pivot.value <= pivot.bound {
             return Err(NoResponse { condition: condition.name, value: pivot.value });
         }

@@ -1,8 +1,8 @@
 //! Moduli of elastic solids: checked inequalities, and conversion to compliances and back.
 
-use crate::random_solids::{cubic, solid};
-use crate::support::{Random, decades};
-use crate::waves::frequencies;
+use crate::random_solids::{random_cubic_solid, random_solid};
+use crate::support::{RandomNumbers, draw_log_uniform};
+use crate::waves::compute_frequencies;
 use wellposed_models::common::rates::SymmetricForm;
 use wellposed_models::solid::parameters::{
     CoupleModuli, Isotropic, Microrotation, PlaneCompliances,
@@ -11,26 +11,26 @@ use wellposed_models::solid::parameters::{
 /// A violated inequality (value zero, negative, NaN or infinite) is rejected with the inequality and the value in the
 /// error.
 #[test]
-fn broken_inequalities_are_refused() {
-    type Break = fn(&mut Isotropic, f64);
-    fn rotation(solid: &mut Isotropic) -> &mut Microrotation {
+fn violated_inequalities_are_rejected() {
+    type ModuliChange = fn(&mut Isotropic, f64);
+    fn microrotation_mut(solid: &mut Isotropic) -> &mut Microrotation {
         solid.microrotation.as_mut().unwrap()
     }
-    fn couple(solid: &mut Isotropic) -> &mut CoupleModuli {
-        rotation(solid).couple.as_mut().unwrap()
+    fn couple_moduli_mut(solid: &mut Isotropic) -> &mut CoupleModuli {
+        microrotation_mut(solid).couple.as_mut().unwrap()
     }
     let couple_moduli = CoupleModuli { beta: 1.0, gamma: 1.5, eta: 2.0 };
     let microrotation = Microrotation { alpha: 1.0, inertia: 1.0, couple: Some(couple_moduli) };
     let sound = Isotropic::new(1.0, 1.5, 1.0, Some(microrotation)).unwrap();
-    let cases: [(&str, &str, Break); 8] = [
+    let cases: [(&str, &str, ModuliChange); 8] = [
         ("mu", "μ > 0", |s, x| s.mu = x),
         ("lambda", "3λ + 2μ > 0", |s, x| s.lambda = x - 1.0),
         ("density", "ρ > 0", |s, x| s.density = x),
-        ("alpha", "α > 0", |s, x| rotation(s).alpha = x),
-        ("inertia", "j > 0", |s, x| rotation(s).inertia = x),
-        ("gamma", "γ > 0", |s, x| couple(s).gamma = x),
-        ("beta", "3β + 2γ > 0", |s, x| couple(s).beta = x - 1.0),
-        ("eta", "η > 0", |s, x| couple(s).eta = x),
+        ("alpha", "α > 0", |s, x| microrotation_mut(s).alpha = x),
+        ("inertia", "j > 0", |s, x| microrotation_mut(s).inertia = x),
+        ("gamma", "γ > 0", |s, x| couple_moduli_mut(s).gamma = x),
+        ("beta", "3β + 2γ > 0", |s, x| couple_moduli_mut(s).beta = x - 1.0),
+        ("eta", "η > 0", |s, x| couple_moduli_mut(s).eta = x),
     ];
     for (key, inequality, set) in cases {
         for (value, sum) in
@@ -46,7 +46,7 @@ fn broken_inequalities_are_refused() {
             assert!(text.contains(inequality), "{text}");
             let number =
                 if inequality.starts_with('3') { sum.to_string() } else { value.to_string() };
-            assert!(error.found.contains(&number), "{text}: {number}");
+            assert!(error.rejected_value.contains(&number), "{text}: {number}");
         }
     }
     let plane = PlaneCompliances {
@@ -59,8 +59,8 @@ fn broken_inequalities_are_refused() {
         inertia: 1.0,
     };
     assert!(plane.check().is_ok());
-    type BreakPlane = fn(&mut PlaneCompliances);
-    let cases: [(&str, &str, &str, BreakPlane); 9] = [
+    type ComplianceChange = fn(&mut PlaneCompliances);
+    let cases: [(&str, &str, &str, ComplianceChange); 9] = [
         ("a1", "a₁ > |b₁|", "= 0", |c| c.b1 = 1.0),
         ("a1", "a₁ > |b₁|", "= -0.5", |c| c.b1 = -1.5),
         ("a1", "a₁ > |b₁|", "NaN", |c| c.a1 = f64::NAN),
@@ -76,8 +76,8 @@ fn broken_inequalities_are_refused() {
         set(&mut broken);
         let error = broken.check().unwrap_err();
         assert_eq!(error.input, key);
-        assert!(error.allowed.contains(inequality), "{error}");
-        assert!(error.found.contains(number), "{error}");
+        assert!(error.allowed_values.contains(inequality), "{error}");
+        assert!(error.rejected_value.contains(number), "{error}");
     }
     // Couple moduli with 3β + 2γ = 0 are rejected although the force moduli are valid.
     let dense_foam = CoupleModuli { beta: -1.0, gamma: 1.5, eta: 1.0 };
@@ -87,14 +87,14 @@ fn broken_inequalities_are_refused() {
 
 /// Conversion of moduli to compliances and back, the published relations, and rejection of cubic compliances.
 #[test]
-fn compliances_and_moduli() {
-    let mut random = Random::new(9);
+fn moduli_are_recovered_from_compliances() {
+    let mut random = RandomNumbers::new(9);
     for _ in 0..1000 {
-        let mut solid = solid(&mut random, 2);
+        let mut solid = random_solid(&mut random, 2);
         // Moduli over eleven decades; α from 1e-3 to 1e3 times μ.
-        let scale = decades(&mut random, 0.0, 11.0);
+        let scale = draw_log_uniform(&mut random, 0.0, 11.0);
         (solid.lambda, solid.mu) = (solid.lambda * scale, solid.mu * scale);
-        let alpha = solid.mu * decades(&mut random, -3.0, 3.0);
+        let alpha = solid.mu * draw_log_uniform(&mut random, -3.0, 3.0);
         solid.microrotation.as_mut().unwrap().alpha = alpha;
         let c = PlaneCompliances::from_isotropic(&solid).unwrap().check().unwrap();
         let couple = solid.couple().unwrap();
@@ -109,28 +109,28 @@ fn compliances_and_moduli() {
         close(mu, solid.mu, solid.mu);
         close(own_alpha, alpha, alpha + alpha * alpha / solid.mu);
         // Published relations between compliances and moduli.
-        let of = |a: f64, b: f64| [a, b].map(|x| x / ((a - b) * (a + b)));
+        let inverse_entries = |a: f64, b: f64| [a, b].map(|x| x / ((a - b) * (a + b)));
         let size = solid.lambda.abs() + 2.0 * solid.mu + alpha;
-        let [sum, cross] = of(c.a1, c.b1);
+        let [sum, cross] = inverse_entries(c.a1, c.b1);
         close(sum, solid.lambda + 2.0 * solid.mu, size);
         close(cross, solid.lambda, size);
 
         // Cubic compliances are rejected, even with a relative anisotropy of 1e-6.
-        let mut turned = c;
-        turned.a1 *= 1.0 + 1e-6;
-        let error = turned.isotropic_moduli().unwrap_err();
-        assert!(error.allowed.contains("a₁ + b₁ = a₂ − b₂"), "{error}");
-        assert!(error.found.contains(&format!("{}", turned.a1 + turned.b1)), "{error}");
+        let mut cubic = c;
+        cubic.a1 *= 1.0 + 1e-6;
+        let error = cubic.isotropic_moduli().unwrap_err();
+        assert!(error.allowed_values.contains("a₁ + b₁ = a₂ − b₂"), "{error}");
+        assert!(error.rejected_value.contains(&format!("{}", cubic.a1 + cubic.b1)), "{error}");
     }
-    assert_eq!(PlaneCompliances::from_isotropic(&solid(&mut random, 1)), None);
-    assert_eq!(PlaneCompliances::from_isotropic(&solid(&mut random, 0)), None);
+    assert_eq!(PlaneCompliances::from_isotropic(&random_solid(&mut random, 1)), None);
+    assert_eq!(PlaneCompliances::from_isotropic(&random_solid(&mut random, 0)), None);
 
     // Wave speeds depend on the direction in cubic solids only.
     let spread = |form: &SymmetricForm<2>| {
         let principal = SymmetricForm { q: form.q.clone() * 0.0, ..form.clone() };
-        let [along, across] = [[1.0, 0.0], [0.6, 0.8]].map(|n| frequencies(&principal, n));
+        let [along, across] = [[1.0, 0.0], [0.6, 0.8]].map(|n| compute_frequencies(&principal, n));
         along.iter().zip(&across).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
     };
-    assert!(spread(&cubic(&mut random).rates().symmetric().unwrap()) > 1e-3);
-    assert!(spread(&solid(&mut random, 2).rates::<2>().symmetric().unwrap()) < 1e-12);
+    assert!(spread(&random_cubic_solid(&mut random).rates().symmetric_form().unwrap()) > 1e-3);
+    assert!(spread(&random_solid(&mut random, 2).rates::<2>().symmetric_form().unwrap()) < 1e-12);
 }

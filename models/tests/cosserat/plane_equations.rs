@@ -1,7 +1,7 @@
 //! Plane-strain equations against Sadovskii & Sadovskaya (2019).
 
-use crate::random_solids::{cubic, solid};
-use crate::support::Random;
+use crate::random_solids::{random_cubic_solid, random_solid};
+use crate::support::RandomNumbers;
 use nalgebra::DMatrix;
 use wellposed_models::LinearisedSystem;
 use wellposed_models::common::rates::SymmetricForm;
@@ -10,7 +10,7 @@ use wellposed_models::solid::parameters::{Isotropic, Microrotation, PlaneComplia
 /// Symmetric form written out by hand from Sadovskii & Sadovskaya (2019, "Plane strain state") for the unknowns
 /// (v₁, v₂, ω₃, σ₁₁, σ₂₂, σ₂₁, σ₁₂, μ₃₁, μ₃₂): the balances
 /// ρ₀v̇₁ = σ₁₁,₁ + σ₁₂,₂; ρ₀v̇₂ = σ₂₁,₁ + σ₂₂,₂; J₀ω̇₃ = μ₃₁,₁ + μ₃₂,₂ + σ₂₁ − σ₁₂; then the constitutive laws.
-fn typed(c: &PlaneCompliances) -> SymmetricForm<2> {
+fn published_symmetric_form(c: &PlaneCompliances) -> SymmetricForm<2> {
     let PlaneCompliances { a1, b1, a2, b2, alpha2, density: r, inertia: i } = *c;
     let k = 1.0 / alpha2;
     #[rustfmt::skip]
@@ -54,37 +54,41 @@ fn typed(c: &PlaneCompliances) -> SymmetricForm<2> {
     SymmetricForm { a, b: [b1, b2], q }
 }
 
-fn assert_close(own: &DMatrix<f64>, typed: &DMatrix<f64>, tolerance: f64, what: &str) {
-    assert_eq!(own.shape(), typed.shape(), "{what}");
-    let error = (own - typed).amax();
-    assert!(error <= tolerance * typed.amax().max(1.0), "{what}: {error:e}\n{own}\n{typed}");
+fn assert_close(own: &DMatrix<f64>, published: &DMatrix<f64>, tolerance: f64, name: &str) {
+    assert_eq!(own.shape(), published.shape(), "{name}");
+    let error = (own - published).amax();
+    assert!(
+        error <= tolerance * published.amax().max(1.0),
+        "{name}: {error:e}\n{own}\n{published}"
+    );
 }
 
 /// Tolerance for matrices inverted twice, with condition numbers up to 10.
-const INVERSE: f64 = 1e-14;
+const INVERSION_TOLERANCE: f64 = 1e-14;
 
 /// The rate equations of random cubic and isotropic Cosserat solids in plane strain equal the published equations.
 #[test]
-fn plane_equations_are_the_published_ones() {
-    let mut random = Random::new(1);
+fn plane_equations_agree_with_the_published_equations() {
+    let mut random = RandomNumbers::new(1);
     for number in 0..200 {
         let (compliances, rates) = if number % 2 == 0 {
-            let c = cubic(&mut random);
+            let c = random_cubic_solid(&mut random);
             (c, c.rates())
         } else {
-            let solid = solid(&mut random, 2);
+            let solid = random_solid(&mut random, 2);
             (PlaneCompliances::from_isotropic(&solid).unwrap(), solid.rates::<2>())
         };
-        let expected = typed(&compliances);
-        let own = rates.symmetric().unwrap();
-        assert_close(&own.a, &expected.a, 10.0 * INVERSE, "A");
+        let expected = published_symmetric_form(&compliances);
+        let own = rates.symmetric_form().unwrap();
+        assert_close(&own.a, &expected.a, 10.0 * INVERSION_TOLERANCE, "A");
         assert_eq!((&own.b, &own.q), (&expected.b, &expected.q));
 
         // The linearised system is solved for the stress rates: A holds density, inertia and ones, and the rows of the
         // constitutive laws are −A⁻¹B and −A⁻¹Q of the symmetric form.
         let mut linear = LinearisedSystem::default();
         rates.linearise(&mut linear);
-        let value = |m: &wellposed_models::common::system::Matrix| m.map(|entry| entry.value);
+        let value =
+            |m: &wellposed_models::common::system::RoundedMatrix| m.map(|entry| entry.value);
         let mut a = DMatrix::identity(9, 9);
         (a[(0, 0)], a[(1, 1)]) = (compliances.density, compliances.density);
         a[(2, 2)] = compliances.inertia;
@@ -92,9 +96,9 @@ fn plane_equations_are_the_published_ones() {
         let solve = &a * expected.a.clone().try_inverse().unwrap();
         for axis in 0..2 {
             let expected = -&solve * &expected.b[axis];
-            assert_close(&value(&linear.b[axis]), &expected, 10.0 * INVERSE, "B");
+            assert_close(&value(&linear.b[axis]), &expected, 10.0 * INVERSION_TOLERANCE, "B");
         }
-        assert_close(&value(&linear.c), &(-&solve * &expected.q), 10.0 * INVERSE, "C");
+        assert_close(&value(&linear.c), &(-&solve * &expected.q), 10.0 * INVERSION_TOLERANCE, "C");
         assert_eq!(linear.velocity, [0.0; 2]);
     }
 }
@@ -102,9 +106,9 @@ fn plane_equations_are_the_published_ones() {
 /// The plane-strain equations in terms of the moduli, written out by hand:
 /// σ̇₁₁ = (λ + 2μ)v₁,₁ + λv₂,₂, σ̇₂₁ = (μ + α)(v₂,₁ − ω₃) + (μ − α)(v₁,₂ + ω₃), …
 #[test]
-fn plane_equations_with_moduli() {
-    let mut random = Random::new(2);
-    let solid = solid(&mut random, 2);
+fn plane_equations_in_terms_of_moduli_agree_with_hookes_law() {
+    let mut random = RandomNumbers::new(2);
+    let solid = random_solid(&mut random, 2);
     let (l, m) = (solid.lambda, solid.mu);
     let Microrotation { alpha, inertia, couple } = solid.microrotation.unwrap();
     let bending = couple.unwrap().gamma + couple.unwrap().eta;
@@ -125,8 +129,8 @@ fn plane_equations_with_moduli() {
     for axis in 0..2 {
         assert_close(&linear.b[axis].map(|x| x.value), &b[axis], 1e-15, "B");
         // Structural zeros are exact; every other entry has a rounding bound.
-        for (own, typed) in linear.b[axis].iter().zip(b[axis].iter()) {
-            assert_eq!(own.is_structural_zero(), *typed == 0.0);
+        for (own, published) in linear.b[axis].iter().zip(b[axis].iter()) {
+            assert_eq!(own.is_structural_zero(), *published == 0.0);
         }
     }
     assert_close(&linear.c.map(|x| x.value), &c, 1e-15, "C");

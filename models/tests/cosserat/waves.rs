@@ -1,14 +1,14 @@
 //! Plane waves in elastic solids: wave speeds, dispersion of the reduced Cosserat solid, and limits.
 
-use crate::random_solids::{solid, unit};
-use crate::support::{Random, decades};
+use crate::random_solids::{random_solid, random_unit_vector};
+use crate::support::{RandomNumbers, draw_log_uniform};
 use nalgebra::{Complex, SymmetricEigen};
 use wellposed_models::common::rates::SymmetricForm;
 use wellposed_models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 
 /// Frequencies ω of plane waves exp(i(k·x − ωt)), ascending: eigenvalues of the Hermitian
 /// L⁻¹(−k·B + iQ)L⁻ᵀ with A = L Lᵀ.
-pub fn frequencies<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> Vec<f64> {
+pub fn compute_frequencies<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> Vec<f64> {
     let factor = form.a.clone().cholesky().unwrap().l();
     let inverse = factor.try_inverse().unwrap().map(|x| Complex::new(x, 0.0));
     let mut symbol = form.q.map(|x| Complex::new(0.0, x));
@@ -21,10 +21,10 @@ pub fn frequencies<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> V
     values
 }
 
-fn check_speeds<const D: usize>(solid: &Isotropic, random: &mut Random, zeros: usize) {
-    let form = solid.rates::<D>().symmetric().unwrap();
+fn check_speeds<const D: usize>(solid: &Isotropic, random: &mut RandomNumbers, zeros: usize) {
+    let form = solid.rates::<D>().symmetric_form().unwrap();
     let principal = SymmetricForm { q: form.q.clone() * 0.0, ..form };
-    let own = frequencies(&principal, unit(random));
+    let own = compute_frequencies(&principal, random_unit_vector(random));
     let speeds = solid.speeds();
     let mut expected = vec![0.0; zeros];
     let mut add = |speed: Option<f64>, count: usize| {
@@ -45,21 +45,21 @@ fn check_speeds<const D: usize>(solid: &Isotropic, random: &mut Random, zeros: u
 
 /// The closed-form speeds equal the eigenvalues of the principal part, including the number of zero speeds.
 #[test]
-fn speeds_are_those_of_the_symbol() {
-    let mut random = Random::new(6);
+fn wave_speeds_are_eigenvalues_of_the_principal_part() {
+    let mut random = RandomNumbers::new(6);
     for _ in 0..100 {
-        check_speeds::<2>(&solid(&mut random, 2), &mut random, 3);
-        check_speeds::<3>(&solid(&mut random, 2), &mut random, 12);
-        check_speeds::<2>(&solid(&mut random, 1), &mut random, 3);
-        check_speeds::<3>(&solid(&mut random, 1), &mut random, 9);
-        check_speeds::<2>(&solid(&mut random, 0), &mut random, 1);
-        check_speeds::<3>(&solid(&mut random, 0), &mut random, 3);
+        check_speeds::<2>(&random_solid(&mut random, 2), &mut random, 3);
+        check_speeds::<3>(&random_solid(&mut random, 2), &mut random, 12);
+        check_speeds::<2>(&random_solid(&mut random, 1), &mut random, 3);
+        check_speeds::<3>(&random_solid(&mut random, 1), &mut random, 9);
+        check_speeds::<2>(&random_solid(&mut random, 0), &mut random, 1);
+        check_speeds::<3>(&random_solid(&mut random, 0), &mut random, 3);
     }
 }
 
 /// Wave speeds of the homogeneous medium in the unit test of SPECFEM++ (Princeton) against the published values.
 #[test]
-fn published_speeds() {
+fn wave_speeds_agree_with_published_values() {
     let couple = CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 };
     let microrotation = Microrotation { alpha: 1.005e9, inertia: 2700.0, couple: Some(couple) };
     let solid = Isotropic::new(8.1e9, 8.1e9, 2700.0, Some(microrotation)).unwrap();
@@ -78,16 +78,16 @@ fn published_speeds() {
 /// Transverse waves of the reduced Cosserat solid satisfy k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²), with a band gap
 /// between ω₁ = ω₀/√(1 + α/μ) and ω₀ = √(4α/j).
 #[test]
-fn reduced_dispersion() {
-    let mut random = Random::new(7);
+fn reduced_cosserat_waves_satisfy_the_dispersion_relation() {
+    let mut random = RandomNumbers::new(7);
     for _ in 0..200 {
-        let solid = solid(&mut random, 1);
+        let solid = random_solid(&mut random, 1);
         let Microrotation { alpha, inertia, .. } = solid.microrotation.unwrap();
         let (mu, natural) = (solid.mu, solid.microrotation.unwrap().natural_frequency());
-        let number = decades(&mut random, -1.0, 1.0);
-        let direction: [f64; 2] = unit(&mut random);
-        let form = solid.rates::<2>().symmetric().unwrap();
-        let own = frequencies(&form, direction.map(|x| x * number));
+        let number = draw_log_uniform(&mut random, -1.0, 1.0);
+        let direction: [f64; 2] = random_unit_vector(&mut random);
+        let form = solid.rates::<2>().symmetric_form().unwrap();
+        let own = compute_frequencies(&form, direction.map(|x| x * number));
         // Seven frequencies: two transverse and one longitudinal pair ±ω, and one zero.
         let longitudinal = solid.speeds().longitudinal * number;
         let mut positive: Vec<f64> = own[4..].to_vec();
@@ -116,28 +116,28 @@ fn reduced_dispersion() {
 /// Limits and their convergence order. For j → 0 (or k → 0) the shear wave speed tends to √(μ/ρ) of the classical solid
 /// with an error of order jk²; for γ, η → 0 the Cosserat solid tends to the reduced one with an error of order γ + η.
 #[test]
-fn limits() {
-    let mut random = Random::new(8);
+fn classical_and_reduced_limits_converge_at_first_order() {
+    let mut random = RandomNumbers::new(8);
     for _ in 0..20 {
-        let base = solid(&mut random, 2);
-        let direction: [f64; 2] = unit(&mut random);
-        let slow = |inertia: f64| {
+        let base = random_solid(&mut random, 2);
+        let direction: [f64; 2] = random_unit_vector(&mut random);
+        let shear_frequency = |inertia: f64| {
             let microrotation = base.microrotation.unwrap();
             let solid = Isotropic {
                 microrotation: Some(Microrotation { inertia, couple: None, ..microrotation }),
                 ..base
             };
-            frequencies(&solid.rates::<2>().symmetric().unwrap(), direction)[4]
+            compute_frequencies(&solid.rates::<2>().symmetric_form().unwrap(), direction)[4]
         };
         let classical = Isotropic { microrotation: None, ..base };
-        let form = classical.rates::<2>().symmetric().unwrap();
-        let exact = frequencies(&form, direction)[3];
+        let form = classical.rates::<2>().symmetric_form().unwrap();
+        let exact = compute_frequencies(&form, direction)[3];
         assert!((exact - classical.speeds().shear).abs() <= 1e-13);
-        let [coarse, fine] = [1e-3, 1e-4].map(|inertia| (slow(inertia) - exact).abs());
+        let [coarse, fine] = [1e-3, 1e-4].map(|inertia| (shear_frequency(inertia) - exact).abs());
         assert!(coarse < 0.02 * exact, "{coarse}");
         assert!((8.0..12.5).contains(&(coarse / fine)), "{coarse:e} {fine:e}");
 
-        let bent = |scale: f64| {
+        let cosserat_frequencies = |scale: f64| {
             let microrotation = base.microrotation.unwrap();
             let CoupleModuli { beta, gamma, eta } = microrotation.couple.unwrap();
             let couple =
@@ -146,16 +146,16 @@ fn limits() {
                 microrotation: Some(Microrotation { couple: Some(couple), ..microrotation }),
                 ..base
             };
-            let all = frequencies(&solid.rates::<2>().symmetric().unwrap(), direction);
+            let all = compute_frequencies(&solid.rates::<2>().symmetric_form().unwrap(), direction);
             [all[6], all[7], all[8]]
         };
         let reduced = Isotropic {
             microrotation: base.microrotation.map(|m| Microrotation { couple: None, ..m }),
             ..base
         };
-        let all = frequencies(&reduced.rates::<2>().symmetric().unwrap(), direction);
+        let all = compute_frequencies(&reduced.rates::<2>().symmetric_form().unwrap(), direction);
         let distance = |scale: f64| {
-            let own = bent(scale);
+            let own = cosserat_frequencies(scale);
             (0..3).map(|i| (own[i] - all[4 + i]).abs()).fold(0.0, f64::max)
         };
         let [coarse, fine] = [distance(1e-4), distance(1e-5)];

@@ -3,39 +3,39 @@
 use crate::support::Complex;
 
 /// Relative tolerance of calculations with 31 digits and sums of a few hundred products.
-pub const EXACT: f64 = 1e-22;
+pub const EXACT_TOLERANCE: f64 = 1e-22;
 /// Relative error beyond which a printed formula counts as wrong. The states are generic, so the error of a wrong
 /// formula is of order one in nearly all of them.
-const WRONG: f64 = 1e-4;
+const MISPRINT_THRESHOLD: f64 = 1e-4;
 
 /// Counts the states in which a printed formula is wrong, and asserts that the corrected formula is right.
 #[derive(Default)]
 pub struct Comparison {
-    pub compared: usize,
-    pub printed_wrong: usize,
+    pub comparisons: usize,
+    pub misprints: usize,
 }
 
 impl Comparison {
     /// Adds one comparison; `truth` is the reference value and `size` the magnitude of its terms.
-    pub fn add(&mut self, truth: Complex, printed: Complex, corrected: Complex, size: f64) {
+    pub fn add_case(&mut self, truth: Complex, printed: Complex, corrected: Complex, size: f64) {
         let size = size.max(truth.abs());
         let corrected = (corrected - truth).abs();
         assert!(
-            corrected <= EXACT * size,
+            corrected <= EXACT_TOLERANCE * size,
             "the corrected form is off by {corrected:e} of {size:e}"
         );
-        self.compared += 1;
-        self.printed_wrong += usize::from((printed - truth).abs() > WRONG * size);
+        self.comparisons += 1;
+        self.misprints += usize::from((printed - truth).abs() > MISPRINT_THRESHOLD * size);
     }
 
     /// Asserts that the printed formula is wrong in at least 95 % of the states.
-    pub fn finish(self) {
-        assert!(self.compared >= 200);
+    pub fn assert_mostly_misprinted(self) {
+        assert!(self.comparisons >= 200);
         assert!(
-            self.printed_wrong * 100 >= self.compared * 95,
+            self.misprints * 100 >= self.comparisons * 95,
             "the printed form holds in {} of {}",
-            self.compared - self.printed_wrong,
-            self.compared
+            self.comparisons - self.misprints,
+            self.comparisons
         );
     }
 }

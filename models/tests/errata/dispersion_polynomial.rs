@@ -1,19 +1,22 @@
 //! Errata of the dispersion polynomial: eqs (121), (131), (138).
 
-use crate::comparison::{Comparison, EXACT};
+use crate::comparison::{Comparison, EXACT_TOLERANCE};
 use crate::elimination::Elimination;
-use crate::support::{Complex, Random, determinant, evaluate, product, quadratic_roots, states};
-use crate::system::{Incompressible, STATES, random_wave};
+use crate::support::{
+    Complex, RandomNumbers, evaluate_polynomial, multiply_polynomials, polynomial_determinant,
+    quadratic_roots, states,
+};
+use crate::system::{IncompressibleFlow, STATE_COUNT, random_wave};
 use wellposed_models::registry;
 
 /// A₁/k⁸ of eq. (138) is printed with ē₅₂ in place of ē₄₂ in the first brace and ē₂₅ in place of ē₂₄ in the second.
 /// Reference: the coefficient of (ρς)³ of the expanded det F (110). Each misprint alone makes the formula wrong.
 #[test]
-fn eq_138_scaled_coefficient() {
-    let mut random = Random::new(10);
+fn eq_138_scaled_coefficient_has_two_misprints() {
+    let mut random = RandomNumbers::new(10);
     let mut comparisons: [Comparison; 3] = Default::default();
-    for _ in 0..STATES {
-        let system = Incompressible::random(&mut random);
+    for _ in 0..STATE_COUNT {
+        let system = IncompressibleFlow::new_random(&mut random);
         let wave = random_wave(&mut random);
         let own = Elimination::new(&system, wave);
         let k = Complex::from((wave[0] * wave[0] + wave[1] * wave[1]).sqrt());
@@ -38,7 +41,7 @@ fn eq_138_scaled_coefficient() {
                     * g
         };
         let rho = own.density;
-        let expanded = determinant(&own.reduced(system.inertia()));
+        let expanded = polynomial_determinant(&own.reduced_matrix(system.inertia()));
         let truth = expanded[3] / (rho * rho * rho) / (k2 * k2 * k2 * k2);
         let corrected = value(bar[3][1], bar[1][3]);
         let printed =
@@ -48,32 +51,33 @@ fn eq_138_scaled_coefficient() {
             // tolerance counts as wrong.
             let size = truth.abs();
             let off = (corrected - truth).abs();
-            assert!(off <= EXACT * size, "corrected (138) is off by {off:e} of {size:e}");
-            comparison.compared += 1;
-            comparison.printed_wrong += usize::from((printed - truth).abs() > 1e6 * EXACT * size);
+            assert!(off <= EXACT_TOLERANCE * size, "corrected (138) is off by {off:e} of {size:e}");
+            comparison.comparisons += 1;
+            comparison.misprints +=
+                usize::from((printed - truth).abs() > 1e6 * EXACT_TOLERANCE * size);
         }
     }
-    comparisons.into_iter().for_each(Comparison::finish);
+    comparisons.into_iter().for_each(Comparison::assert_mostly_misprinted);
 }
 
 /// Eq. (121): det F (110) is a quintic, but its factor ς²(f + gρς) is introduced by the elimination. Reference:
 /// det(Aς + E) expanded in 31 digits. No permutation contributes to ς³, ς⁴ and ς⁵, so the determinant is quadratic, and
 /// det F is the factor times the determinant.
 #[test]
-fn eq_121_spurious_factor() {
-    let mut random = Random::new(14);
-    for _ in 0..STATES {
-        let system = Incompressible::random(&mut random);
+fn eq_121_elimination_introduces_a_spurious_factor() {
+    let mut random = RandomNumbers::new(14);
+    for _ in 0..STATE_COUNT {
+        let system = IncompressibleFlow::new_random(&mut random);
         let wave = random_wave(&mut random);
-        let exact = system.dispersion(wave);
+        let exact = system.dispersion_polynomial(wave);
         assert_eq!(exact.len(), 3, "det(Aς + E) has degree 2");
         let own = Elimination::new(&system, wave);
-        let quintic = determinant(&own.reduced(system.inertia()));
+        let quintic = polynomial_determinant(&own.reduced_matrix(system.inertia()));
         assert_eq!(quintic.len(), 6, "det F is a quintic");
 
         let zero = Complex::default();
         let spurious = [zero, zero, own.f, own.g * own.density];
-        let expected = product(&spurious, &exact);
+        let expected = multiply_polynomials(&spurious, &exact);
         // Equal up to a constant factor (from the scaling of the momentum rows, ρ² and signs).
         let factor = quintic[5] / expected[5];
         for (degree, (&q, &x)) in quintic.iter().zip(&expected).enumerate() {
@@ -81,28 +85,28 @@ fn eq_121_spurious_factor() {
             assert!((q - factor * x).abs() <= 1e-20 * size, "coefficient of ς^{degree}");
         }
         // The determinant of the crate's linearised system has the same degree.
-        let model = states::model(registry::HARRIS_GREKOVA, &system.parameters);
-        let own = states::symbol(&model, &system.flow);
-        assert_eq!(states::dispersion(&own, wave).len(), 3);
+        let model = states::build_model(registry::HARRIS_GREKOVA, &system.parameters);
+        let own = states::assemble_symbol(&model, &system.flow);
+        assert_eq!(states::dispersion_polynomial(&own, wave).len(), 3);
     }
 }
 
 /// Eq. (131): the root −f/(gρ) of the cubic is not a root of the system, nor is the "neutral" ς = 0 of the text before
 /// the equation: the determinant does not vanish there.
 #[test]
-fn eq_131_roots_that_are_none() {
-    let mut random = Random::new(15);
-    for _ in 0..STATES {
-        let system = Incompressible::random(&mut random);
+fn eq_131_printed_roots_are_not_roots() {
+    let mut random = RandomNumbers::new(15);
+    for _ in 0..STATE_COUNT {
+        let system = IncompressibleFlow::new_random(&mut random);
         let wave = random_wave(&mut random);
-        let exact = system.dispersion(wave);
+        let exact = system.dispersion_polynomial(wave);
         let own = Elimination::new(&system, wave);
         let claimed = -(own.f / (own.g * own.density));
-        let cubic = determinant(&own.reduced(system.inertia()));
+        let cubic = polynomial_determinant(&own.reduced_matrix(system.inertia()));
         let relative = |polynomial: &[Complex], x: Complex| {
             let size: f64 =
                 polynomial.iter().enumerate().map(|(n, c)| c.abs() * x.abs().powi(n as i32)).sum();
-            evaluate(polynomial, x).abs() / size
+            evaluate_polynomial(polynomial, x).abs() / size
         };
         assert!(relative(&cubic[2..], claimed) < 1e-20, "a root of the printed cubic");
         assert!(relative(&exact, claimed) > 1e-6, "but not of the system");

@@ -1,7 +1,7 @@
 //! The elimination of pressure and stress angle, eqs (99)–(110).
 
-use crate::support::{Complex, Polynomial, Wide, complex};
-use crate::system::Incompressible;
+use crate::support::{Complex, DoubleDouble, Polynomial, complex};
+use crate::system::IncompressibleFlow;
 
 /// Coefficients of the paper's elimination, eqs (103)–(105), with printed errors corrected.
 #[derive(Clone, Copy)]
@@ -11,14 +11,14 @@ pub struct Elimination {
     pub f: Complex,
     pub g: Complex,
     /// Coefficients of v₁, v₂ in the numerators of p (row 0) and ψ (row 1).
-    pub fs: [[Complex; 2]; 2],
+    pub velocity_numerators: [[Complex; 2]; 2],
     /// Coefficients of ρς v₁, ρς v₂, ρς ω in the numerators of p (row 0) and ψ (row 1).
-    pub gs: [[Complex; 3]; 2],
+    pub inertia_numerators: [[Complex; 3]; 2],
 }
 
 impl Elimination {
-    pub fn new(system: &Incompressible, wave: [Wide; 2]) -> Self {
-        let e = system.e(wave);
+    pub fn new(system: &IncompressibleFlow, wave: [DoubleDouble; 2]) -> Self {
+        let e = system.coefficient_matrix(wave);
         let (c53, c55) = (e[4][2], e[4][4]);
         let velocity = e[3][1] * e[4][0] - e[3][0] * e[4][1];
         let [e14, e15, e24, e25] = [e[0][3], e[0][4], e[1][3], e[1][4]];
@@ -28,7 +28,7 @@ impl Elimination {
             density: system.density().into(),
             f: (e14 * e25 - e15 * e24) * velocity,
             g: c55 * along_p,
-            fs: [
+            velocity_numerators: [
                 [
                     (e[1][0] * e15 - e[0][0] * e25) * velocity,
                     (e15 * e[1][1] - e25 * e[0][1]) * velocity,
@@ -38,7 +38,7 @@ impl Elimination {
                     -((e14 * e[1][1] - e24 * e[0][1]) * velocity),
                 ],
             ],
-            gs: [
+            inertia_numerators: [
                 [
                     -(c55 * (e[0][0] * e[3][0] + e[3][1] * e[1][0])),
                     -(c55 * (e[3][0] * e[0][1] + e[3][1] * e[1][1])),
@@ -52,7 +52,7 @@ impl Elimination {
     /// Computes p and ψ, multiplied by f + gρς, from v₁, v₂, ω by Cramer's rule from two combinations of rows: the
     /// momentum rows weighted by the continuity row (99), and weighted by the rotation row, which also eliminates ρς v
     /// (100). The combinations are computed from the rows, not from the printed equations.
-    pub fn directly(&self, frequency: Complex, v: [Complex; 3]) -> [Complex; 2] {
+    pub fn eliminate_numerically(&self, frequency: Complex, v: [Complex; 3]) -> [Complex; 2] {
         let e = &self.e;
         let rs = self.density * frequency;
         let along = |row: usize, column: usize| e[row][0] * e[0][column] + e[row][1] * e[1][column];
@@ -71,10 +71,15 @@ impl Elimination {
     }
 
     /// Entry (`row`, `column`) of the momentum rows after the elimination, multiplied by f + gρς; columns v₁, v₂, ω.
-    pub fn reduced_directly(&self, frequency: Complex, row: usize, column: usize) -> Complex {
+    pub fn reduced_entry_numerically(
+        &self,
+        frequency: Complex,
+        row: usize,
+        column: usize,
+    ) -> Complex {
         let mut v = [Complex::default(); 3];
         v[column] = complex(1.0, 0.0);
-        let [p, psi] = self.directly(frequency, v);
+        let [p, psi] = self.eliminate_numerically(frequency, v);
         let rs = self.density * frequency;
         let mut own = self.e[row][column];
         if row == column {
@@ -84,8 +89,9 @@ impl Elimination {
     }
 
     /// Coefficient h_ij of eq. (107) with `p` and `psi` (zero-based) as columns of e.
-    pub fn h(&self, row: usize, column: usize, p: usize, psi: usize) -> Complex {
-        let mut h = self.e[row][p] * self.gs[0][column] + self.e[row][psi] * self.gs[1][column];
+    pub fn reduced_coefficient(&self, row: usize, column: usize, p: usize, psi: usize) -> Complex {
+        let mut h = self.e[row][p] * self.inertia_numerators[0][column]
+            + self.e[row][psi] * self.inertia_numerators[1][column];
         if column < 2 {
             h = h + self.e[row][column] * self.g;
             if row == column {
@@ -96,13 +102,14 @@ impl Elimination {
     }
 
     /// Matrix F of eq. (110) as polynomials in ς.
-    pub fn reduced(&self, inertia: Wide) -> Vec<Vec<Polynomial>> {
+    pub fn reduced_matrix(&self, inertia: DoubleDouble) -> Vec<Vec<Polynomial>> {
         let rho = self.density;
         let mut matrix: Vec<Vec<Polynomial>> = (0..2)
             .map(|i| {
                 (0..3)
                     .map(|j| {
-                        let mut entry = vec![Complex::default(), self.h(i, j, 3, 4) * rho];
+                        let mut entry =
+                            vec![Complex::default(), self.reduced_coefficient(i, j, 3, 4) * rho];
                         if i == j {
                             entry.push(self.g * rho * rho);
                         }

@@ -1,44 +1,52 @@
 //! Linearised equations of a random incompressible flow, derived from the nonlinear equations.
 
-use crate::support::equations::{SPIN, linearised};
-use crate::support::states::{self, Dilatancy};
-use crate::support::{Complex, Polynomial, Random, Real, Wide, complex, determinant, wide};
-use testkit::flows::Parameters;
-use wellposed_models::flow::state::{Flow, State};
+use crate::support::equations::{SPIN_INDEX, linearise};
+use crate::support::states::{self, DilatancyKind};
+use crate::support::{
+    Complex, DifferentiableReal, DoubleDouble, Polynomial, RandomNumbers, complex, dd,
+    polynomial_determinant,
+};
+use testkit::flows::FlowParameters;
+use wellposed_models::flow::state::{DeformingFlow, MaterialState};
 use wellposed_models::registry;
 
-pub const STATES: usize = 250;
+pub const STATE_COUNT: usize = 250;
 
 /// An incompressible background and its linearisation, derived from the nonlinear equations.
-pub struct Incompressible {
-    pub parameters: Parameters,
-    pub state: State,
-    pub flow: Flow,
+pub struct IncompressibleFlow {
+    pub parameters: FlowParameters,
+    pub state: MaterialState,
+    pub flow: DeformingFlow,
     /// Matrix A; columns v₁, v₂, ω, p, ψ.
-    pub a: [[Wide; 5]; 5],
-    pub b: [[[Wide; 5]; 5]; 2],
-    pub c: [[Wide; 5]; 5],
-    pub spin: Wide,
-    pub q: Wide,
+    pub a: [[DoubleDouble; 5]; 5],
+    pub b: [[[DoubleDouble; 5]; 5]; 2],
+    pub c: [[DoubleDouble; 5]; 5],
+    pub spin: DoubleDouble,
+    pub yield_deviator: DoubleDouble,
 }
 
-impl Incompressible {
-    pub fn random(random: &mut Random) -> Self {
+impl IncompressibleFlow {
+    pub fn new_random(random: &mut RandomNumbers) -> Self {
         let kind = registry::HARRIS_GREKOVA;
-        let parameters = states::random_parameters(random, kind, Dilatancy::Zero);
-        let state = states::random_state(random, kind, Dilatancy::Zero);
+        let parameters = states::random_parameters(random, kind, DilatancyKind::Zero);
+        let state = states::random_state(random, kind, DilatancyKind::Zero);
         Self::new(random, parameters, state)
     }
 
-    pub fn new(random: &mut Random, parameters: Parameters, state: State) -> Self {
+    pub fn new(
+        random: &mut RandomNumbers,
+        parameters: FlowParameters,
+        state: MaterialState,
+    ) -> Self {
         let kind = registry::HARRIS_GREKOVA;
-        let model = states::model(kind, &parameters);
-        let flow = states::flow(&model, &state);
-        let (given, fields) = states::exact_point(random, &parameters, kind, &state, &flow);
-        let full = linearised(&given, &fields);
+        let model = states::build_model(kind, &parameters);
+        let flow = states::complete_flow(&model, &state);
+        let (given, fields) =
+            states::solve_background_fields(random, &parameters, kind, &state, &flow);
+        let full = linearise(&given, &fields);
         // For ν = 0 the volume row (50) is cos φ times the continuity row of eqs (81)–(86).
         let cosine = given.friction_angle.cos();
-        let cut = |m: [[Wide; 6]; 6]| {
+        let cut = |m: [[DoubleDouble; 6]; 6]| {
             std::array::from_fn(|i| {
                 std::array::from_fn(|j| if i == 3 { m[i][j] / cosine } else { m[i][j] })
             })
@@ -50,48 +58,42 @@ impl Incompressible {
             a: cut(full.a),
             b: full.b.map(cut),
             c: cut(full.c),
-            spin: fields.z[SPIN],
-            q: given.friction_angle.sin() * fields.z[3] + given.cohesion * cosine,
+            spin: fields.z[SPIN_INDEX],
+            yield_deviator: given.friction_angle.sin() * fields.z[3] + given.cohesion * cosine,
         }
     }
 
     /// A random background without gradients except the velocity gradient.
-    pub fn uniform(random: &mut Random) -> Self {
+    pub fn new_uniform(random: &mut RandomNumbers) -> Self {
         let kind = registry::HARRIS_GREKOVA;
-        let parameters = states::random_parameters(random, kind, Dilatancy::Zero);
-        let state = State {
-            pressure_gradient: [0.0; 2],
-            stress_angle_gradient: [0.0; 2],
-            spin_gradient: [0.0; 2],
-            inertia_gradient: [0.0; 2],
-            inertia_rate: 0.0,
-            ..states::random_state(random, kind, Dilatancy::Zero)
-        };
+        let parameters = states::random_parameters(random, kind, DilatancyKind::Zero);
+        let state =
+            states::without_gradients(states::random_state(random, kind, DilatancyKind::Zero));
         Self::new(random, parameters, state)
     }
 
-    pub fn phi(&self) -> Wide {
-        wide(self.parameters.friction_angle)
+    pub fn friction_angle(&self) -> DoubleDouble {
+        dd(self.parameters.friction_angle)
     }
-    pub fn density(&self) -> Wide {
-        wide(self.state.density)
+    pub fn density(&self) -> DoubleDouble {
+        dd(self.state.density)
     }
-    pub fn inertia(&self) -> Wide {
-        wide(self.parameters.moment_of_inertia.expect("Harris–Grekova has one"))
+    pub fn inertia(&self) -> DoubleDouble {
+        dd(self.parameters.moment_of_inertia.expect("Harris–Grekova has one"))
     }
     /// Cosine cos 2Δ of twice the non-coaxiality.
-    pub fn coaxiality(&self) -> Wide {
-        let delta = wide(self.flow.noncoaxiality);
+    pub fn cos_twice_noncoaxiality(&self) -> DoubleDouble {
+        let delta = dd(self.flow.noncoaxiality);
         (delta + delta).cos()
     }
     /// Direction (cos θ, sin θ) with β = 2(Ψ_Σ − θ).
-    pub fn direction(&self, beta: Wide) -> [Wide; 2] {
-        let (s, c) = (wide(self.state.stress_angle) - beta * wide(0.5)).sin_cos();
+    pub fn wave_direction(&self, beta: DoubleDouble) -> [DoubleDouble; 2] {
+        let (s, c) = (dd(self.state.stress_angle) - beta * dd(0.5)).sin_cos();
         [c, s]
     }
 
     /// Matrix E = i k·B + C (eqs 92, 93).
-    pub fn e(&self, wave: [Wide; 2]) -> [[Complex; 5]; 5] {
+    pub fn coefficient_matrix(&self, wave: [DoubleDouble; 2]) -> [[Complex; 5]; 5] {
         std::array::from_fn(|i| {
             std::array::from_fn(|j| Complex {
                 re: self.c[i][j],
@@ -101,8 +103,8 @@ impl Incompressible {
     }
 
     /// Determinant det(Aς + E) as a polynomial in ς, expanded in 31 digits (eq. 97).
-    pub fn dispersion(&self, wave: [Wide; 2]) -> Polynomial {
-        let e = self.e(wave);
+    pub fn dispersion_polynomial(&self, wave: [DoubleDouble; 2]) -> Polynomial {
+        let e = self.coefficient_matrix(wave);
         let matrix: Vec<Vec<Polynomial>> = (0..5)
             .map(|i| {
                 (0..5)
@@ -114,14 +116,14 @@ impl Incompressible {
                     .collect()
             })
             .collect();
-        determinant(&matrix)
+        polynomial_determinant(&matrix)
     }
 }
 
-pub fn random_wave(random: &mut Random) -> [Wide; 2] {
-    [wide(random.generic(0.3, 5.0)), wide(random.generic(0.3, 5.0))]
+pub fn random_wave(random: &mut RandomNumbers) -> [DoubleDouble; 2] {
+    [dd(random.signed_uniform(0.3, 5.0)), dd(random.signed_uniform(0.3, 5.0))]
 }
 
-pub fn random_complex(random: &mut Random) -> Complex {
-    complex(random.generic(0.3, 3.0), random.generic(0.3, 3.0))
+pub fn random_complex(random: &mut RandomNumbers) -> Complex {
+    complex(random.signed_uniform(0.3, 3.0), random.signed_uniform(0.3, 3.0))
 }

@@ -1,12 +1,13 @@
 //! Errata of the verdicts derived from limits along rays: eqs (130), (136) and the abstract.
 
-use crate::support::states::{self, Dilatancy};
+use crate::support::states::{self, DilatancyKind};
 use crate::support::{
-    Polynomial, RIGHT_ANGLE, Random, Real, Wide, complex, determinant, quadratic_roots, wide,
+    DifferentiableReal, DoubleDouble, Polynomial, RIGHT_ANGLE, RandomNumbers, complex, dd,
+    polynomial_determinant, quadratic_roots,
 };
-use crate::system::{Incompressible, STATES};
+use crate::system::{IncompressibleFlow, STATE_COUNT};
 use wellposed_models::flow::harris_grekova::parameters::HarrisGrekova;
-use wellposed_models::flow::state::Coulomb;
+use wellposed_models::flow::state::MohrCoulomb;
 use wellposed_models::registry;
 
 /// Eqs (130), (136) take the limit k → ∞ in each direction separately, which does not bound the growth rate. In
@@ -18,7 +19,7 @@ use wellposed_models::registry;
 /// written as a first-order system like (77) for w and its derivatives, ς tends to −∞ or is 0 along every ray, so that
 /// it is well-posed by (130), whereas the supremum over all directions grows like k³ (at k₂ ≈ (k²/3)^¼).
 #[test]
-fn eq_130_and_136_limits_along_rays() {
+fn eq_130_and_136_limits_along_rays_do_not_bound_the_growth() {
     // Unknowns w, ∂₁w, ∂₁²w, ∂₁²∂₂w, ∂₂w, ∂₂²w … ∂₂⁵w; row 0 is ∂ₜw = ∂₂(∂₁²∂₂w) + ∂₂(∂₂⁵w).
     let dispersion = |wave: [f64; 2]| {
         let mut matrix: Vec<Vec<Polynomial>> = vec![vec![vec![]; 9]; 9];
@@ -33,9 +34,9 @@ fn eq_130_and_136_limits_along_rays() {
             matrix[n][n] = vec![1.0.into()];
             matrix[n][of] = vec![-i_k[axis]];
         }
-        let polynomial = determinant(&matrix);
+        let polynomial = polynomial_determinant(&matrix);
         assert_eq!(polynomial.len(), 2);
-        (-(polynomial[0] / polynomial[1])).re.value()
+        (-(polynomial[0] / polynomial[1])).re.to_f64()
     };
     let expected = 2.5f64 * 2.5 * 0.7 * 0.7 - 0.7f64.powi(6);
     assert!((dispersion([2.5, 0.7]) - expected).abs() < 1e-12);
@@ -66,26 +67,27 @@ fn eq_130_and_136_limits_along_rays() {
 /// function of s that exceeds, somewhere in the layer, the limits along all rays including the degenerate one. So the
 /// limits of (130) do not give the bound on the growth rate.
 #[test]
-fn eq_130_and_136_layers_of_the_model() {
-    let mut random = Random::new(18);
+fn eq_130_and_136_growth_is_largest_in_layers_around_degenerate_directions() {
+    let mut random = RandomNumbers::new(18);
     let mut found = 0;
-    for _ in 0..STATES {
-        let system = Incompressible::random(&mut random);
-        if system.coaxiality().value() < 0.1 {
+    for _ in 0..STATE_COUNT {
+        let system = IncompressibleFlow::new_random(&mut random);
+        if system.cos_twice_noncoaxiality().to_f64() < 0.1 {
             continue;
         }
         let k = 1e8;
-        let growth = |beta: Wide| {
-            let roots =
-                quadratic_roots(&system.dispersion(system.direction(beta).map(|x| x * wide(k))));
-            roots.map(|x| x.re.value()).into_iter().fold(f64::MIN, f64::max)
+        let growth = |beta: DoubleDouble| {
+            let roots = quadratic_roots(
+                &system.dispersion_polynomial(system.wave_direction(beta).map(|x| x * dd(k))),
+            );
+            roots.map(|x| x.re.to_f64()).into_iter().fold(f64::MIN, f64::max)
         };
-        let ends = [RIGHT_ANGLE - system.phi(), system.phi() - RIGHT_ANGLE];
+        let ends = [RIGHT_ANGLE - system.friction_angle(), system.friction_angle() - RIGHT_ANGLE];
         // Limits along rays: the slow root, and the roots in the degenerate directions.
-        let slow = -(system.c[2][2] / (system.density() * system.inertia())).value();
+        let slow = -(system.c[2][2] / (system.density() * system.inertia())).to_f64();
         let along_rays = ends.map(growth).into_iter().fold(slow, f64::max);
         let in_layers = (-100..=100)
-            .flat_map(|n| ends.map(|end| growth(end + wide(f64::from(n) / k))))
+            .flat_map(|n| ends.map(|end| growth(end + dd(f64::from(n) / k))))
             .fold(f64::MIN, f64::max);
         assert!(in_layers.is_finite() && in_layers < 1e6, "bounded in the layers");
         found += usize::from(in_layers > along_rays + 1e-3 * (1.0 + along_rays.abs()));
@@ -97,38 +99,41 @@ fn eq_130_and_136_layers_of_the_model() {
 /// non-coaxiality a root of the exact determinant grows like k² with half the coefficient of (149); for smaller
 /// non-coaxiality the growth rate tends to a constant.
 #[test]
-fn abstract_only_below_45_degrees() {
-    let mut random = Random::new(19);
+fn abstract_claim_holds_only_below_45_degrees_noncoaxiality() {
+    let mut random = RandomNumbers::new(19);
     let (mut beyond, mut within) = (0, 0);
-    for _ in 0..STATES {
-        let system = Incompressible::random(&mut random);
-        let beta = wide(random.generic(0.0, 3.0));
-        let gap = (beta.cos() - system.phi().sin()).value();
+    for _ in 0..STATE_COUNT {
+        let system = IncompressibleFlow::new_random(&mut random);
+        let beta = dd(random.signed_uniform(0.0, 3.0));
+        let gap = (beta.cos() - system.friction_angle().sin()).to_f64();
         let degrees = system.flow.noncoaxiality.abs().to_degrees();
         if gap.abs() < 0.05 || (degrees - 45.0).abs() < 1.0 {
             continue;
         }
         let growth = |k: f64| {
-            quadratic_roots(&system.dispersion(system.direction(beta).map(|x| x * wide(k))))
-                .map(|x| x.re.value())
-                .into_iter()
-                .fold(f64::MIN, f64::max)
+            quadratic_roots(
+                &system.dispersion_polynomial(system.wave_direction(beta).map(|x| x * dd(k))),
+            )
+            .map(|x| x.re.to_f64())
+            .into_iter()
+            .fold(f64::MIN, f64::max)
         };
         if degrees > 45.0 {
             beyond += 1;
             let model = HarrisGrekova::new(
-                Coulomb::new(system.parameters.friction_angle, system.parameters.cohesion).unwrap(),
+                MohrCoulomb::new(system.parameters.friction_angle, system.parameters.cohesion)
+                    .unwrap(),
                 0.0,
                 system.parameters.moment_of_inertia.unwrap(),
                 system.parameters.rotational_strength.unwrap(),
             )
             .unwrap();
             let coefficient = model.leading_coefficient(
-                system.q.value(),
+                system.yield_deviator.to_f64(),
                 system.state.density,
                 system.state.shear_rate,
                 system.flow.noncoaxiality,
-                beta.value(),
+                beta.to_f64(),
             );
             assert!(coefficient > 0.0);
             // Corrections of relative size (gradients)/k: below 1e-6/gap² at k = 1e10.
@@ -136,13 +141,13 @@ fn abstract_only_below_45_degrees() {
         } else {
             within += 1;
             // The slow root is −c₃₃/(ρI) + O(1/(k gap²)); the other has a large negative real part.
-            let slow = -(system.c[2][2] / (system.density() * system.inertia())).value();
+            let slow = -(system.c[2][2] / (system.density() * system.inertia())).to_f64();
             assert!((growth(1e10) - slow).abs() < 1e-3 * (1.0 + slow.abs()));
         }
     }
     assert!(beyond > 60 && within > 60);
     let kind = registry::HARRIS_GREKOVA;
-    let parameters = states::random_parameters(&mut random, kind, Dilatancy::Zero);
-    let bound = parameters.model(kind).unwrap().noncoaxiality_bound().unwrap();
+    let parameters = states::random_parameters(&mut random, kind, DilatancyKind::Zero);
+    let bound = parameters.build_model(kind).unwrap().noncoaxiality_bound().unwrap();
     assert!((bound - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
 }

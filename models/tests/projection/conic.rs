@@ -1,11 +1,14 @@
 //! Closest-point projections against the conic solver Clarabel.
 
-use crate::interlayer::{Degenerate, constants, interlayer_set, plane_solid};
-use crate::mises::{
-    SETS, bulk, energy, mean_of, mises_set, random_stress, scaled, stiffnesses, weights,
+use crate::interlayer::{
+    DegenerateKind, random_interlayer_set, random_plane_solid, strengths_and_frictions,
 };
-use crate::random_solids::solid;
-use crate::support::{Random, decades};
+use crate::mises::{
+    YIELD_SET_CASES, bulk_modulus, eigenspace_stiffnesses, eigenspace_weights, mean_stress,
+    random_mises_set, random_stress, scale_stress, twice_elastic_energy,
+};
+use crate::random_solids::random_solid;
+use crate::support::{RandomNumbers, draw_log_uniform};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SecondOrderConeT,
@@ -14,7 +17,7 @@ use clarabel::solver::{
 use wellposed_models::solid::stress::Stress;
 
 /// Solves min ½|w − w̄|² subject to Aw + t = b with t in the cones; `center` is w̄, `rows` is A.
-fn clarabel(
+fn solve_conic_program(
     center: &[f64],
     rows: &[Vec<f64>],
     b: &[f64],
@@ -41,19 +44,22 @@ fn clarabel(
     solver.solution.x.clone()
 }
 
-fn half_square_distance(a: &[f64], b: &[f64]) -> f64 {
+fn half_squared_distance(a: &[f64], b: &[f64]) -> f64 {
     0.5 * a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>()
 }
 
-/// Relative excess of the objective of `own` over the objective of `theirs` (the solver), and the distance of the two.
-fn compare(own: &[f64], theirs: &[f64], center: &[f64]) -> (f64, f64) {
-    let (mine, reference) =
-        (half_square_distance(own, center), half_square_distance(theirs, center));
-    ((mine - reference) / reference, (2.0 * half_square_distance(own, theirs)).sqrt())
+/// Relative excess of the objective of `own` over that of the solver, and the distance of both solutions.
+fn compare_solutions(own: &[f64], solver_solution: &[f64], center: &[f64]) -> (f64, f64) {
+    let (objective, reference) =
+        (half_squared_distance(own, center), half_squared_distance(solver_solution, center));
+    (
+        (objective - reference) / reference,
+        (2.0 * half_squared_distance(own, solver_solution)).sqrt(),
+    )
 }
 
 /// Orthonormal basis of 3×3 matrices: five symmetric deviators, three antisymmetric matrices, δ/√3.
-fn basis() -> [[[f64; 3]; 3]; 9] {
+fn matrix_basis() -> [[[f64; 3]; 3]; 9] {
     let mut basis = [[[0.0; 3]; 3]; 9];
     let half = 0.5f64.sqrt();
     for (number, (i, j)) in [(0, 1), (1, 2), (0, 2)].into_iter().enumerate() {
@@ -71,25 +77,25 @@ fn basis() -> [[[f64; 3]; 3]; 9] {
 
 /// Projections onto cones of Mises type agree with the solution of the second-order cone program.
 #[test]
-fn mises_projections_match_a_conic_solver() {
-    let basis = basis();
-    let (mut above, mut apart) = (f64::NEG_INFINITY, 0.0f64);
-    let mut random = Random::new(31);
-    let mut done = 0;
-    while done < 300 {
-        let (_, rotation, cone, micropolar) = SETS[done % SETS.len()];
-        let solid = solid(&mut random, rotation);
-        let set = mises_set(&mut random, cone, micropolar);
+fn mises_projections_agree_with_a_conic_solver() {
+    let basis = matrix_basis();
+    let (mut max_objective, mut max_distance) = (f64::NEG_INFINITY, 0.0f64);
+    let mut random = RandomNumbers::new(31);
+    let mut compared = 0;
+    while compared < 300 {
+        let (_, theory, cone, micropolar) = YIELD_SET_CASES[compared % YIELD_SET_CASES.len()];
+        let solid = random_solid(&mut random, theory);
+        let set = random_mises_set(&mut random, cone, micropolar);
         let trial = random_stress(&mut random, &set, &solid);
-        let trial = scaled(&trial, decades(&mut random, 0.0, 2.0));
-        let value = set.equivalent_shear(&trial) + set.friction * mean_of(&trial);
+        let trial = scale_stress(&trial, draw_log_uniform(&mut random, 0.0, 2.0));
+        let value = set.equivalent_shear(&trial) + set.friction * mean_stress(&trial);
         if value < 1.5 * set.strength {
             continue;
         }
-        let scale = energy(&solid, &trial).sqrt();
-        let (d, p) = (stiffnesses(&solid), weights(&set));
+        let scale = twice_elastic_energy(&solid, &trial).sqrt();
+        let (d, p) = (eigenspace_stiffnesses(&solid), eigenspace_weights(&set));
         // Coordinates w in which the energy is ½|w|²: s = √D w for each part.
-        let part_of = |number: usize| match number {
+        let eigenspace = |number: usize| match number {
             0..5 => Some(0),
             5..8 => Some(1),
             8 => None,
@@ -97,7 +103,8 @@ fn mises_projections_match_a_conic_solver() {
             17 => Some(3),
             _ => Some(4),
         };
-        let stiffness = |number: usize| part_of(number).map_or(3.0 * bulk(&solid), |part| d[part]);
+        let stiffness =
+            |number: usize| eigenspace(number).map_or(3.0 * bulk_modulus(&solid), |part| d[part]);
         let used: Vec<usize> = (0..18).filter(|&n| stiffness(n) > 0.0).collect();
         let coordinates = |stress: &Stress| -> Vec<f64> {
             let along = |&n: &usize| {
@@ -111,65 +118,68 @@ fn mises_projections_match_a_conic_solver() {
         let strength = set.strength / scale;
         let size = used
             .iter()
-            .filter_map(|&n| part_of(n).map(|part| (0.5 * p[part] * d[part]).sqrt()))
+            .filter_map(|&n| eigenspace(n).map(|part| (0.5 * p[part] * d[part]).sqrt()))
             .fold(0.0, f64::max);
         // (k − κσ_m, √(½p) s, …) is in the second-order cone; divided by the largest coefficient.
         let mut rows = vec![vec![0.0; used.len()]; 1 + used.len()];
         let mut b = vec![0.0; 1 + used.len()];
         b[0] = strength / size;
         for (column, &n) in used.iter().enumerate() {
-            match part_of(n) {
-                None => rows[0][column] = set.friction * bulk(&solid).sqrt() / size,
+            match eigenspace(n) {
+                None => rows[0][column] = set.friction * bulk_modulus(&solid).sqrt() / size,
                 Some(part) => rows[1 + column][column] = -(0.5 * p[part] * d[part]).sqrt() / size,
             }
         }
         let center = coordinates(&trial);
-        let theirs = clarabel(&center, &rows, &b, &[SecondOrderConeT(1 + used.len())]);
+        let solver_solution =
+            solve_conic_program(&center, &rows, &b, &[SecondOrderConeT(1 + used.len())]);
         let own = coordinates(&set.project(&solid, &trial).stress);
-        let (objective, distance) = compare(&own, &theirs, &center);
+        let (objective, distance) = compare_solutions(&own, &solver_solution, &center);
         assert!(objective <= 1e-9, "{objective:e}: {set:?} {solid:?} {trial:?}");
         assert!(distance <= 1e-4, "{distance:e}: {set:?} {solid:?} {trial:?}");
-        (above, apart) = (above.max(objective), apart.max(distance));
-        done += 1;
+        (max_objective, max_distance) = (max_objective.max(objective), max_distance.max(distance));
+        compared += 1;
     }
-    println!("Mises: objective at most {above:e} above, stresses {apart:e} apart");
+    println!("Mises: objective at most {max_objective:e} above, stresses {max_distance:e} apart");
 }
 
 /// Projections onto interlayer sets agree with the solution of the quadratic program.
 #[test]
-fn interlayer_projections_match_a_conic_solver() {
-    let (mut above, mut apart) = (f64::NEG_INFINITY, 0.0f64);
-    let mut random = Random::new(32);
-    let mut done = 0;
-    while done < 400 {
-        let kind = done % 4;
-        let (solid, metric) = plane_solid(&mut random, kind);
-        let degenerate = [Degenerate::No, Degenerate::CommonApex][random.below(2)];
-        let set = interlayer_set(&mut random, degenerate, solid.couple.is_some());
+fn interlayer_projections_agree_with_a_conic_solver() {
+    let (mut max_objective, mut max_distance) = (f64::NEG_INFINITY, 0.0f64);
+    let mut random = RandomNumbers::new(32);
+    let mut compared = 0;
+    while compared < 400 {
+        let kind = compared % 4;
+        let (solid, metric) = random_plane_solid(&mut random, kind);
+        let degenerate =
+            [DegenerateKind::Regular, DegenerateKind::CommonApex][random.uniform_index(2)];
+        let set = random_interlayer_set(&mut random, degenerate, solid.couple_modulus.is_some());
         let mut trial: [f64; 6] = std::array::from_fn(|i| match i {
-            0..4 => set.shear_strength * random.within(-1.0, 1.0),
-            _ => set.couple.map_or(0.0, |c| c.strength * random.within(-1.0, 1.0)),
+            0..4 => set.shear_strength * random.uniform(-1.0, 1.0),
+            _ => set.couple.map_or(0.0, |c| c.strength * random.uniform(-1.0, 1.0)),
         });
-        if solid.classical {
+        if solid.is_classical {
             trial[3] = trial[2];
         }
-        let size = decades(&mut random, 0.0, 2.0);
+        let size = draw_log_uniform(&mut random, 0.0, 2.0);
         trial = trial.map(|x| x * size);
         let stress = set.project(&metric, &trial).stress;
-        let scale = solid.norm(&trial);
-        if solid.norm(&std::array::from_fn(|i| trial[i] - stress[i])) < 0.1 * scale {
+        let scale = solid.energy_norm(&trial);
+        if solid.energy_norm(&std::array::from_fn(|i| trial[i] - stress[i])) < 0.1 * scale {
             continue;
         }
         // Orthonormal coordinates in the energy norm: sums and differences of stresses times roots of compliances.
         let roots = |[a, b]: [f64; 2]| [(0.5 * (a - b)).sqrt(), (0.5 * (a + b)).sqrt()];
-        let ([ns, nd], [ss, sd]) = (roots(solid.normal), roots(solid.shear));
-        let couple = solid.couple.map_or(0.0, |a| a.recip().sqrt());
+        let ([ns, nd], [ss, sd]) =
+            (roots(solid.normal_compliances), roots(solid.shear_compliances));
+        let couple = solid.couple_modulus.map_or(0.0, |a| a.recip().sqrt());
         let coordinates = |s: &[f64; 6]| -> Vec<f64> {
             let mut all = vec![ns * (s[0] + s[1]), nd * (s[0] - s[1]), ss * (s[2] + s[3])];
-            if !solid.classical {
+            if !solid.is_classical {
                 all.push(sd * (s[2] - s[3]));
             }
-            if solid.couple.is_some() {
+            if solid.couple_modulus.is_some() {
                 all.extend([couple * s[4], couple * s[5]]);
             }
             all.iter().map(|x| x / scale).collect()
@@ -178,7 +188,7 @@ fn interlayer_projections_match_a_conic_solver() {
         let n = coordinates(&trial).len();
         let stress_of = |coordinate: usize| -> [f64; 6] {
             let mut s = [0.0; 6];
-            match (coordinate, solid.classical) {
+            match (coordinate, solid.is_classical) {
                 (0, _) => (s[0], s[1]) = (0.5 / ns, 0.5 / ns),
                 (1, _) => (s[0], s[1]) = (0.5 / nd, -0.5 / nd),
                 (2, _) => (s[2], s[3]) = (0.5 / ss, 0.5 / ss),
@@ -187,7 +197,7 @@ fn interlayer_projections_match_a_conic_solver() {
             }
             s
         };
-        let [[tau, kappa_tau], [m, kappa_m]] = constants(&set);
+        let [[tau, kappa_tau], [m, kappa_m]] = strengths_and_frictions(&set);
         let (mut rows, mut b) = (Vec::new(), Vec::new());
         for face in 0..2 {
             for (strength, friction, own, limited) in
@@ -207,13 +217,15 @@ fn interlayer_projections_match_a_conic_solver() {
             }
         }
         let center = coordinates(&trial);
-        let theirs = clarabel(&center, &rows, &b, &[NonnegativeConeT(b.len())]);
+        let solver_solution = solve_conic_program(&center, &rows, &b, &[NonnegativeConeT(b.len())]);
         let own = coordinates(&stress);
-        let (objective, distance) = compare(&own, &theirs, &center);
+        let (objective, distance) = compare_solutions(&own, &solver_solution, &center);
         assert!(objective <= 1e-9, "{objective:e}: {set:?} {solid:?} {trial:?}");
         assert!(distance <= 1e-4, "{distance:e}: {set:?} {solid:?} {trial:?}");
-        (above, apart) = (above.max(objective), apart.max(distance));
-        done += 1;
+        (max_objective, max_distance) = (max_objective.max(objective), max_distance.max(distance));
+        compared += 1;
     }
-    println!("interlayer: objective at most {above:e} above, stresses {apart:e} apart");
+    println!(
+        "interlayer: objective at most {max_objective:e} above, stresses {max_distance:e} apart"
+    );
 }

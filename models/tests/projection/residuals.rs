@@ -1,11 +1,11 @@
 //! Residuals of the optimality conditions.
 
 /// Tolerance of every optimality condition, relative to the magnitude of its terms.
-pub const OPTIMALITY: f64 = 1e-12;
+pub const OPTIMALITY_TOLERANCE: f64 = 1e-12;
 
 /// Residuals of the optimality conditions, each divided by its scale.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Residuals {
+pub struct OptimalityResiduals {
     pub feasibility: f64,
     pub complementarity: f64,
     pub normality: f64,
@@ -13,8 +13,8 @@ pub struct Residuals {
     pub idempotence: f64,
 }
 
-impl Residuals {
-    pub fn worst(&mut self, other: &Self) {
+impl OptimalityResiduals {
+    pub fn accumulate_max(&mut self, other: &Self) {
         self.feasibility = self.feasibility.max(other.feasibility);
         self.complementarity = self.complementarity.max(other.complementarity);
         self.normality = self.normality.max(other.normality);
@@ -22,9 +22,9 @@ impl Residuals {
         self.idempotence = self.idempotence.max(other.idempotence);
     }
 
-    pub fn check(&self, what: impl std::fmt::Debug) {
+    pub fn assert_below_tolerance(&self, context: impl std::fmt::Debug) {
         let all =
             [self.feasibility, self.complementarity, self.normality, self.energy, self.idempotence];
-        assert!(all.iter().all(|r| *r <= OPTIMALITY), "{self:?} at {what:?}");
+        assert!(all.iter().all(|r| *r <= OPTIMALITY_TOLERANCE), "{self:?} at {context:?}");
     }
 }

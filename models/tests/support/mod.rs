@@ -1,21 +1,23 @@
 //! Helpers of the tests, independent of the models: random numbers, double-double numbers, dual numbers, complex
 //! numbers, determinants.
-#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(dead_code, unused_imports, reason = "each test file uses some of the helpers")]
 
 pub mod equations;
+pub mod solids;
 pub mod states;
+pub mod yield_sets;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-pub use testkit::random::Random;
+pub use testkit::random::RandomNumbers;
 
 /// Random number 10ˣ with x uniform between `from` and `to`.
-pub fn decades(random: &mut Random, from: f64, to: f64) -> f64 {
-    10f64.powf(random.within(from, to))
+pub fn draw_log_uniform(random: &mut RandomNumbers, from: f64, to: f64) -> f64 {
+    10f64.powf(random.uniform(from, to))
 }
 
 /// Real numbers that support automatic differentiation.
-pub trait Real:
+pub trait DifferentiableReal:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -23,7 +25,7 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    fn constant(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self);
     fn sin(self) -> Self {
@@ -33,36 +35,36 @@ pub trait Real:
         self.sin_cos().1
     }
     /// Square root √½.
-    fn root_of_half() -> Self;
+    fn sqrt_half() -> Self;
 }
 
 /// Double-double number: the sum of two doubles that do not overlap, about 31 decimal digits (Dekker 1971).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Wide {
+pub struct DoubleDouble {
     pub high: f64,
     pub low: f64,
 }
 
-pub const fn wide(value: f64) -> Wide {
-    Wide { high: value, low: 0.0 }
+pub const fn dd(value: f64) -> DoubleDouble {
+    DoubleDouble { high: value, low: 0.0 }
 }
 
 /// π/2 to 33 digits.
-pub const RIGHT_ANGLE: Wide =
-    Wide { high: std::f64::consts::FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
+pub const RIGHT_ANGLE: DoubleDouble =
+    DoubleDouble { high: std::f64::consts::FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
 
-fn two_sum(a: f64, b: f64) -> Wide {
+fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     let part = high - a;
-    Wide { high, low: (a - (high - part)) + (b - part) }
+    DoubleDouble { high, low: (a - (high - part)) + (b - part) }
 }
 
-fn two_product(a: f64, b: f64) -> Wide {
+fn two_product(a: f64, b: f64) -> DoubleDouble {
     let high = a * b;
-    Wide { high, low: a.mul_add(b, -high) }
+    DoubleDouble { high, low: a.mul_add(b, -high) }
 }
 
-impl Add for Wide {
+impl Add for DoubleDouble {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         let (high, low) = (two_sum(self.high, other.high), two_sum(self.low, other.low));
@@ -71,21 +73,21 @@ impl Add for Wide {
     }
 }
 
-impl Neg for Wide {
+impl Neg for DoubleDouble {
     type Output = Self;
     fn neg(self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
 }
 
-impl Sub for Wide {
+impl Sub for DoubleDouble {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self + -other
     }
 }
 
-impl Mul for Wide {
+impl Mul for DoubleDouble {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         let product = two_product(self.high, other.high);
@@ -93,19 +95,19 @@ impl Mul for Wide {
     }
 }
 
-impl Div for Wide {
+impl Div for DoubleDouble {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
-        let rest = self - other * wide(first);
+        let rest = self - other * dd(first);
         let second = rest.high / other.high;
-        let third = (rest - other * wide(second)).high / other.high;
-        two_sum(first, second) + wide(third)
+        let third = (rest - other * dd(second)).high / other.high;
+        two_sum(first, second) + dd(third)
     }
 }
 
-impl Wide {
-    pub fn value(self) -> f64 {
+impl DoubleDouble {
+    pub fn to_f64(self) -> f64 {
         self.high + self.low
     }
 
@@ -117,23 +119,23 @@ impl Wide {
         if self.high == 0.0 {
             return self;
         }
-        let mut root = wide(self.high.sqrt());
+        let mut root = dd(self.high.sqrt());
         for _ in 0..2 {
-            root = (root + self / root) * wide(0.5);
+            root = (root + self / root) * dd(0.5);
         }
         root
     }
 }
 
-impl Real for Wide {
-    fn constant(value: f64) -> Self {
-        wide(value)
+impl DifferentiableReal for DoubleDouble {
+    fn from_f64(value: f64) -> Self {
+        dd(value)
     }
     /// Taylor series after argument reduction to |x| ≤ π/4.
     fn sin_cos(self) -> (Self, Self) {
-        let turns = (self.high / RIGHT_ANGLE.high).round();
-        let x = self - RIGHT_ANGLE * wide(turns);
-        let (mut sine, mut cosine, mut term) = (wide(0.0), wide(0.0), wide(1.0));
+        let quarter_turns = (self.high / RIGHT_ANGLE.high).round();
+        let x = self - RIGHT_ANGLE * dd(quarter_turns);
+        let (mut sine, mut cosine, mut term) = (dd(0.0), dd(0.0), dd(1.0));
         for n in 0..30 {
             match n % 4 {
                 0 => cosine = cosine + term,
@@ -141,17 +143,17 @@ impl Real for Wide {
                 2 => cosine = cosine - term,
                 _ => sine = sine - term,
             }
-            term = term * x / wide(f64::from(n + 1));
+            term = term * x / dd(f64::from(n + 1));
         }
-        match (turns as i64).rem_euclid(4) {
+        match (quarter_turns as i64).rem_euclid(4) {
             0 => (sine, cosine),
             1 => (cosine, -sine),
             2 => (-sine, -cosine),
             _ => (-cosine, sine),
         }
     }
-    fn root_of_half() -> Self {
-        wide(0.5).sqrt()
+    fn sqrt_half() -> Self {
+        dd(0.5).sqrt()
     }
 }
 
@@ -160,121 +162,95 @@ impl Real for Wide {
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<T> {
     pub value: T,
-    pub slope: T,
+    pub derivative: T,
 }
 
-impl<T: Real> Dual<T> {
-    pub fn of(value: T) -> Self {
-        Self { value, slope: T::constant(0.0) }
+impl<T: DifferentiableReal> Dual<T> {
+    pub fn from_value(value: T) -> Self {
+        Self { value, derivative: T::from_f64(0.0) }
     }
 }
 
-impl<T: Real> Add for Dual<T> {
+impl<T: DifferentiableReal> Add for Dual<T> {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, slope: self.slope + other.slope }
+        Self { value: self.value + other.value, derivative: self.derivative + other.derivative }
     }
 }
 
-impl<T: Real> Sub for Dual<T> {
+impl<T: DifferentiableReal> Sub for Dual<T> {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, slope: self.slope - other.slope }
+        Self { value: self.value - other.value, derivative: self.derivative - other.derivative }
     }
 }
 
-impl<T: Real> Neg for Dual<T> {
+impl<T: DifferentiableReal> Neg for Dual<T> {
     type Output = Self;
     fn neg(self) -> Self {
-        Self { value: -self.value, slope: -self.slope }
+        Self { value: -self.value, derivative: -self.derivative }
     }
 }
 
-impl<T: Real> Mul for Dual<T> {
+impl<T: DifferentiableReal> Mul for Dual<T> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         Self {
             value: self.value * other.value,
-            slope: self.slope * other.value + self.value * other.slope,
+            derivative: self.derivative * other.value + self.value * other.derivative,
         }
     }
 }
 
-impl<T: Real> Div for Dual<T> {
+impl<T: DifferentiableReal> Div for Dual<T> {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
-        Self { value, slope: (self.slope - value * other.slope) / other.value }
+        Self { value, derivative: (self.derivative - value * other.derivative) / other.value }
     }
 }
 
-impl<T: Real> Real for Dual<T> {
-    fn constant(value: f64) -> Self {
-        Self::of(T::constant(value))
+impl<T: DifferentiableReal> DifferentiableReal for Dual<T> {
+    fn from_f64(value: f64) -> Self {
+        Self::from_value(T::from_f64(value))
     }
     fn sin_cos(self) -> (Self, Self) {
         let (sine, cosine) = self.value.sin_cos();
-        let slopes = (self.slope * cosine, -(self.slope * sine));
-        (Self { value: sine, slope: slopes.0 }, Self { value: cosine, slope: slopes.1 })
+        let derivatives = (self.derivative * cosine, -(self.derivative * sine));
+        (
+            Self { value: sine, derivative: derivatives.0 },
+            Self { value: cosine, derivative: derivatives.1 },
+        )
     }
-    fn root_of_half() -> Self {
-        Self::of(T::root_of_half())
+    fn sqrt_half() -> Self {
+        Self::from_value(T::sqrt_half())
     }
 }
 
 /// A complex double-double number.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Complex {
-    pub re: Wide,
-    pub im: Wide,
+    pub re: DoubleDouble,
+    pub im: DoubleDouble,
 }
 
 pub fn complex(re: f64, im: f64) -> Complex {
-    Complex { re: wide(re), im: wide(im) }
+    Complex { re: dd(re), im: dd(im) }
 }
 
-impl From<Wide> for Complex {
-    fn from(re: Wide) -> Self {
-        Self { re, im: wide(0.0) }
+impl From<DoubleDouble> for Complex {
+    fn from(re: DoubleDouble) -> Self {
+        Self { re, im: dd(0.0) }
     }
 }
 
 impl From<f64> for Complex {
     fn from(re: f64) -> Self {
-        wide(re).into()
+        dd(re).into()
     }
 }
 
-impl Add for Complex {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { re: self.re + other.re, im: self.im + other.im }
-    }
-}
-
-impl Sub for Complex {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Self { re: self.re - other.re, im: self.im - other.im }
-    }
-}
-
-impl Neg for Complex {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self { re: -self.re, im: -self.im }
-    }
-}
-
-impl Mul for Complex {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        Self {
-            re: self.re * other.re - self.im * other.im,
-            im: self.re * other.im + self.im * other.re,
-        }
-    }
-}
+testkit::impl_complex_arithmetic!(Complex);
 
 impl Div for Complex {
     type Output = Self;
@@ -287,7 +263,7 @@ impl Div for Complex {
 
 impl Complex {
     pub fn abs(self) -> f64 {
-        self.re.value().hypot(self.im.value())
+        self.re.to_f64().hypot(self.im.to_f64())
     }
 
     pub fn sqrt(self) -> Self {
@@ -296,7 +272,7 @@ impl Complex {
             return self;
         }
         // The larger part is computed first, without cancellation.
-        let large = ((size + self.re.abs()) * wide(0.5)).sqrt();
+        let large = ((size + self.re.abs()) * dd(0.5)).sqrt();
         let small = self.im / (large + large);
         if self.re.high >= 0.0 {
             Self { re: large, im: small }
@@ -311,14 +287,14 @@ impl Complex {
 /// A polynomial by its coefficients in ascending order, without trailing exact zeros.
 pub type Polynomial = Vec<Complex>;
 
-fn trimmed(mut polynomial: Polynomial) -> Polynomial {
+fn trim_trailing_zeros(mut polynomial: Polynomial) -> Polynomial {
     while polynomial.last().is_some_and(|c| c.re.high == 0.0 && c.im.high == 0.0) {
         polynomial.pop();
     }
     polynomial
 }
 
-pub fn product(a: &[Complex], b: &[Complex]) -> Polynomial {
+pub fn multiply_polynomials(a: &[Complex], b: &[Complex]) -> Polynomial {
     if a.is_empty() || b.is_empty() {
         return vec![];
     }
@@ -328,10 +304,10 @@ pub fn product(a: &[Complex], b: &[Complex]) -> Polynomial {
             result[i + j] = result[i + j] + x * y;
         }
     }
-    trimmed(result)
+    trim_trailing_zeros(result)
 }
 
-pub fn evaluate(polynomial: &[Complex], x: Complex) -> Complex {
+pub fn evaluate_polynomial(polynomial: &[Complex], x: Complex) -> Complex {
     polynomial.iter().rev().fold(Complex::default(), |sum, &c| sum * x + c)
 }
 
@@ -347,7 +323,7 @@ pub fn quadratic_roots(polynomial: &[Complex]) -> [Complex; 2] {
 
 /// Determinant of a matrix of polynomials by Laplace expansion with shared minors. Without pivoting, a coefficient to
 /// which no permutation contributes is exactly zero and absent.
-pub fn determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
+pub fn polynomial_determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
     let n = matrix.len();
     let mut minors: Vec<Polynomial> = vec![vec![]; 1 << n];
     minors[0] = vec![complex(1.0, 0.0)];
@@ -357,13 +333,13 @@ pub fn determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
         for column in (0..n).filter(|column| set & (1 << column) != 0) {
             // The sign depends on the number of columns of the set with a higher index.
             let odd = (set >> (column + 1)).count_ones() % 2 == 1;
-            let term = product(&matrix[row][column], &minors[set & !(1 << column)]);
+            let term = multiply_polynomials(&matrix[row][column], &minors[set & !(1 << column)]);
             sum.resize(sum.len().max(term.len()), Complex::default());
             for (s, t) in sum.iter_mut().zip(term) {
                 *s = if odd { *s - t } else { *s + t };
             }
         }
-        minors[set] = trimmed(sum);
+        minors[set] = trim_trailing_zeros(sum);
     }
     minors.pop().unwrap_or_default()
 }
@@ -384,8 +360,10 @@ pub fn permanent(matrix: &[Vec<f64>]) -> f64 {
 }
 
 /// Determinant of a matrix of numbers.
-pub fn number_determinant(matrix: &[Vec<Complex>]) -> Complex {
-    let polynomials: Vec<Vec<Polynomial>> =
-        matrix.iter().map(|row| row.iter().map(|&x| trimmed(vec![x])).collect()).collect();
-    determinant(&polynomials).first().copied().unwrap_or_default()
+pub fn complex_determinant(matrix: &[Vec<Complex>]) -> Complex {
+    let polynomials: Vec<Vec<Polynomial>> = matrix
+        .iter()
+        .map(|row| row.iter().map(|&x| trim_trailing_zeros(vec![x])).collect())
+        .collect();
+    polynomial_determinant(&polynomials).first().copied().unwrap_or_default()
 }

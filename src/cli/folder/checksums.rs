@@ -1,9 +1,9 @@
 //! Checksum list of a results folder.
 
-use super::names::is_of_run;
+use super::names::is_run_file;
 use super::{OutputError, ResultFolder, write_file};
 use files::checksums::Checksums;
-use files::{Written, read_regular};
+use files::{FileDigest, read_regular_file};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -13,17 +13,18 @@ pub struct Damage {
     /// File name.
     pub file: String,
     /// Description of the difference.
-    pub found: String,
+    #[serde(rename = "found")]
+    pub description: String,
 }
 
 impl Damage {
-    pub(super) fn new(file: &str, found: impl Into<String>) -> Self {
-        Self { file: file.to_owned(), found: found.into() }
+    pub(super) fn new(file: &str, description: impl Into<String>) -> Self {
+        Self { file: file.to_owned(), description: description.into() }
     }
 
     /// Compares a file of a folder with the recorded length and checksum; `None` if they are equal.
-    pub(super) fn of(folder: &Path, name: &str, written: Written) -> Option<Self> {
-        let found = match Written::of_file(&folder.join(name)) {
+    pub(super) fn detect(folder: &Path, name: &str, written: FileDigest) -> Option<Self> {
+        let found = match FileDigest::from_file(&folder.join(name)) {
             Ok(found) if found == written => return None,
             Ok(found) if found.length != written.length => {
                 format!("has {} bytes, where {} were written", found.length, written.length)
@@ -37,8 +38,8 @@ impl Damage {
 }
 
 /// Reads the checksum list of a folder; `None` if there is none, an error message if it cannot be read or parsed.
-pub(super) fn read(folder: &Path) -> Result<Option<Checksums>, String> {
-    match read_regular(&folder.join(Checksums::NAME)) {
+pub(super) fn read_checksums(folder: &Path) -> Result<Option<Checksums>, String> {
+    match read_regular_file(&folder.join(Checksums::FILE_NAME)) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         Err(error) => Err(format!("cannot be read: {error}")),
         Ok(bytes) => Checksums::parse(&bytes).map(Some).ok_or_else(|| "is damaged".to_owned()),
@@ -51,11 +52,11 @@ impl ResultFolder {
     ///
     /// # Errors
     /// The list is damaged.
-    pub(super) fn checksums(&self) -> Result<Checksums, OutputError> {
-        match read(&self.path) {
-            Err(_) if self.force => Ok(Checksums::default()),
+    pub(super) fn load_checksums(&self) -> Result<Checksums, OutputError> {
+        match read_checksums(&self.path) {
+            Err(_) if self.can_overwrite => Ok(Checksums::default()),
             Err(cause) => Err(OutputError {
-                path: self.path.join(Checksums::NAME),
+                path: self.path.join(Checksums::FILE_NAME),
                 cause,
                 remedy: "look with wellposed verify, or overwrite with --force",
             }),
@@ -65,33 +66,33 @@ impl ResultFolder {
 
     /// Reads the checksum list for a run that finishes; empty if it is missing or damaged, so that the run does not
     /// fail.
-    pub(super) fn checksums_or_none(&self) -> Checksums {
-        read(&self.path).ok().flatten().unwrap_or_default()
+    pub(super) fn load_checksums_or_empty(&self) -> Checksums {
+        read_checksums(&self.path).ok().flatten().unwrap_or_default()
     }
 
     pub(super) fn write_checksums(&self, list: &Checksums) -> Result<(), OutputError> {
-        write_file(&self.path.join(Checksums::NAME), &list.to_bytes())
+        write_file(&self.path.join(Checksums::FILE_NAME), &list.to_bytes())
     }
 
     /// Adds the present lengths and checksums of the named files to `list`.
-    pub(super) fn list_as_found(
+    pub(super) fn add_current_checksums(
         &self,
         list: &mut Checksums,
         names: &[&str],
     ) -> Result<(), OutputError> {
         for name in names {
             let path = self.path.join(name);
-            let found = Written::of_file(&path);
-            list.insert(name, found.map_err(|error| OutputError::unreadable(&path, &error))?);
+            let found = FileDigest::from_file(&path);
+            list.insert(name, found.map_err(|error| OutputError::from_read_error(&path, &error))?);
         }
         Ok(())
     }
 
     /// Removes the entries of run files from the checksum list, before the files are removed.
-    pub(super) fn unlist_run(&self) -> Result<(), OutputError> {
-        let mut list = self.checksums()?;
+    pub(super) fn remove_run_checksums(&self) -> Result<(), OutputError> {
+        let mut list = self.load_checksums()?;
         let own: Vec<String> =
-            list.iter().map(|(name, _)| name.to_owned()).filter(|name| is_of_run(name)).collect();
+            list.iter().map(|(name, _)| name.to_owned()).filter(|name| is_run_file(name)).collect();
         if own.is_empty() {
             return Ok(());
         }
@@ -103,9 +104,11 @@ impl ResultFolder {
     ///
     /// # Errors
     /// The file differs, is missing or cannot be read.
-    pub fn check_file(&self, name: &str, written: Written) -> Result<(), OutputError> {
-        match Damage::of(&self.path, name, written) {
-            Some(Damage { found, .. }) => Err(OutputError::unusable(&self.path.join(name), found)),
+    pub fn check_file(&self, name: &str, written: FileDigest) -> Result<(), OutputError> {
+        match Damage::detect(&self.path, name, written) {
+            Some(Damage { description, .. }) => {
+                Err(OutputError::from_invalid_content(&self.path.join(name), description))
+            }
             None => Ok(()),
         }
     }
@@ -115,8 +118,9 @@ impl ResultFolder {
     /// # Errors
     /// The list or one of the files is damaged.
     pub fn check_files(&self, is_needed: impl Fn(&str) -> bool) -> Result<(), OutputError> {
-        let list = read(&self.path)
-            .map_err(|cause| OutputError::unusable(&self.path.join(Checksums::NAME), cause))?;
+        let list = read_checksums(&self.path).map_err(|cause| {
+            OutputError::from_invalid_content(&self.path.join(Checksums::FILE_NAME), cause)
+        })?;
         let list = list.unwrap_or_default();
         let mut needed = list.iter().filter(|(name, _)| is_needed(name));
         needed.try_for_each(|(name, written)| self.check_file(name, written))

@@ -1,6 +1,6 @@
 //! Errors of writing and reading results.
 
-use files::append::{AppendError, AppendProblem};
+use files::table_appender::{AppendError, AppendProblem};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -27,26 +27,26 @@ impl OutputError {
     }
 
     /// Creates the error for a result file that the operating system cannot read.
-    pub fn unreadable(path: &Path, error: &std::io::Error) -> Self {
+    pub fn from_read_error(path: &Path, error: &std::io::Error) -> Self {
         match error.kind() {
-            ErrorKind::NotFound => Self::unusable(path, "is missing"),
+            ErrorKind::NotFound => Self::from_invalid_content(path, "is missing"),
             _ => Self { path: path.to_owned(), cause: error.to_string(), remedy: "let it be read" },
         }
     }
 
     /// Creates the error for a result file with invalid content.
-    pub fn unusable(path: &Path, cause: impl ToString) -> Self {
+    pub fn from_invalid_content(path: &Path, cause: impl ToString) -> Self {
         let remedy = "run the case again with --force";
         Self { path: path.to_owned(), cause: cause.to_string(), remedy }
     }
 
     /// Converts an error of appending to a table.
-    pub fn of_table(error: AppendError) -> Self {
+    pub fn from_append_error(error: AppendError) -> Self {
         match error.problem {
-            AppendProblem::Refused { ref source, .. } if source.kind() != ErrorKind::NotFound => {
+            AppendProblem::Io { ref source, .. } if source.kind() != ErrorKind::NotFound => {
                 Self::new(&error.path, error.problem)
             }
-            problem => Self::unusable(&error.path, problem),
+            problem => Self::from_invalid_content(&error.path, problem),
         }
     }
 }

@@ -17,20 +17,22 @@ mod verify;
 pub use checksums::Damage;
 pub use error::OutputError;
 pub use names::{
-    AppendedFile, CHECK, DISPERSION, MAP, POINT, RUN, SNAPSHOTS, SPEEDS, is_snapshot, results,
-    snapshot_name,
+    AppendedFile, CHECK_FILES, DISPERSION_FILES, MAP_FILES, POINT_FILES, RUN_FILES,
+    SNAPSHOT_LIST_FILE, SPEEDS_FILES, is_snapshot, result_names, snapshot_name,
 };
 
 pub use publication::Publication;
-pub use run::{Begun, RunFolder};
-pub use verify::{Verification, verify};
+pub use run::{RunFolder, UnfinishedRun};
+pub use verify::{Verification, verify_folder};
 
-use crate::case::{Case, MAX_FILE};
+use crate::case::{Case, MAX_FILE_SIZE};
 use files::FileError;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
-use names::{BRIEF_LOCK, CASE, PROBE, PROGRAM, is_half_written, is_result};
-use origin::{foreign, holds, program_bytes};
+use names::{
+    CASE_FILE, PROBE_FILE, PROGRAM_FILE, PUBLICATION_LOCK_FILE, is_result_name, is_temporary,
+};
+use origin::{find_foreign_content, has_content, serialise_program_file};
 use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -38,16 +40,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 /// Longest wait for the lock of another process that publishes files.
-const PATIENCE: Duration = Duration::from_secs(10);
+const PUBLICATION_LOCK_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Folder to which the results of a case may be written.
 #[derive(Clone, Debug)]
 pub struct ResultFolder {
     path: PathBuf,
-    case: String,
-    without_plot_options: String,
+    case_toml: String,
+    case_without_plot_options: String,
     /// Whether results of other cases are overwritten and runs restarted.
-    force: bool,
+    can_overwrite: bool,
 }
 
 impl ResultFolder {
@@ -59,14 +61,15 @@ impl ResultFolder {
     ///
     /// # Errors
     /// The folder cannot be written or contains other files; the error states the remedy.
-    pub fn check(case: &Case, out: Option<&Path>, force: bool) -> Result<Self, OutputError> {
+    pub fn from_case(case: &Case, out: Option<&Path>, force: bool) -> Result<Self, OutputError> {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
-        let (text, without_plot_options) = (case.to_toml(), case.without_plot_options().to_toml());
-        let own = Self { path, case: text, without_plot_options, force };
-        if own.case.len() as u64 > MAX_FILE {
-            let bytes = own.case.len();
+        let (text, case_without_plot_options) =
+            (case.to_toml(), case.without_plot_options().to_toml());
+        let own = Self { path, case_toml: text, case_without_plot_options, can_overwrite: force };
+        if own.case_toml.len() as u64 > MAX_FILE_SIZE {
+            let bytes = own.case_toml.len();
             return Err(OutputError {
-                path: own.path.join(CASE),
+                path: own.path.join(CASE_FILE),
                 cause: format!(
                     "with all its defaults the case has {bytes} bytes, more than a case file may have"
                 ),
@@ -78,23 +81,25 @@ impl ResultFolder {
             cause: cause.to_owned(),
             remedy: "name another folder with --out",
         };
-        if let Some(name) = case.source().and_then(|source| own.overwritten(source)) {
+        if let Some(name) =
+            case.source_path().and_then(|source| own.find_overwritten_source(source))
+        {
             return Err(in_the_way(
                 name,
                 "this is the case file itself, which would be overwritten",
             ));
         }
-        if let Some(name) = case.input_files().find_map(|input| own.result_at(input)) {
+        if let Some(name) = case.input_files().find_map(|input| own.find_overwritten_input(input)) {
             return Err(in_the_way(
                 &name,
                 "the case begins with this file, which would be overwritten",
             ));
         }
-        let is_foreign = own.refuse_foreign()?;
-        if is_foreign && own.has_living_run()? {
-            return Err(own.busy());
+        let is_foreign = own.check_foreign_results()?;
+        if is_foreign && own.has_active_run()? {
+            return Err(own.active_run_error());
         }
-        probe(&own.path)?;
+        check_writable(&own.path)?;
         Ok(own)
     }
 
@@ -102,9 +107,9 @@ impl ResultFolder {
     ///
     /// # Errors
     /// The folder contains other results, and `force` is not set.
-    fn refuse_foreign(&self) -> Result<bool, OutputError> {
-        match foreign(&self.path, &self.case, &self.without_plot_options)? {
-            Some(cause) if !self.force => Err(OutputError {
+    fn check_foreign_results(&self) -> Result<bool, OutputError> {
+        match find_foreign_content(&self.path, &self.case_toml, &self.case_without_plot_options)? {
+            Some(cause) if !self.can_overwrite => Err(OutputError {
                 path: self.path.clone(),
                 cause: cause.into(),
                 remedy: "name another folder with --out, or overwrite with --force",
@@ -114,21 +119,21 @@ impl ResultFolder {
     }
 
     /// Returns the name under which the case file `source` is in this folder, if publication would change its content.
-    fn overwritten(&self, source: &Path) -> Option<&'static str> {
+    fn find_overwritten_source(&self, source: &Path) -> Option<&'static str> {
         let source = source.canonicalize().ok()?;
         let is_source =
             |name: &&str| self.path.join(name).canonicalize().is_ok_and(|p| p == source);
-        let name = results().chain([CASE, PROGRAM]).find(is_source)?;
-        (name != CASE || !holds(&source, &self.case)).then_some(name)
+        let name = result_names().chain([CASE_FILE, PROGRAM_FILE]).find(is_source)?;
+        (name != CASE_FILE || !has_content(&source, &self.case_toml)).then_some(name)
     }
 
     /// Returns the name of an input file in this folder, if verbs write or remove files of that name.
-    fn result_at(&self, input: &Path) -> Option<String> {
+    fn find_overwritten_input(&self, input: &Path) -> Option<String> {
         let (input, own) = (input.canonicalize().ok()?, self.path.canonicalize().ok()?);
         let name = input.strip_prefix(own).ok()?.to_str()?;
-        let is_own = is_result(name)
-            || [CASE, PROGRAM, AppendedFile::Log.name()].contains(&name)
-            || is_half_written(name);
+        let is_own = is_result_name(name)
+            || [CASE_FILE, PROGRAM_FILE, AppendedFile::Log.name()].contains(&name)
+            || is_temporary(name);
         is_own.then(|| name.to_owned())
     }
 
@@ -138,49 +143,49 @@ impl ResultFolder {
     }
 
     /// Returns the resolved case as TOML without the options that only affect its pictures.
-    pub fn without_plot_options(&self) -> &str {
-        &self.without_plot_options
+    pub fn case_without_plot_options(&self) -> &str {
+        &self.case_without_plot_options
     }
 
     /// Names of the files in every results folder.
-    pub const ALWAYS: [&str; 3] = [CASE, PROGRAM, Checksums::NAME];
+    pub const COMMON_FILES: [&str; 3] = [CASE_FILE, PROGRAM_FILE, Checksums::FILE_NAME];
 
     /// Returns the path of an appended file.
-    pub fn path_of(&self, file: AppendedFile) -> PathBuf {
+    pub fn file_path(&self, file: AppendedFile) -> PathBuf {
         self.path.join(file.name())
     }
 
-    /// Acquires the short-term lock for publishing and removing files.
-    fn lock_briefly(&self) -> Result<Lock, OutputError> {
+    /// Acquires the publication lock for publishing and removing files.
+    fn lock_for_publication(&self) -> Result<Lock, OutputError> {
         fs::create_dir_all(&self.path).map_err(|error| OutputError::new(&self.path, error))?;
-        let path = self.path.join(BRIEF_LOCK);
-        match Lock::acquire(&path, PATIENCE) {
-            Ok(lock) => Ok(lock.without_trace()),
+        let path = self.path.join(PUBLICATION_LOCK_FILE);
+        match Lock::acquire(&path, PUBLICATION_LOCK_TIMEOUT) {
+            Ok(lock) => Ok(lock.with_removal_on_drop()),
             Err(LockError::Busy) => Err(OutputError {
                 path: self.path.clone(),
                 cause: "another process has been putting files here for 10 s".into(),
                 remedy: "try again, or name another folder with --out",
             }),
-            Err(LockError::Refused(error)) => Err(not_locked(&path, &error)),
+            Err(LockError::Io(error)) => Err(lock_error(&path, &error)),
         }
     }
 
-    /// Returns whether a run is in progress in this folder; acquires the short-term lock.
-    fn has_living_run(&self) -> Result<bool, OutputError> {
-        if self.path_of(AppendedFile::Lock).symlink_metadata().is_err() {
+    /// Returns whether a run is in progress in this folder; acquires the publication lock.
+    fn has_active_run(&self) -> Result<bool, OutputError> {
+        if self.file_path(AppendedFile::Lock).symlink_metadata().is_err() {
             return Ok(false);
         }
-        let _brief = self.lock_briefly()?;
+        let _brief = self.lock_for_publication()?;
         Ok(self.has_run_lock())
     }
 
-    /// Returns whether a run is in progress; the caller holds the short-term lock.
+    /// Returns whether a run is in progress; the caller holds the publication lock.
     fn has_run_lock(&self) -> bool {
-        Lock::is_held(&self.path_of(AppendedFile::Lock))
+        Lock::is_held(&self.file_path(AppendedFile::Lock))
     }
 
     /// Creates the error that a run is in progress in this folder.
-    fn busy(&self) -> OutputError {
+    fn active_run_error(&self) -> OutputError {
         OutputError {
             path: self.path.clone(),
             cause: "a run is in progress here".into(),
@@ -191,11 +196,11 @@ impl ResultFolder {
     /// Removes all results, except the lock of a run in progress.
     fn remove_results(&self) -> Result<(), OutputError> {
         // The checksum list goes first, so that it never lists absent files.
-        remove(&self.path.join(Checksums::NAME))?;
-        let names = names_in(&self.path)?;
+        remove_if_exists(&self.path.join(Checksums::FILE_NAME))?;
+        let names = list_file_names(&self.path)?;
         let is_kept = |name: &str| name == AppendedFile::Lock.name() && self.has_run_lock();
-        let mut own = names.iter().filter(|name| is_result(name) && !is_kept(name));
-        own.try_for_each(|name| remove(&self.path.join(name)))
+        let mut own = names.iter().filter(|name| is_result_name(name) && !is_kept(name));
+        own.try_for_each(|name| remove_if_exists(&self.path.join(name)))
     }
 
     /// Writes the resolved case and the program version, unless identical files exist.
@@ -203,7 +208,7 @@ impl ResultFolder {
         for (name, bytes) in self.origin_files() {
             let path = self.path.join(name);
             // An identical case file is not rewritten.
-            if !files::read_regular(&path).is_ok_and(|found| found == bytes) {
+            if !files::read_regular_file(&path).is_ok_and(|found| found == bytes) {
                 write_file(&path, &bytes)?;
             }
         }
@@ -213,24 +218,24 @@ impl ResultFolder {
     /// Returns the files that identify case and program version.
     fn origin_files(&self) -> [(&'static str, Vec<u8>); 2] {
         [
-            (CASE, self.case.clone().into_bytes()),
-            (PROGRAM, program_bytes(&self.without_plot_options)),
+            (CASE_FILE, self.case_toml.clone().into_bytes()),
+            (PROGRAM_FILE, serialise_program_file(&self.case_without_plot_options)),
         ]
     }
 
     /// Removes temporary files left by killed processes.
-    fn sweep(&self) -> Result<(), OutputError> {
-        let names = names_in(&self.path)?;
-        let mut half_written = names.iter().filter(|name| is_half_written(name));
+    fn remove_abandoned_files(&self) -> Result<(), OutputError> {
+        let names = list_file_names(&self.path)?;
+        let mut half_written = names.iter().filter(|name| is_temporary(name));
         half_written.try_for_each(|name| {
             let path = self.path.join(name);
-            files::remove_abandoned(&path).map_err(|error| not_removed(&path, &error))
+            files::remove_abandoned_file(&path).map_err(|error| removal_error(&path, &error))
         })
     }
 }
 
 /// Creates the error that a lock cannot be acquired.
-fn not_locked(path: &Path, error: &std::io::Error) -> OutputError {
+fn lock_error(path: &Path, error: &std::io::Error) -> OutputError {
     OutputError {
         path: path.to_owned(),
         cause: format!("cannot be locked: {error}"),
@@ -239,14 +244,14 @@ fn not_locked(path: &Path, error: &std::io::Error) -> OutputError {
 }
 
 /// Removes a file if it exists.
-fn remove(path: &Path) -> Result<(), OutputError> {
+fn remove_if_exists(path: &Path) -> Result<(), OutputError> {
     match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(not_removed(path, &error)),
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(removal_error(path, &error)),
         _ => Ok(()),
     }
 }
 
-fn not_removed(path: &Path, error: &std::io::Error) -> OutputError {
+fn removal_error(path: &Path, error: &std::io::Error) -> OutputError {
     OutputError {
         path: path.to_owned(),
         cause: error.to_string(),
@@ -255,7 +260,7 @@ fn not_removed(path: &Path, error: &std::io::Error) -> OutputError {
 }
 
 /// Lists the names in a folder; empty if the folder does not exist.
-fn names_in(folder: &Path) -> Result<Vec<String>, OutputError> {
+fn list_file_names(folder: &Path) -> Result<Vec<String>, OutputError> {
     let at = |error| OutputError::new(folder, error);
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
@@ -266,8 +271,8 @@ fn names_in(folder: &Path) -> Result<Vec<String>, OutputError> {
 
 /// Creates and removes a file in the folder, or in its nearest existing ancestor: permission bits do not determine
 /// whether the file system accepts files.
-fn probe(folder: &Path) -> Result<(), OutputError> {
-    static COUNT: AtomicUsize = AtomicUsize::new(0);
+fn check_writable(folder: &Path) -> Result<(), OutputError> {
+    static PROBE_COUNT: AtomicUsize = AtomicUsize::new(0);
     // `symlink_metadata`, so that a dangling link counts as existing.
     let nearest = folder.ancestors().find(|above| above.symlink_metadata().is_ok());
     let nearest = nearest.unwrap_or(Path::new("."));
@@ -276,8 +281,8 @@ fn probe(folder: &Path) -> Result<(), OutputError> {
         return Err(OutputError::new(nearest, "not a folder"));
     }
     loop {
-        let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        let path = nearest.join(format!(".{PROBE}.{}-{count}.partial", std::process::id()));
+        let count = PROBE_COUNT.fetch_add(1, Ordering::Relaxed);
+        let path = nearest.join(format!(".{PROBE_FILE}.{}-{count}.partial", std::process::id()));
         match File::create_new(&path) {
             // Left by an earlier process with the same process id.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
@@ -296,10 +301,10 @@ fn probe(folder: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// The file cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    files::write_atomically(path, bytes).map_err(|error| not_written(path, &error))
+    files::write_atomically(path, bytes).map_err(|error| write_error(path, &error))
 }
 
 /// Creates the error that a file was not written; it names the target, not the temporary file.
-pub fn not_written(path: &Path, error: &FileError) -> OutputError {
+pub fn write_error(path: &Path, error: &FileError) -> OutputError {
     OutputError::new(path, format!("cannot {}: {}", error.action, error.source))
 }

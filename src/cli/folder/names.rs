@@ -4,18 +4,19 @@ use crate::case::Case;
 use files::checksums::Checksums;
 
 /// File of the resolved case.
-pub(super) const CASE: &str = "case.toml";
+pub(super) const CASE_FILE: &str = "case.toml";
 /// File with name, version and commit of the program, and the checksum of the case.
-pub(super) const PROGRAM: &str = "program.json";
+pub(super) const PROGRAM_FILE: &str = "program.json";
 
 /// Temporary file that tests whether a folder is writable.
-pub(super) const PROBE: &str = "probe";
+pub(super) const PROBE_FILE: &str = "probe";
 
-/// Files of `map` besides [`ResultFolder::ALWAYS`](super::ResultFolder::ALWAYS).
-pub const MAP: [&str; 6] = ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
+/// Files of `map` besides [`ResultFolder::COMMON_FILES`](super::ResultFolder::COMMON_FILES).
+pub const MAP_FILES: [&str; 6] =
+    ["map.png", "map.svg", "map.csv", "map.npz", "map.json", "map.txt"];
 
 /// Files of `point` besides the common files: the first two always, the others depending on the medium and its state.
-pub const POINT: [&str; 10] = [
+pub const POINT_FILES: [&str; 10] = [
     "point.json",
     "point.txt",
     "growth.png",
@@ -29,11 +30,11 @@ pub const POINT: [&str; 10] = [
 ];
 
 /// Files of `dispersion` besides the common files.
-pub const DISPERSION: [&str; 5] =
+pub const DISPERSION_FILES: [&str; 5] =
     ["dispersion.png", "dispersion.svg", "dispersion.csv", "dispersion.json", "dispersion.txt"];
 
 /// Files of `speeds` besides the common files; the last three in three dimensions only.
-pub const SPEEDS: [&str; 8] = [
+pub const SPEEDS_FILES: [&str; 8] = [
     "speeds.png",
     "speeds.svg",
     "speeds.csv",
@@ -45,12 +46,12 @@ pub const SPEEDS: [&str; 8] = [
 ];
 
 /// Files of `check` besides the common files; the last two if a perturbation is refined.
-pub const CHECK: [&str; 6] =
+pub const CHECK_FILES: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
 
 /// Files of `run` besides the common files; receivers, snapshots, animation, dissipation and spectra only if the case
 /// has them. Snapshot files have their own names, see [`is_snapshot`].
-pub const RUN: [&str; 21] = [
+pub const RUN_FILES: [&str; 21] = [
     "run.png",
     "run.svg",
     "seismograms.png",
@@ -67,7 +68,7 @@ pub const RUN: [&str; 21] = [
     "ledger.csv",
     "spectrum.csv",
     "fields.npz",
-    SNAPSHOTS,
+    SNAPSHOT_LIST_FILE,
     "checkpoint",
     "lock",
     "run.json",
@@ -75,13 +76,13 @@ pub const RUN: [&str; 21] = [
 ];
 
 /// File that lists the snapshots of a run with their times.
-pub const SNAPSHOTS: &str = "snapshots.pvd";
+pub const SNAPSHOT_LIST_FILE: &str = "snapshots.pvd";
 
-/// File of the short-term lock, held while files are published or removed.
-pub(super) const BRIEF_LOCK: &str = ".publishing";
+/// File of the publication lock, held while files are published or removed.
+pub(super) const PUBLICATION_LOCK_FILE: &str = ".publishing";
 
 /// File whose existence marks a run as finished.
-pub(super) const FINISHED: &str = "run.json";
+pub(super) const FINISHED_RUN_FILE: &str = "run.json";
 
 /// File that a run appends to or rewrites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,7 +118,7 @@ impl AppendedFile {
 /// Returns the file name of a snapshot of a case by its index, from 0.
 pub fn snapshot_name(case: &Case, index: usize) -> String {
     // Snapshots of flows are on a deformed grid, hence structured (`vts`).
-    let extension = if case.flow.is_some() { "vts" } else { "vti" };
+    let extension = if case.flow_run.is_some() { "vts" } else { "vti" };
     format!("snapshot-{index:08}.{extension}")
 }
 
@@ -131,40 +132,47 @@ pub fn is_snapshot(name: &str) -> bool {
 
 /// Iterates over all files that a verb may write. `--force` removes those of another case, so that results never
 /// coexist with a case they do not belong to.
-pub fn results() -> impl Iterator<Item = &'static str> {
-    let own = MAP.into_iter().chain(POINT).chain(DISPERSION).chain(SPEEDS).chain(CHECK).chain(RUN);
-    own.chain([Checksums::NAME])
+pub fn result_names() -> impl Iterator<Item = &'static str> {
+    let own = MAP_FILES
+        .into_iter()
+        .chain(POINT_FILES)
+        .chain(DISPERSION_FILES)
+        .chain(SPEEDS_FILES)
+        .chain(CHECK_FILES)
+        .chain(RUN_FILES);
+    own.chain([Checksums::FILE_NAME])
 }
 
 /// Returns whether the name is that of a file of a simulation, except for log and lock.
-pub(super) fn is_of_run(name: &str) -> bool {
-    is_snapshot(name) || (RUN.contains(&name) && name != AppendedFile::Lock.name())
+pub(super) fn is_run_file(name: &str) -> bool {
+    is_snapshot(name) || (RUN_FILES.contains(&name) && name != AppendedFile::Lock.name())
 }
 
 /// Returns whether a file of that name has an entry in the checksum list.
-pub(super) fn is_listed(name: &str) -> bool {
-    let is_passing =
+pub(super) fn has_checksum(name: &str) -> bool {
+    let is_transient =
         [AppendedFile::Lock, AppendedFile::Checkpoint].into_iter().any(|file| file.name() == name);
-    (is_result(name) && !is_passing && name != Checksums::NAME) || [CASE, PROGRAM].contains(&name)
+    (is_result_name(name) && !is_transient && name != Checksums::FILE_NAME)
+        || [CASE_FILE, PROGRAM_FILE].contains(&name)
 }
 
 /// Returns whether a file of that name is temporary or a lock, hence irrelevant to the ownership of the folder.
-pub(super) fn is_passing(name: &str) -> bool {
-    is_half_written(name) || [AppendedFile::Lock.name(), BRIEF_LOCK].contains(&name)
+pub(super) fn is_transient(name: &str) -> bool {
+    is_temporary(name) || [AppendedFile::Lock.name(), PUBLICATION_LOCK_FILE].contains(&name)
 }
 
 /// Returns whether a verb may write a file of that name.
-pub(super) fn is_result(name: &str) -> bool {
-    is_snapshot(name) || results().any(|known| known == name)
+pub(super) fn is_result_name(name: &str) -> bool {
+    is_snapshot(name) || result_names().any(|known| known == name)
 }
 
 /// Returns whether the name is that of a temporary file of this program: `.NAME.PROCESS-COUNT.partial`. Other hidden
 /// files are left untouched.
-pub(super) fn is_half_written(name: &str) -> bool {
+pub(super) fn is_temporary(name: &str) -> bool {
     let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
     inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {
         let is_number = process.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
-        let is_own = is_result(name) || [CASE, PROGRAM, PROBE].contains(&name);
+        let is_own = is_result_name(name) || [CASE_FILE, PROGRAM_FILE, PROBE_FILE].contains(&name);
         is_number && is_own
     })
 }

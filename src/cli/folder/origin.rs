@@ -1,19 +1,19 @@
 //! Origin of the results of a folder: program version and case.
 
-use super::names::{CASE, PROGRAM, is_passing, is_result};
-use super::{OutputError, names_in};
-use files::read_regular;
+use super::names::{CASE_FILE, PROGRAM_FILE, is_result_name, is_transient};
+use super::{OutputError, list_file_names};
+use files::read_regular_file;
 use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Serialises the content of [`PROGRAM`].
-pub(super) fn program_bytes(without_plot_options: &str) -> Vec<u8> {
-    format!("{:#}\n", program(without_plot_options)).into_bytes()
+/// Serialises the content of [`PROGRAM_FILE`].
+pub(super) fn serialise_program_file(without_plot_options: &str) -> Vec<u8> {
+    format!("{:#}\n", describe_program(without_plot_options)).into_bytes()
 }
 
-/// Creates the content of [`PROGRAM`]: name, version, commit and checksum of the case.
-fn program(without_plot_options: &str) -> Value {
+/// Creates the content of [`PROGRAM_FILE`]: name, version, commit and checksum of the case.
+fn describe_program(without_plot_options: &str) -> Value {
     serde_json::json!({
         "name": env!("CARGO_PKG_NAME"),
         "version": env!("CARGO_PKG_VERSION"),
@@ -25,53 +25,56 @@ fn program(without_plot_options: &str) -> Value {
 /// Origin of the results of a folder: program version and case.
 pub(super) struct Origin {
     /// Whether the results are by this version and commit of the program.
-    pub(super) is_version: bool,
+    pub(super) is_same_version: bool,
     /// Whether the results are of this case, plot options aside.
-    pub(super) is_case: bool,
+    pub(super) is_same_case: bool,
 }
 
 impl Origin {
-    /// Compares [`PROGRAM`] of the folder with this program and case; an absent file matches neither.
-    pub(super) fn of(folder: &Path, without_plot_options: &str) -> Result<Self, OutputError> {
-        let path = folder.join(PROGRAM);
-        let bytes = match read_regular(&path) {
+    /// Compares [`PROGRAM_FILE`] of the folder with this program and case; an absent file matches neither.
+    pub(super) fn from_folder(
+        folder: &Path,
+        without_plot_options: &str,
+    ) -> Result<Self, OutputError> {
+        let path = folder.join(PROGRAM_FILE);
+        let bytes = match read_regular_file(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
-            bytes => bytes.map_err(|error| OutputError::unreadable(&path, &error))?,
+            bytes => bytes.map_err(|error| OutputError::from_read_error(&path, &error))?,
         };
         let found: Value = serde_json::from_slice(&bytes).unwrap_or_default();
-        let own = program(without_plot_options);
+        let own = describe_program(without_plot_options);
         let is_same = |key: &str| found[key] == own[key];
-        let is_version = ["name", "version", "commit"].into_iter().all(is_same);
-        Ok(Self { is_version, is_case: is_same("case") })
+        let is_same_version = ["name", "version", "commit"].into_iter().all(is_same);
+        Ok(Self { is_same_version, is_same_case: is_same("case") })
     }
 }
 
-pub(super) fn holds(path: &Path, text: &str) -> bool {
-    read_regular(path).is_ok_and(|bytes| bytes == text.as_bytes())
+pub(super) fn has_content(path: &Path, text: &str) -> bool {
+    read_regular_file(path).is_ok_and(|bytes| bytes == text.as_bytes())
 }
 
 /// Returns why the content of the folder must not be overwritten without `--force`; `None` if it may.
-pub(super) fn foreign(
+pub(super) fn find_foreign_content(
     folder: &Path,
     case: &str,
     without_plot_options: &str,
 ) -> Result<Option<&'static str>, OutputError> {
-    let mut names = names_in(folder)?;
-    names.retain(|name| !is_passing(name));
+    let mut names = list_file_names(folder)?;
+    names.retain(|name| !is_transient(name));
     if names.is_empty() {
         return Ok(None);
     }
-    if !holds(&folder.join(CASE), case) {
+    if !has_content(&folder.join(CASE_FILE), case) {
         return Ok(Some("the folder holds something other than results of this case"));
     }
     // A run killed early may have written only the case, without results of other origin.
-    let has_origin = names.iter().any(|name| name == PROGRAM || is_result(name));
-    let origin = Origin::of(folder, without_plot_options)?;
+    let has_origin = names.iter().any(|name| name == PROGRAM_FILE || is_result_name(name));
+    let origin = Origin::from_folder(folder, without_plot_options)?;
     Ok(match has_origin {
-        true if !origin.is_version => {
+        true if !origin.is_same_version => {
             Some("the folder holds results of another version of this program")
         }
-        true if !origin.is_case => {
+        true if !origin.is_same_case => {
             Some("the folder holds results of another case than its case.toml")
         }
         _ => None,

@@ -1,62 +1,67 @@
 //! Joint publication of the files of a verb.
 
-use super::names::{CASE, FINISHED, PROGRAM, is_result};
-use super::{AppendedFile, OutputError, ResultFolder, not_written, remove};
-use files::{Staged, Written, stage_with};
+use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_result_name};
+use super::{AppendedFile, OutputError, ResultFolder, remove_if_exists, write_error};
+use files::{FileDigest, StagedFile, stage_file_with};
 use std::io::Write as _;
 
 /// Origin of the files to be published.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Owner {
+enum PublicationKind {
     /// A verb that computes results of a case.
-    Case,
+    CaseResults,
     /// Redrawn pictures of a finished run.
-    FinishedRun,
+    RedrawnPictures,
 }
 
 /// Files of a verb, complete on disk under temporary names, which are removed on drop.
 pub struct Publication<'a> {
     folder: &'a ResultFolder,
-    owner: Owner,
-    staged: Vec<(String, Staged, Written)>,
+    kind: PublicationKind,
+    staged_files: Vec<(String, StagedFile, FileDigest)>,
     /// Names of files to be removed.
-    removed: Vec<String>,
+    removed_names: Vec<String>,
 }
 
 impl ResultFolder {
     /// Starts a publication of results of the case.
-    pub fn publication(&self) -> Publication<'_> {
-        Publication { folder: self, owner: Owner::Case, staged: Vec::new(), removed: Vec::new() }
+    pub fn start_publication(&self) -> Publication<'_> {
+        Publication {
+            folder: self,
+            kind: PublicationKind::CaseResults,
+            staged_files: Vec::new(),
+            removed_names: Vec::new(),
+        }
     }
 
     /// Starts a publication of redrawn pictures of the finished run in this folder.
-    pub fn redrawing(&self) -> Publication<'_> {
+    pub fn start_redrawing(&self) -> Publication<'_> {
         Publication {
             folder: self,
-            owner: Owner::FinishedRun,
-            staged: Vec::new(),
-            removed: Vec::new(),
+            kind: PublicationKind::RedrawnPictures,
+            staged_files: Vec::new(),
+            removed_names: Vec::new(),
         }
     }
 }
 
 impl Publication<'_> {
-    /// Adds one of the [`results`](super::results) under a temporary name.
+    /// Adds one of the [`result_names`](super::result_names) under a temporary name.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn put(&mut self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
-        debug_assert!(is_result(name), "{name} is not listed");
+    pub fn stage_file(&mut self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        debug_assert!(is_result_name(name), "{name} is not listed");
         let path = self.folder.path.join(name);
-        let staged = stage_with(&path, |file| file.write_all(bytes));
-        let staged = staged.map_err(|error| not_written(&path, &error))?;
-        self.staged.push((name.to_owned(), staged, Written::of(bytes)));
+        let staged = stage_file_with(&path, |file| file.write_all(bytes));
+        let staged = staged.map_err(|error| write_error(&path, &error))?;
+        self.staged_files.push((name.to_owned(), staged, FileDigest::from_bytes(bytes)));
         Ok(())
     }
 
-    /// Marks one of the [`results`](super::results) for removal if it exists.
-    pub fn remove(&mut self, name: &str) {
-        self.removed.push(name.to_owned());
+    /// Marks one of the [`result_names`](super::result_names) for removal if it exists.
+    pub fn schedule_removal(&mut self, name: &str) {
+        self.removed_names.push(name.to_owned());
     }
 
     /// Publishes all files with resolved case, program version and checksums, and removes results of another case and
@@ -65,56 +70,60 @@ impl Publication<'_> {
     /// # Errors
     /// The folder was changed by another process meanwhile, or a file cannot be written.
     pub fn publish(self) -> Result<(), OutputError> {
-        let Self { folder, owner, staged, removed } = self;
-        let _brief = folder.lock_briefly()?;
+        let Self { folder, kind, staged_files, removed_names } = self;
+        let _brief = folder.lock_for_publication()?;
         let lives = folder.has_run_lock();
-        match owner {
-            Owner::Case => {
-                if folder.refuse_foreign()? {
+        match kind {
+            PublicationKind::CaseResults => {
+                if folder.check_foreign_results()? {
                     if lives {
-                        return Err(folder.busy());
+                        return Err(folder.active_run_error());
                     }
                     folder.remove_results()?;
                 }
             }
-            Owner::FinishedRun if lives || !folder.path.join(FINISHED).exists() => {
-                return Err(folder.busy());
+            PublicationKind::RedrawnPictures
+                if lives || !folder.path.join(FINISHED_RUN_FILE).exists() =>
+            {
+                return Err(folder.active_run_error());
             }
-            Owner::FinishedRun => {}
+            PublicationKind::RedrawnPictures => {}
         }
-        folder.sweep()?;
-        if !lives && folder.path.join(FINISHED).exists() {
+        folder.remove_abandoned_files()?;
+        if !lives && folder.path.join(FINISHED_RUN_FILE).exists() {
             // Left by a run killed after its last result was written.
-            remove(&folder.path_of(AppendedFile::Checkpoint))?;
-            remove(&folder.path_of(AppendedFile::Lock))?;
+            remove_if_exists(&folder.file_path(AppendedFile::Checkpoint))?;
+            remove_if_exists(&folder.file_path(AppendedFile::Lock))?;
         }
-        let mut list = folder.checksums()?;
-        let changed = staged
+        let mut list = folder.load_checksums()?;
+        let changed = staged_files
             .iter()
-            .filter(|(name, _, own)| list.get(name).is_some_and(|old| old != *own))
+            .filter(|(name, _, own)| list.digest(name).is_some_and(|old| old != *own))
             .map(|(name, ..)| name);
-        let gone: Vec<&String> = changed.chain(&removed).collect();
+        let gone: Vec<&String> = changed.chain(&removed_names).collect();
         if !gone.is_empty() {
             gone.into_iter().for_each(|name| list.remove(name));
             folder.write_checksums(&list)?;
         }
-        if owner == Owner::Case && !lives {
+        if kind == PublicationKind::CaseResults && !lives {
             folder.write_origin()?;
         }
-        removed.iter().try_for_each(|name| remove(&folder.path.join(name)))?;
-        for (name, staged, written) in staged {
+        removed_names.iter().try_for_each(|name| remove_if_exists(&folder.path.join(name)))?;
+        for (name, staged, written) in staged_files {
             let path = folder.path.join(&name);
-            staged.publish().map_err(|error| not_written(&path, &error))?;
+            staged.publish().map_err(|error| write_error(&path, &error))?;
             list.insert(&name, written);
         }
-        match owner {
-            Owner::Case => {
+        match kind {
+            PublicationKind::CaseResults => {
                 for (name, bytes) in folder.origin_files() {
-                    list.insert(name, Written::of(&bytes));
+                    list.insert(name, FileDigest::from_bytes(&bytes));
                 }
             }
             // The plot options of the case may have been edited.
-            Owner::FinishedRun => folder.list_as_found(&mut list, &[CASE, PROGRAM])?,
+            PublicationKind::RedrawnPictures => {
+                folder.add_current_checksums(&mut list, &[CASE_FILE, PROGRAM_FILE])?
+            }
         }
         folder.write_checksums(&list)
     }

@@ -1,20 +1,21 @@
 //! Results folders of simulations: locking, resuming and redrawing.
 
-use super::names::{CASE, FINISHED, PROGRAM, is_of_run};
+use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_run_file};
 use super::origin::Origin;
 use super::{
-    AppendedFile, OutputError, ResultFolder, names_in, not_locked, not_written, remove, write_file,
+    AppendedFile, OutputError, ResultFolder, list_file_names, lock_error, remove_if_exists,
+    write_error, write_file,
 };
 use crate::case::Case;
 use crate::cli::Error;
 use files::checksums::Checksums;
 use files::lock::{Lock, LockError};
-use files::{Staged, Written, stage_with};
+use files::{FileDigest, StagedFile, stage_file_with};
 use std::io::Write as _;
 use std::path::Path;
 
 /// Unfinished run whose folder is locked by this process.
-pub struct Begun {
+pub struct UnfinishedRun {
     /// Results folder.
     pub folder: ResultFolder,
     /// Case of the run.
@@ -29,74 +30,83 @@ impl ResultFolder {
     /// # Errors
     /// The folder holds no run, a finished run, a run in progress, a run of another program version, or a run whose
     /// case was changed after it began.
-    pub fn of_run(path: &Path) -> Result<Begun, Error> {
+    pub fn open_unfinished_run(path: &Path) -> Result<UnfinishedRun, Error> {
         let refused = |cause: &str, remedy| OutputError {
             path: path.to_owned(),
             cause: cause.to_owned(),
             remedy,
         };
-        if !path.join(CASE).is_file() {
+        if !path.join(CASE_FILE).is_file() {
             let remedy = "name the folder of results of wellposed run";
             return Err(refused("no run: it holds no case.toml", remedy).into());
         }
         // Only the path is known here: the folder is locked before its content is read.
         let nameless = Self {
             path: path.to_owned(),
-            case: String::new(),
-            without_plot_options: String::new(),
-            force: false,
+            case_toml: String::new(),
+            case_without_plot_options: String::new(),
+            can_overwrite: false,
         };
         let lock = nameless.lock_run()?;
-        if path.join(FINISHED).exists() {
+        if path.join(FINISHED_RUN_FILE).exists() {
             return Err(refused("the run is finished", "wellposed plot draws it again").into());
         }
-        let (folder, case) = Self::of_own_case(path)?;
-        if !folder.origin()?.is_version {
+        let (folder, case) = Self::from_stored_case(path)?;
+        if !folder.read_origin()?.is_same_version {
             let remedy = "resume it with that version, or run the case again with --force";
             return Err(refused("a run of another version of this program", remedy).into());
         }
-        folder.check_case()?;
-        Ok(Begun { folder, case, lock })
+        folder.check_stored_case()?;
+        Ok(UnfinishedRun { folder, case, lock })
     }
 
     /// Opens the folder of a finished run for redrawing and loads its case.
     ///
     /// # Errors
     /// The folder holds no finished run, or its case was changed in more than the plot options.
-    pub fn finished(path: &Path) -> Result<(Self, Case), Error> {
-        if !path.join(FINISHED).exists() || !path.join(CASE).is_file() {
+    pub fn open_finished_run(path: &Path) -> Result<(Self, Case), Error> {
+        if !path.join(FINISHED_RUN_FILE).exists() || !path.join(CASE_FILE).is_file() {
             let remedy = "name the folder of results of wellposed run; resume an unfinished one";
             let (path, cause) = (path.to_owned(), "no finished run".to_owned());
             return Err(OutputError { path, cause, remedy }.into());
         }
-        let (folder, case) = Self::of_own_case(path)?;
-        folder.check_case()?;
+        let (folder, case) = Self::from_stored_case(path)?;
+        folder.check_stored_case()?;
         Ok((folder, case))
     }
 
     /// Opens a folder with the case stored in it.
-    pub(super) fn of_own_case(path: &Path) -> Result<(Self, Case), Error> {
-        let case = Case::load_in_time(&path.join(CASE), &[])?;
-        let (text, without_plot_options) = (case.to_toml(), case.without_plot_options().to_toml());
-        Ok((Self { path: path.to_owned(), case: text, without_plot_options, force: false }, case))
+    pub(super) fn from_stored_case(path: &Path) -> Result<(Self, Case), Error> {
+        let case = Case::load_simulation(&path.join(CASE_FILE), &[])?;
+        let (text, case_without_plot_options) =
+            (case.to_toml(), case.without_plot_options().to_toml());
+        Ok((
+            Self {
+                path: path.to_owned(),
+                case_toml: text,
+                case_without_plot_options,
+                can_overwrite: false,
+            },
+            case,
+        ))
     }
 
-    fn origin(&self) -> Result<Origin, OutputError> {
-        Origin::of(&self.path, &self.without_plot_options)
+    fn read_origin(&self) -> Result<Origin, OutputError> {
+        Origin::from_folder(&self.path, &self.case_without_plot_options)
     }
 
     /// Checks that the case of the folder is the one its results were begun with.
-    fn check_case(&self) -> Result<(), OutputError> {
-        let origin = self.origin()?;
-        if origin.is_case {
+    fn check_stored_case(&self) -> Result<(), OutputError> {
+        let origin = self.read_origin()?;
+        if origin.is_same_case {
             return Ok(());
         }
-        let cause = match origin.is_version {
+        let cause = match origin.is_same_version {
             true => "not what the run began with, in more than output.picture and output.contours",
             false => "of a run of another version of this program",
         };
         Err(OutputError {
-            path: self.path.join(CASE),
+            path: self.path.join(CASE_FILE),
             cause: cause.to_owned(),
             remedy: "take the change back, or run the case again with --force",
         })
@@ -107,19 +117,23 @@ impl ResultFolder {
     ///
     /// # Errors
     /// A run is in progress, or an existing run would be discarded; the error states the remedy.
-    pub fn check_runs(&self) -> Result<(), OutputError> {
-        if self.has_living_run()? { Err(self.busy()) } else { self.check_dead_runs() }
+    pub fn check_startable(&self) -> Result<(), OutputError> {
+        if self.has_active_run()? {
+            Err(self.active_run_error())
+        } else {
+            self.check_existing_runs()
+        }
     }
 
-    fn check_dead_runs(&self) -> Result<(), OutputError> {
+    fn check_existing_runs(&self) -> Result<(), OutputError> {
         let refused = |cause: &str, remedy| {
             Err(OutputError { path: self.path.clone(), cause: cause.to_owned(), remedy })
         };
-        if self.force {
+        if self.can_overwrite {
             Ok(())
-        } else if self.path.join(FINISHED).exists() {
+        } else if self.path.join(FINISHED_RUN_FILE).exists() {
             refused("the folder holds this run, finished", "compute it again with --force")
-        } else if self.path_of(AppendedFile::Checkpoint).exists() {
+        } else if self.file_path(AppendedFile::Checkpoint).exists() {
             let remedy = "go on with wellposed resume, or begin again with --force";
             refused("the folder holds this run, interrupted", remedy)
         } else {
@@ -129,16 +143,16 @@ impl ResultFolder {
 
     /// Acquires the run lock, held until the returned value is dropped; changes nothing else.
     fn lock_run(&self) -> Result<Lock, OutputError> {
-        let _brief = self.lock_briefly()?;
-        self.lock_run_within()
+        let _brief = self.lock_for_publication()?;
+        self.acquire_run_lock()
     }
 
-    /// Acquires the run lock; the caller holds the short-term lock.
-    fn lock_run_within(&self) -> Result<Lock, OutputError> {
-        let path = self.path_of(AppendedFile::Lock);
+    /// Acquires the run lock; the caller holds the publication lock.
+    fn acquire_run_lock(&self) -> Result<Lock, OutputError> {
+        let path = self.file_path(AppendedFile::Lock);
         Lock::try_acquire(&path).map_err(|error| match error {
-            LockError::Busy => self.busy(),
-            LockError::Refused(error) => not_locked(&path, &error),
+            LockError::Busy => self.active_run_error(),
+            LockError::Io(error) => lock_error(&path, &error),
         })
     }
 
@@ -148,13 +162,13 @@ impl ResultFolder {
     /// # Errors
     /// The folder may not be used for a run, or a file cannot be written or removed.
     pub fn begin_run(&self) -> Result<RunFolder<'_>, OutputError> {
-        let _brief = self.lock_briefly()?;
-        let lock = self.lock_run_within()?;
-        let is_foreign = self.refuse_foreign()?;
+        let _brief = self.lock_for_publication()?;
+        let lock = self.acquire_run_lock()?;
+        let is_foreign = self.check_foreign_results()?;
         if !is_foreign {
-            self.check_dead_runs()?;
+            self.check_existing_runs()?;
         }
-        self.begin_within(is_foreign)?;
+        self.clear_for_run(is_foreign)?;
         Ok(RunFolder::new(self, lock))
     }
 
@@ -162,23 +176,23 @@ impl ResultFolder {
     ///
     /// # Errors
     /// A file cannot be written or removed.
-    pub fn begin_again(&self, lock: Lock) -> Result<RunFolder<'_>, OutputError> {
-        let _brief = self.lock_briefly()?;
-        self.begin_within(false)?;
+    pub fn restart_run(&self, lock: Lock) -> Result<RunFolder<'_>, OutputError> {
+        let _brief = self.lock_for_publication()?;
+        self.clear_for_run(false)?;
         Ok(RunFolder::new(self, lock))
     }
 
-    fn begin_within(&self, is_foreign: bool) -> Result<(), OutputError> {
-        self.sweep()?;
+    fn clear_for_run(&self, is_foreign: bool) -> Result<(), OutputError> {
+        self.remove_abandoned_files()?;
         match is_foreign {
             true => self.remove_results()?,
-            false => self.unlist_run()?,
+            false => self.remove_run_checksums()?,
         }
         self.write_origin()?;
-        let names = names_in(&self.path)?;
+        let names = list_file_names(&self.path)?;
         let mut own =
-            names.iter().filter(|name| is_of_run(name) || *name == AppendedFile::Log.name());
-        own.try_for_each(|name| remove(&self.path.join(name)))
+            names.iter().filter(|name| is_run_file(name) || *name == AppendedFile::Log.name());
+        own.try_for_each(|name| remove_if_exists(&self.path.join(name)))
     }
 }
 
@@ -187,57 +201,57 @@ pub struct RunFolder<'a> {
     folder: &'a ResultFolder,
     lock: Lock,
     /// Checksums of the files written so far.
-    list: Checksums,
+    checksums: Checksums,
     /// Staged report, published last: its existence marks the run as finished.
-    report: Option<Staged>,
+    staged_report: Option<StagedFile>,
 }
 
 impl<'a> RunFolder<'a> {
     fn new(folder: &'a ResultFolder, lock: Lock) -> Self {
-        Self { folder, lock, list: Checksums::default(), report: None }
+        Self { folder, lock, checksums: Checksums::default(), staged_report: None }
     }
 
     /// Opens the folder of a run resumed from a checkpoint, with the files written up to it.
     ///
     /// # Errors
     /// Leftovers of killed processes cannot be removed.
-    pub fn resumed(folder: &'a ResultFolder, lock: Lock) -> Result<Self, OutputError> {
-        let _brief = folder.lock_briefly()?;
-        folder.sweep()?;
+    pub fn from_checkpoint(folder: &'a ResultFolder, lock: Lock) -> Result<Self, OutputError> {
+        let _brief = folder.lock_for_publication()?;
+        folder.remove_abandoned_files()?;
         Ok(Self::new(folder, lock))
     }
 
-    /// Writes one of the [`results`](super::results) atomically; the report becomes visible when the run [is
+    /// Writes one of the [`result_names`](super::result_names) atomically; the report becomes visible when the run [is
     /// finished](Self::finish).
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<Written, OutputError> {
-        debug_assert!(is_of_run(name), "{name} is not listed");
+    pub fn write_result(&mut self, name: &str, bytes: &[u8]) -> Result<FileDigest, OutputError> {
+        debug_assert!(is_run_file(name), "{name} is not listed");
         let path = self.folder.path.join(name);
-        if name == FINISHED {
-            let staged = stage_with(&path, |file| file.write_all(bytes));
-            self.report = Some(staged.map_err(|error| not_written(&path, &error))?);
+        if name == FINISHED_RUN_FILE {
+            let staged = stage_file_with(&path, |file| file.write_all(bytes));
+            self.staged_report = Some(staged.map_err(|error| write_error(&path, &error))?);
         } else {
             write_file(&path, bytes)?;
         }
-        let written = Written::of(bytes);
-        self.list.insert(name, written);
+        let written = FileDigest::from_bytes(bytes);
+        self.checksums.insert(name, written);
         Ok(written)
     }
 
     /// Adds the checksum of a file that was written elsewhere.
-    pub fn insert(&mut self, name: &str, written: Written) {
-        self.list.insert(name, written);
+    pub fn insert_checksum(&mut self, name: &str, written: FileDigest) {
+        self.checksums.insert(name, written);
     }
 
-    /// Removes one of the [`results`](super::results) if it exists.
+    /// Removes one of the [`result_names`](super::result_names) if it exists.
     ///
     /// # Errors
     /// The file cannot be removed.
-    pub fn remove(&mut self, name: &str) -> Result<(), OutputError> {
-        self.list.remove(name);
-        remove(&self.folder.path.join(name))
+    pub fn remove_result(&mut self, name: &str) -> Result<(), OutputError> {
+        self.checksums.remove(name);
+        remove_if_exists(&self.folder.path.join(name))
     }
 
     /// Finishes the run: writes the checksums of all its files, publishes the report and removes the checkpoint.
@@ -245,18 +259,18 @@ impl<'a> RunFolder<'a> {
     /// # Errors
     /// A file cannot be written or removed.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { folder, lock, list: own, report } = self;
-        let _brief = folder.lock_briefly()?;
-        let mut list = folder.checksums_or_none();
-        own.iter().for_each(|(name, written)| list.insert(name, written));
-        folder.list_as_found(&mut list, &[CASE, PROGRAM])?;
-        folder.write_checksums(&list)?;
-        if let Some(report) = report {
-            let path = folder.path.join(FINISHED);
-            report.publish().map_err(|error| not_written(&path, &error))?;
+        let Self { folder, lock, checksums: own, staged_report } = self;
+        let _brief = folder.lock_for_publication()?;
+        let mut checksums = folder.load_checksums_or_empty();
+        own.iter().for_each(|(name, written)| checksums.insert(name, written));
+        folder.add_current_checksums(&mut checksums, &[CASE_FILE, PROGRAM_FILE])?;
+        folder.write_checksums(&checksums)?;
+        if let Some(staged_report) = staged_report {
+            let path = folder.path.join(FINISHED_RUN_FILE);
+            staged_report.publish().map_err(|error| write_error(&path, &error))?;
         }
-        remove(&folder.path_of(AppendedFile::Checkpoint))?;
-        drop(lock.without_trace());
+        remove_if_exists(&folder.file_path(AppendedFile::Checkpoint))?;
+        drop(lock.with_removal_on_drop());
         Ok(())
     }
 }

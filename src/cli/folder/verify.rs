@@ -1,11 +1,11 @@
 //! Verification of the files of a results folder against their checksums.
 
-use super::checksums::{Damage, read};
-use super::names::{CASE, FINISHED, PROGRAM, is_listed, is_of_run};
-use super::{AppendedFile, OutputError, ResultFolder, names_in};
+use super::checksums::{Damage, read_checksums};
+use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, has_checksum, is_run_file};
+use super::{AppendedFile, OutputError, ResultFolder, list_file_names};
 use crate::cli::Error;
 use crate::cli::run::Checkpoint;
-use files::Written;
+use files::FileDigest;
 use files::checksums::Checksums;
 use serde::Serialize;
 use std::path::Path;
@@ -14,11 +14,13 @@ use std::path::Path;
 #[derive(Clone, Debug, Serialize)]
 pub struct Verification {
     /// Number of files checked.
-    pub files: usize,
+    #[serde(rename = "files")]
+    pub file_count: usize,
     /// Whether the folder holds an unfinished run, which is checked up to its last checkpoint.
     pub is_unfinished: bool,
     /// Damaged files, sorted by name.
-    pub damaged: Vec<Damage>,
+    #[serde(rename = "damaged")]
+    pub damaged_files: Vec<Damage>,
 }
 
 /// Compares all result files of a folder except the log with their checksums, and files of an unfinished run with its
@@ -26,13 +28,15 @@ pub struct Verification {
 ///
 /// # Errors
 /// The folder holds no results.
-pub fn verify(path: &Path) -> Result<Verification, Error> {
-    let names = names_in(path)?;
+pub fn verify_folder(path: &Path) -> Result<Verification, Error> {
+    let names = list_file_names(path)?;
     let holds = |name: &str| names.iter().any(|own| own == name);
-    let is_result = |name: &String| {
-        (is_listed(name) && name != CASE) || is_of_run(name) || name == Checksums::NAME
+    let is_result_name = |name: &String| {
+        (has_checksum(name) && name != CASE_FILE)
+            || is_run_file(name)
+            || name == Checksums::FILE_NAME
     };
-    if !names.iter().any(is_result) {
+    if !names.iter().any(is_result_name) {
         return Err(OutputError {
             path: path.to_owned(),
             cause: "holds no results".into(),
@@ -41,52 +45,53 @@ pub fn verify(path: &Path) -> Result<Verification, Error> {
         .into());
     }
     let has_begun = holds(AppendedFile::Checkpoint.name()) || holds(AppendedFile::Lock.name());
-    let list = read(path);
-    let is_listed_finished = matches!(&list, Ok(Some(own)) if own.get(FINISHED).is_some());
-    let has_files = names.iter().any(|name| is_of_run(name)) && !is_listed_finished;
-    let is_unfinished = !holds(FINISHED) && (has_begun || has_files);
+    let list = read_checksums(path);
+    let is_listed_finished =
+        matches!(&list, Ok(Some(own)) if own.digest(FINISHED_RUN_FILE).is_some());
+    let has_files = names.iter().any(|name| is_run_file(name)) && !is_listed_finished;
+    let is_unfinished = !holds(FINISHED_RUN_FILE) && (has_begun || has_files);
     let mut all = Vec::new();
-    let mut files = 0;
-    let mut check = |name: &str, written: Written| {
-        files += 1;
-        all.extend(Damage::of(path, name, written));
+    let mut file_count = 0;
+    let mut check = |name: &str, written: FileDigest| {
+        file_count += 1;
+        all.extend(Damage::detect(path, name, written));
     };
     if let Ok(Some(list)) = &list {
         // When a run finishes, its checksums are written just before its report is published.
-        let own = list.iter().filter(|(name, _)| !(is_unfinished && is_of_run(name)));
+        let own = list.iter().filter(|(name, _)| !(is_unfinished && is_run_file(name)));
         own.for_each(|(name, written)| check(name, written));
     }
-    let is_due = |name: &str| is_listed(name) && !(is_unfinished && is_without_line(name));
+    let is_due = |name: &str| has_checksum(name) && !(is_unfinished && is_checksum_deferred(name));
     match list {
-        Err(found) => all.push(Damage::new(Checksums::NAME, found)),
+        Err(found) => all.push(Damage::new(Checksums::FILE_NAME, found)),
         Ok(None) if names.iter().any(|name| is_due(name)) => {
-            all.push(Damage::new(Checksums::NAME, "is missing"));
+            all.push(Damage::new(Checksums::FILE_NAME, "is missing"));
         }
         Ok(None) => {}
         Ok(Some(list)) => {
-            let others = names.iter().filter(|name| is_due(name) && list.get(name).is_none());
+            let others = names.iter().filter(|name| is_due(name) && list.digest(name).is_none());
             all.extend(others.map(|name| Damage::new(name, "has no checksum")));
         }
     }
-    files += usize::from(holds(Checksums::NAME));
+    file_count += usize::from(holds(Checksums::FILE_NAME));
     if is_unfinished {
-        files += check_unfinished(path, &mut all)?;
+        file_count += check_unfinished_run(path, &mut all)?;
     }
     all.sort_by(|one, other| one.file.cmp(&other.file));
-    Ok(Verification { files, is_unfinished, damaged: all })
+    Ok(Verification { file_count, is_unfinished, damaged_files: all })
 }
 
 /// Returns whether a file has no checksum entry while its run is unfinished.
-fn is_without_line(name: &str) -> bool {
-    is_of_run(name) || [CASE, PROGRAM].contains(&name)
+fn is_checksum_deferred(name: &str) -> bool {
+    is_run_file(name) || [CASE_FILE, PROGRAM_FILE].contains(&name)
 }
 
 /// Compares the files of an unfinished run with its last checkpoint; returns the number of files checked.
-fn check_unfinished(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Error> {
-    let (folder, case) = match ResultFolder::of_own_case(path) {
+fn check_unfinished_run(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Error> {
+    let (folder, case) = match ResultFolder::from_stored_case(path) {
         Ok(found) => found,
         Err(error) => {
-            all.push(Damage::new(CASE, error.to_string()));
+            all.push(Damage::new(CASE_FILE, error.to_string()));
             return Ok(1);
         }
     };
@@ -99,16 +104,16 @@ fn check_unfinished(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Error> 
             return Ok(2);
         }
     };
-    let tables = checkpoint.tables_of(&case)?;
+    let tables = checkpoint.table_files(&case)?;
     for (file, written) in &tables {
-        match Written::of_start(&folder.path_of(*file), written.length) {
+        match FileDigest::from_prefix(&folder.file_path(*file), written.length) {
             Ok(found) if found == *written => {}
             Ok(_) => all.push(Damage::new(file.name(), "has lost or changed rows")),
             Err(error) => all.push(Damage::new(file.name(), format!("cannot be read: {error}"))),
         }
     }
     for (index, written) in checkpoint.snapshots.iter().enumerate() {
-        all.extend(Damage::of(path, &super::snapshot_name(&case, index), *written));
+        all.extend(Damage::detect(path, &super::snapshot_name(&case, index), *written));
     }
     Ok(2 + tables.len() + checkpoint.snapshots.len())
 }

@@ -2,53 +2,62 @@
 
 use crate::case::Case;
 use crate::cli::Error;
-use crate::cli::folder::{OutputError, ResultFolder, SNAPSHOTS, is_snapshot};
-use crate::report::run::{Frame, Frames};
-use files::read_regular;
+use crate::cli::folder::{OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot};
+use crate::report::run::{AnimationFrame, FrameConverter};
+use files::read_regular_file;
 use std::path::Path;
 
 /// File name of the animation.
-pub(in crate::cli) const ANIMATION: &str = "animation.gif";
+pub(in crate::cli) const ANIMATION_FILE: &str = "animation.gif";
 
 /// Animation to be written to a folder.
-pub(in crate::cli) enum Animation {
+pub(in crate::cli) enum AnimationOutput {
     /// The case requests no animation, or there are fewer than two snapshots.
-    None,
+    Absent,
     /// All values are zero: an existing animation, of another quantity, must be removed.
-    Empty,
+    AllZero,
     /// Content of the GIF file.
-    Drawn(Vec<u8>),
+    Gif(Vec<u8>),
 }
 
 /// Draws the snapshots of a run as an animation with a common colour scale, if the case requests snapshots.
 ///
 /// # Errors
 /// A snapshot is missing or not of this case, or the animation cannot be drawn.
-pub(in crate::cli) fn animation(case: &Case, folder: &ResultFolder) -> Result<Animation, Error> {
-    let Some(frames) = Frames::new(case)? else { return Ok(Animation::None) };
-    let list = folder.path().join(SNAPSHOTS);
-    let unreadable = |path: &Path, error| OutputError::unreadable(path, &error);
-    let bytes = read_regular(&list).map_err(|error| unreadable(&list, error))?;
-    let names = files::vti::collected(&String::from_utf8_lossy(&bytes));
+pub(in crate::cli) fn draw_animation(
+    case: &Case,
+    folder: &ResultFolder,
+) -> Result<AnimationOutput, Error> {
+    let Some(frames) = FrameConverter::new(case)? else { return Ok(AnimationOutput::Absent) };
+    let list = folder.path().join(SNAPSHOT_LIST_FILE);
+    let unreadable = |path: &Path, error| OutputError::from_read_error(path, &error);
+    let bytes = read_regular_file(&list).map_err(|error| unreadable(&list, error))?;
+    let names = files::vti::parse_collection(&String::from_utf8_lossy(&bytes));
     // A list with other names was not written by this program.
     if let Some(odd) = names.iter().find(|name| !is_snapshot(name)) {
-        return Err(OutputError::unusable(&list, format!("names '{odd}', no snapshot")).into());
+        return Err(OutputError::from_invalid_content(
+            &list,
+            format!("names '{odd}', no snapshot"),
+        )
+        .into());
     }
     if names.len() < 2 {
-        return Ok(Animation::None);
+        return Ok(AnimationOutput::Absent);
     }
     // Snapshots are read twice, for the scale and for the frames, to limit memory.
     let all = || {
-        names.iter().map(|name| -> Result<Frame, Error> {
+        names.iter().map(|name| -> Result<AnimationFrame, Error> {
             let path = folder.path().join(name);
-            let bytes = read_regular(&path).map_err(|error| unreadable(&path, error))?;
-            Ok(frames.frame(&bytes).map_err(|cause| OutputError::unusable(&path, cause))?)
+            let bytes = read_regular_file(&path).map_err(|error| unreadable(&path, error))?;
+            Ok(frames
+                .read_frame(&bytes)
+                .map_err(|cause| OutputError::from_invalid_content(&path, cause))?)
         })
     };
     let greatest =
-        all().try_fold(0.0f64, |sum, frame| Ok::<_, Error>(sum.max(frame?.greatest())))?;
+        all().try_fold(0.0f64, |sum, frame| Ok::<_, Error>(sum.max(frame?.max_magnitude())))?;
     if greatest == 0.0 {
-        return Ok(Animation::Empty);
+        return Ok(AnimationOutput::AllZero);
     }
-    Ok(Animation::Drawn(frames.animation(greatest, all())?))
+    Ok(AnimationOutput::Gif(frames.draw_animation(greatest, all())?))
 }

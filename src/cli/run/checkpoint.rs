@@ -1,10 +1,10 @@
 //! Checkpoint of a run: the state, and the lengths and checksums of its tables and snapshots.
 
-use crate::case::{Case, InTime};
-use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, not_written};
-use dynamics::simulation::State;
-use files::Written;
-use files::sealed::{Problem, read_sealed, write_sealed};
+use crate::case::{Case, TimeDomainRun};
+use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, write_error};
+use dynamics::simulation::SimulationState;
+use files::FileDigest;
+use files::section_file::{SectionFileProblem, read_sections, write_sections};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -12,18 +12,18 @@ use std::io::ErrorKind;
 /// Checkpoint of a simulation of a solid or a flow.
 pub(in crate::cli) struct Checkpoint {
     /// Lengths and checksums of the tables.
-    pub(in crate::cli) tables: Vec<Written>,
+    pub(in crate::cli) tables: Vec<FileDigest>,
     /// Lengths and checksums of all snapshots so far.
-    pub(in crate::cli) snapshots: Vec<Written>,
+    pub(in crate::cli) snapshots: Vec<FileDigest>,
     /// State of the solver.
-    pub(in crate::cli) state: State,
+    pub(in crate::cli) state: SimulationState,
 }
 
 impl Checkpoint {
     /// Writes the checkpoint atomically.
     pub(super) fn write(&self, folder: &ResultFolder) -> Result<(), OutputError> {
-        let State { steps, time, initial_energy, sections: numbers } = &self.state;
-        let pairs = |files: &[Written]| -> Vec<[u64; 2]> {
+        let SimulationState { steps, time, initial_energy, sections: numbers } = &self.state;
+        let pairs = |files: &[FileDigest]| -> Vec<[u64; 2]> {
             files.iter().map(|own| [own.length, own.checksum.into()]).collect()
         };
         let about = json!({
@@ -34,11 +34,13 @@ impl Checkpoint {
             "start": initial_energy.to_bits(),
         })
         .to_string();
-        let mut sections: Vec<(&str, &[u8])> =
-            vec![("case", folder.without_plot_options().as_bytes()), ("about", about.as_bytes())];
+        let mut sections: Vec<(&str, &[u8])> = vec![
+            ("case", folder.case_without_plot_options().as_bytes()),
+            ("about", about.as_bytes()),
+        ];
         sections.extend(numbers.iter().map(|(name, own)| (name.as_str(), own.as_slice())));
-        let path = folder.path_of(AppendedFile::Checkpoint);
-        write_sealed(&path, &sections).map_err(|error| not_written(&path, &error))
+        let path = folder.file_path(AppendedFile::Checkpoint);
+        write_sections(&path, &sections).map_err(|error| write_error(&path, &error))
     }
 
     /// Reads the checkpoint of a folder; `None` if the run had not written one yet.
@@ -46,18 +48,22 @@ impl Checkpoint {
     /// # Errors
     /// The checkpoint is damaged or of another case.
     pub(in crate::cli) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
-        let path = folder.path_of(AppendedFile::Checkpoint);
-        let damaged = |cause: &str| OutputError::unusable(&path, cause);
-        let sections = match read_sealed(&path).map_err(|error| error.problem) {
-            Err(Problem::Read(error)) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(Problem::Read(error)) => return Err(OutputError::unreadable(&path, &error)),
+        let path = folder.file_path(AppendedFile::Checkpoint);
+        let damaged = |cause: &str| OutputError::from_invalid_content(&path, cause);
+        let sections = match read_sections(&path).map_err(|error| error.problem) {
+            Err(SectionFileProblem::Io(error)) if error.kind() == ErrorKind::NotFound => {
+                return Ok(None);
+            }
+            Err(SectionFileProblem::Io(error)) => {
+                return Err(OutputError::from_read_error(&path, &error));
+            }
             Err(problem) => return Err(damaged(&problem.to_string())),
             Ok(sections) => sections,
         };
         let mut sections: BTreeMap<String, Vec<u8>> = sections.into_iter().collect();
         let mut take = |name: &str| sections.remove(name);
         let odd = || damaged("not a checkpoint of this program");
-        if take("case").as_deref() != Some(folder.without_plot_options().as_bytes()) {
+        if take("case").as_deref() != Some(folder.case_without_plot_options().as_bytes()) {
             return Err(damaged("a checkpoint of another case"));
         }
         let about: Value =
@@ -65,9 +71,9 @@ impl Checkpoint {
         let number = |value: &Value| value.as_u64();
         let pair = |own: &Value| {
             let checksum = number(&own[1]).and_then(|own| u32::try_from(own).ok());
-            Some(Written { length: number(&own[0])?, checksum: checksum? })
+            Some(FileDigest { length: number(&own[0])?, checksum: checksum? })
         };
-        let pairs = |name: &str| -> Option<Vec<Written>> {
+        let pairs = |name: &str| -> Option<Vec<FileDigest>> {
             about[name].as_array()?.iter().map(pair).collect()
         };
         let [tables, snapshots] = ["tables", "snapshots"].map(pairs);
@@ -76,7 +82,7 @@ impl Checkpoint {
         let (Some(steps), Some(time), Some(start)) = (steps, time, start) else {
             return Err(odd());
         };
-        let state = State {
+        let state = SimulationState {
             steps: usize::try_from(steps).map_err(|_| odd())?,
             time: f64::from_bits(time),
             initial_energy: f64::from_bits(start),
@@ -89,25 +95,25 @@ impl Checkpoint {
     ///
     /// # Errors
     /// The case has no simulation.
-    pub(in crate::cli) fn tables_of(
+    pub(in crate::cli) fn table_files(
         &self,
         case: &Case,
-    ) -> Result<Vec<(AppendedFile, Written)>, crate::Error> {
-        let has_receivers = match case.in_time()? {
-            InTime::Solid(own) => !own.receivers.is_empty(),
-            InTime::Flow(own) => !own.receivers.is_empty(),
+    ) -> Result<Vec<(AppendedFile, FileDigest)>, crate::Error> {
+        let has_receivers = match case.time_domain_run()? {
+            TimeDomainRun::Solid(own) => !own.receivers.is_empty(),
+            TimeDomainRun::Flow(own) => !own.receivers.is_empty(),
         };
         let all = [
             has_receivers.then_some(AppendedFile::Receivers),
             Some(AppendedFile::Ledger),
-            case.flow.is_some().then_some(AppendedFile::Spectrum),
+            case.flow_run.is_some().then_some(AppendedFile::Spectrum),
         ];
         Ok(all.into_iter().flatten().zip(self.tables.iter().copied()).collect())
     }
 
     /// Creates the error that the state does not match the fields of the case.
-    pub(in crate::cli) fn refused(folder: &ResultFolder) -> OutputError {
-        let path = folder.path_of(AppendedFile::Checkpoint);
-        OutputError::unusable(&path, "its fields are not those of the case")
+    pub(in crate::cli) fn mismatch_error(folder: &ResultFolder) -> OutputError {
+        let path = folder.file_path(AppendedFile::Checkpoint);
+        OutputError::from_invalid_content(&path, "its fields are not those of the case")
     }
 }

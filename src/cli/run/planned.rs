@@ -1,8 +1,8 @@
 //! Names of the files that a run will write.
 
-use crate::case::{Case, InTime};
-use crate::cli::folder::{AppendedFile, SNAPSHOTS, snapshot_name};
-use crate::{Error, case::dynamics::Picture};
+use crate::case::{Case, TimeDomainRun};
+use crate::cli::folder::{AppendedFile, SNAPSHOT_LIST_FILE, snapshot_name};
+use crate::{Error, case::dynamics::PlottedQuantity};
 use dynamics::simulation::RegularTimes;
 
 /// Returns the names of the files of a complete run besides those of every results folder; more than two snapshots are
@@ -11,22 +11,22 @@ use dynamics::simulation::RegularTimes;
 ///
 /// # Errors
 /// The case has no simulation.
-pub(super) fn planned(case: &Case) -> Result<Vec<String>, Error> {
-    let (has_receivers, interval, duration) = match case.in_time()? {
-        InTime::Solid(own) => {
+pub(super) fn planned_file_names(case: &Case) -> Result<Vec<String>, Error> {
+    let (has_receivers, interval, duration) = match case.time_domain_run()? {
+        TimeDomainRun::Solid(own) => {
             (!own.receivers.is_empty(), own.output.snapshot_interval, own.time.duration)
         }
-        InTime::Flow(own) => {
+        TimeDomainRun::Flow(own) => {
             (!own.receivers.is_empty(), own.output.snapshot_interval, own.time.duration)
         }
     };
-    let shows_dissipation = case.dynamics.as_ref().is_some_and(|own| {
-        let in_regions = || own.regions.iter().any(|region| region.material.yields.is_some());
+    let shows_dissipation = case.solid_run.as_ref().is_some_and(|own| {
+        let in_regions = || own.regions.iter().any(|region| region.material.yield_set.is_some());
         let yields = match own.regions.is_empty() {
-            true => case.material.yields.is_some(),
+            true => case.material.yield_set.is_some(),
             false => in_regions(),
         };
-        yields && own.output.picture != Picture::Dissipation
+        yields && own.output.plotted_quantity != PlottedQuantity::Dissipation
     });
     let mut names: Vec<String> = Vec::new();
     let mut add = |stem: &str, endings: &[&str]| {
@@ -40,7 +40,7 @@ pub(super) fn planned(case: &Case) -> Result<Vec<String>, Error> {
     if shows_dissipation {
         add("dissipation", &["png", "svg"]);
     }
-    if case.flow.is_some() {
+    if case.flow_run.is_some() {
         add("spectrum", &["png", "svg", "csv"]);
     }
     if has_receivers {
@@ -51,10 +51,10 @@ pub(super) fn planned(case: &Case) -> Result<Vec<String>, Error> {
     add("run", &["txt", "json"]);
     names.push(AppendedFile::Log.name().to_owned());
     if interval > 0.0 {
-        let last = RegularTimes::new(interval, duration).until(duration).saturating_sub(1);
+        let last = RegularTimes::new(interval, duration).count_until(duration).saturating_sub(1);
         let name = |index| snapshot_name(case, index);
         names.push("animation.gif".to_owned());
-        names.push(SNAPSHOTS.to_owned());
+        names.push(SNAPSHOT_LIST_FILE.to_owned());
         match last {
             0 => names.push(name(0)),
             1 => names.extend([name(0), name(1)]),

@@ -1,59 +1,74 @@
 //! Recorder that writes the output of a simulation to files, and interrupts it on signals.
 
-use super::Run;
-use super::appended::{Files, records};
+use super::RunContext;
 use super::checkpoint::Checkpoint;
-use super::control::CheckpointTimer;
+use super::checkpoint_timer::CheckpointTimer;
+use super::run_files::{RunFiles, read_records};
 use crate::Error;
 use crate::cli::folder::{RunFolder, snapshot_name};
-use crate::cli::progress::Progress;
-use crate::cli::signals::{self, Stage};
-use crate::report::format::short;
-use crate::report::run::{Time, image};
-use crate::study::simulate::{Effort, Fields, Head, Moment, Recorder, Records, TableKind};
-use dynamics::simulation::{RegularTimes, State};
+use crate::cli::progress::DelayedProgressBar;
+use crate::cli::signals::{self, ProgramStage};
+use crate::report::format::format_short;
+use crate::report::run::{DisplayTime, create_image};
+use crate::study::simulate::{
+    OutputFields, Recorder, RunProgress, RunRecords, StepStatistics, TableHeader, TableKind,
+};
+use dynamics::simulation::{RegularTimes, SimulationState};
 use files::lock::Lock;
 use std::io::{IsTerminal as _, Write as _};
 use std::time::Instant;
 
 /// Wall time between two progress lines if standard error is not a terminal, s.
-const LINE_EVERY: f64 = 10.0;
+const PROGRESS_LINE_INTERVAL: f64 = 10.0;
 
 /// Number of increments of the progress bar.
-const PARTS: f64 = 1000.0;
+const PROGRESS_STEPS: f64 = 1000.0;
+
+/// Start of the computation by this process.
+struct RunStart {
+    /// Wall-clock time.
+    clock: Instant,
+    /// Number of steps done before, by an interrupted run.
+    steps: usize,
+    /// Simulated time, s.
+    time: f64,
+}
 
 /// Recorder of the files of a run; holds the run lock of the folder until dropped.
 pub(super) struct FileRecorder<'a> {
-    run: &'a Run<'a>,
+    context: &'a RunContext<'a>,
     /// Checkpoint to resume from, until the run starts.
-    from: Option<Checkpoint>,
+    checkpoint: Option<Checkpoint>,
     is_resumed: bool,
-    files: Files<'a>,
+    files: RunFiles<'a>,
     timer: CheckpointTimer<'a>,
-    snapshots: Option<RegularTimes>,
-    progress: Progress,
+    snapshot_times: Option<RegularTimes>,
+    progress_bar: DelayedProgressBar,
     /// Increments shown by the bar.
-    parts: u64,
-    /// Wall-clock start of this part of the run, steps done before it, and simulated time at its start, s.
-    start: (Instant, usize, f64),
+    progress_steps: u64,
+    start: RunStart,
     /// Time of the last progress line.
-    last_line: Instant,
+    last_progress_line: Instant,
 }
 
 impl<'a> FileRecorder<'a> {
     /// `lock` is the folder lock of a resumed run.
-    pub(super) fn new(run: &'a Run<'a>, from: Option<Checkpoint>, lock: Option<Lock>) -> Self {
+    pub(super) fn new(
+        context: &'a RunContext<'a>,
+        checkpoint: Option<Checkpoint>,
+        lock: Option<Lock>,
+    ) -> Self {
         Self {
-            run,
-            is_resumed: from.is_some(),
-            from,
-            files: Files::new(run.folder, lock),
-            timer: CheckpointTimer::new(run),
-            snapshots: None,
-            progress: Progress::new("run", PARTS as u64),
-            parts: 0,
-            start: (Instant::now(), 0, 0.0),
-            last_line: Instant::now(),
+            context,
+            is_resumed: checkpoint.is_some(),
+            checkpoint,
+            files: RunFiles::new(context.folder, lock),
+            timer: CheckpointTimer::new(context),
+            snapshot_times: None,
+            progress_bar: DelayedProgressBar::new("run", PROGRESS_STEPS as u64),
+            progress_steps: 0,
+            start: RunStart { clock: Instant::now(), steps: 0, time: 0.0 },
+            last_progress_line: Instant::now(),
         }
     }
 
@@ -66,35 +81,40 @@ impl<'a> FileRecorder<'a> {
     }
 
     /// Advances the progress bar to `time` of `duration`, both in s.
-    fn tick(&mut self, time: f64, duration: f64) {
-        let parts = (PARTS * time / duration) as u64;
-        self.progress.tick(parts - self.parts);
-        self.parts = parts;
+    fn advance_progress(&mut self, time: f64, duration: f64) {
+        let steps = (PROGRESS_STEPS * time / duration) as u64;
+        self.progress_bar.advance_by(steps - self.progress_steps);
+        self.progress_steps = steps;
     }
 
-    /// Prints progress every [`LINE_EVERY`] seconds if standard error is not a terminal.
-    fn say_progress(&mut self, moment: &Moment) {
-        if std::io::stderr().is_terminal() || self.last_line.elapsed().as_secs_f64() < LINE_EVERY {
+    /// Prints progress every [`PROGRESS_LINE_INTERVAL`] seconds if standard error is not a terminal.
+    fn print_progress(&mut self, progress: &RunProgress) {
+        if std::io::stderr().is_terminal()
+            || self.last_progress_line.elapsed().as_secs_f64() < PROGRESS_LINE_INTERVAL
+        {
             return;
         }
-        self.last_line = Instant::now();
-        let (clock, _, from) = self.start;
-        let rest = (moment.duration - moment.time) / (moment.time - from);
-        let part = 100.0 * moment.time / moment.duration;
-        let left = Time(clock.elapsed().as_secs_f64() * rest);
-        let _ =
-            writeln!(std::io::stderr(), "{part:.1} %, {} steps, about {left} left", moment.steps);
+        self.last_progress_line = Instant::now();
+        let RunStart { clock, time, .. } = self.start;
+        let rest = (progress.duration - progress.time) / (progress.time - time);
+        let part = 100.0 * progress.time / progress.duration;
+        let remaining = DisplayTime(clock.elapsed().as_secs_f64() * rest);
+        let _ = writeln!(
+            std::io::stderr(),
+            "{part:.1} %, {} steps, about {remaining} left",
+            progress.steps
+        );
     }
 
     /// Returns the steps of this part of the run and their wall time, s.
-    fn rate(&self, moment: &Moment) -> (usize, f64) {
-        let (clock, first, _) = self.start;
-        (moment.steps - first, clock.elapsed().as_secs_f64())
+    fn step_timing(&self, progress: &RunProgress) -> (usize, f64) {
+        let RunStart { clock, steps, .. } = self.start;
+        (progress.steps - steps, clock.elapsed().as_secs_f64())
     }
 
     /// Returns the file name of a snapshot by its index.
     fn snapshot_name(&self, index: usize) -> String {
-        snapshot_name(self.run.case, index)
+        snapshot_name(self.context.case, index)
     }
 }
 
@@ -105,97 +125,98 @@ impl Recorder for FileRecorder<'_> {
 
     fn start(
         &mut self,
-        tables: &[Head],
+        tables: &[TableHeader],
         snapshots: Option<RegularTimes>,
-        restore: &mut dyn FnMut(&State) -> Option<usize>,
+        restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
     ) -> Result<(), Error> {
-        match self.from.take() {
+        match self.checkpoint.take() {
             None => self.files.create(tables, snapshots.is_some())?,
-            Some(from) => {
-                let case = self.run.case;
+            Some(checkpoint) => {
+                let case = self.context.case;
                 let snapshot =
                     |index| Some((snapshots.as_ref()?.time(index)?, snapshot_name(case, index)));
-                self.files.resume(tables, &from, restore, snapshot)?;
-                (self.start.1, self.start.2) = (from.state.steps, from.state.time);
+                self.files.resume(tables, &checkpoint, restore, snapshot)?;
+                (self.start.steps, self.start.time) =
+                    (checkpoint.state.steps, checkpoint.state.time);
             }
         }
-        self.snapshots = snapshots;
-        self.timer = CheckpointTimer::new(self.run);
-        self.start.0 = Instant::now();
+        self.snapshot_times = snapshots;
+        self.timer = CheckpointTimer::new(self.context);
+        self.start.clock = Instant::now();
         Ok(())
     }
 
-    fn row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error> {
-        Ok(self.files.write(table.into(), row)?)
+    fn record_row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error> {
+        Ok(self.files.append_row(table.into(), row)?)
     }
 
-    fn snapshot(&mut self, index: usize, fields: Fields) -> Result<(), Error> {
-        let Some(times) = self.snapshots else { return Ok(()) };
-        let image = image(self.run.case, &fields)?;
+    fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error> {
+        let Some(times) = self.snapshot_times else { return Ok(()) };
+        let image = create_image(self.context.case, &fields)?;
         drop(fields);
         let name = |index| Some((times.time(index)?, self.snapshot_name(index)));
         let list: Vec<(f64, String)> = (0..=index).map_while(name).collect();
-        Ok(self.files.snapshot(&image, &list)?)
+        Ok(self.files.write_snapshot(&image, &list)?)
     }
 
-    fn after_steps(&mut self, moment: &Moment) -> Result<(), Error> {
-        self.tick(moment.time, moment.duration);
-        self.say_progress(moment);
-        self.progress.note(note(moment, self.rate(moment)));
-        Ok(self.timer.write_if_due(&mut self.files, moment)?)
+    fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {
+        self.advance_progress(progress.time, progress.duration);
+        self.print_progress(progress);
+        self.progress_bar.set_message(format_progress(progress, self.step_timing(progress)));
+        Ok(self.timer.write_if_due(&mut self.files, progress)?)
     }
 
-    fn replay(&mut self) -> Result<(), Error> {
-        signals::enter(Stage::Replay);
+    fn begin_replay(&mut self) -> Result<(), Error> {
+        signals::set_stage(ProgramStage::Replay);
         match signals::is_interrupted() {
             true => Err(crate::cli::Error::InterruptedReplay {
-                folder: self.run.folder.path().display().to_string(),
+                folder: self.context.folder.path().display().to_string(),
             }
             .into()),
             false => Ok(()),
         }
     }
 
-    fn finish(&mut self, moment: &Moment) -> Result<Records, Error> {
-        signals::enter(Stage::Results);
-        self.files.sync()?;
-        self.files.log(&log(moment, self.rate(moment)));
-        Ok(records(self.run.case, self.run.folder)?)
+    fn finish(&mut self, progress: &RunProgress) -> Result<RunRecords, Error> {
+        signals::set_stage(ProgramStage::WritingResults);
+        self.files.sync_tables()?;
+        self.files.append_log(&format_log_line(progress, self.step_timing(progress)));
+        Ok(read_records(self.context.case, self.context.folder)?)
     }
 }
 
-/// Describes the progress of a run; `rate` holds its steps so far and their wall time, s.
-fn note(moment: &Moment, rate: (usize, f64)) -> String {
-    let time = short(moment.time);
-    match moment.effort {
-        Effort::Solid { energy, cells, .. } => format!(
+/// Describes the progress of a run; `timing` holds its steps so far and their wall time, s.
+fn format_progress(progress: &RunProgress, timing: (usize, f64)) -> String {
+    let time = format_short(progress.time);
+    match progress.statistics {
+        StepStatistics::Solid { energy, cells, .. } => format!(
             "t = {time} s, energy {}, {:.0} million cell-updates/s",
-            short(energy),
-            cell_updates(cells, rate)
+            format_short(energy),
+            cell_update_rate(cells, timing)
         ),
-        Effort::Flow { energy, stages, evaluations, iterations, .. } => format!(
+        StepStatistics::Flow { energy, stages, evaluations, iterations, .. } => format!(
             "t = {time} s, energy {}, step {} of {stages} stages, {:.1} iterations of the pressure",
-            short(energy),
-            moment.steps,
+            format_short(energy),
+            progress.steps,
             iterations as f64 / evaluations.max(1) as f64
         ),
     }
 }
 
 /// Describes steps, wall time and speed of a run.
-fn log(moment: &Moment, (steps, seconds): (usize, f64)) -> String {
-    match moment.effort {
-        Effort::Solid { cells, threads, .. } => format!(
+fn format_log_line(progress: &RunProgress, (steps, seconds): (usize, f64)) -> String {
+    match progress.statistics {
+        StepStatistics::Solid { cells, threads, .. } => format!(
             "{steps} steps in {seconds:.2} s with {threads} threads: {:.1} million cell-updates/s",
-            cell_updates(cells, (steps, seconds))
+            cell_update_rate(cells, (steps, seconds))
         ),
-        Effort::Flow { threads, .. } => {
+        StepStatistics::Flow { threads, .. } => {
             format!("{steps} steps in {seconds:.2} s with {threads} threads")
         }
     }
 }
 
 /// Returns millions of cell updates per second, counting two updates per cell and step.
-fn cell_updates(cells: usize, (steps, seconds): (usize, f64)) -> f64 {
+fn cell_update_rate(cells: usize, (steps, seconds): (usize, f64)) -> f64 {
     2.0 * steps as f64 * cells as f64 / seconds / 1e6
 }

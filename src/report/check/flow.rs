@@ -1,13 +1,14 @@
 //! Check report of a flow: table and pictures.
 
 use super::{
-    digits, exponent, greatest_difference_words, signed_exponent, unmeasured_words, verdict_words,
+    format_agreement, format_max_difference, format_scientific, format_signed_scientific,
+    format_significant, format_unmeasured_count,
 };
 use crate::case::Case;
-use crate::report::format::{case_title, coaxial_words, order_words, short};
+use crate::report::format::{case_title, format_coaxial_note, format_order, format_short};
 use crate::study::check::flow::{FlowCheck, ModeCheck, RateCurve};
-use crate::study::check::refinement::{FastestModeCheck, Orders, RefinementCheck};
-use figures::{Line, SpectrumFigure};
+use crate::study::check::refinement::{FastestModeCheck, GrowthOrders, RefinementCheck};
+use figures::{LabelledCurve, SpectrumFigure};
 use std::fmt::Write as _;
 
 pub(super) const UNITS: [(&str, &str); 5] = [
@@ -19,10 +20,10 @@ pub(super) const UNITS: [(&str, &str); 5] = [
 ];
 
 /// Names of the modes of a wave, by descending growth rate.
-const MODES: [&str; 2] = ["first", "second"];
+const MODE_NAMES: [&str; 2] = ["first", "second"];
 
 impl FlowCheck {
-    pub(super) fn text(&self, case: &Case) -> String {
+    pub(super) fn to_text(&self, case: &Case) -> String {
         let mut text = format!("{}\n{}\n", case_title(case), case.medium().title());
         text.push_str(
             "growth rates γ in 1/s of waves that the mean flow carries along; differences as parts of the \
@@ -36,33 +37,35 @@ impl FlowCheck {
         let mut last = None;
         for row in &self.rows {
             if last != Some(row.wave) {
-                let (k, along) = (short(row.wave.number), short(row.wave.direction_deg));
+                let (k, along) =
+                    (format_short(row.wave.wave_number), format_short(row.wave.direction_deg));
                 let _ = writeln!(text, "k = {k} 1/m at {along}°");
                 last = Some(row.wave);
             }
-            row.write(self.shear_rate, &mut text);
+            row.write_row(self.shear_rate, &mut text);
         }
         for refinement in &self.refinements {
-            refinement.write(&mut text);
+            refinement.write_table(&mut text);
         }
-        let [all, failed] = self.counts();
+        let [all, failed] = self.row_counts();
         let found = match (failed, self.agrees()) {
             (_, None) => String::new(),
             (0, _) => ": all agree".to_owned(),
             (some, _) => format!(": {some} of {all} DISAGREE"),
         };
-        let off = greatest_difference_words(self.greatest_difference());
-        let _ = writeln!(text, "\n{off}{found}{}", unmeasured_words(self.unmeasured()));
+        let off = format_max_difference(self.max_relative_difference());
+        let _ =
+            writeln!(text, "\n{off}{found}{}", format_unmeasured_count(self.unmeasured_count()));
         text
     }
 
     /// Creates the figure of growth and decay rates |γ| against the wave number: curves by the analysis, rings by the
     /// solver.
-    pub(super) fn figure(&self, case: &Case) -> SpectrumFigure {
+    pub(super) fn create_figure(&self, case: &Case) -> SpectrumFigure {
         let line = |curve: &RateCurve| {
-            let sign = if curve.grows { "grows" } else { "decays" };
-            Line {
-                label: format!("at {}°: {sign}", short(curve.direction_deg)),
+            let sign = if curve.is_growing { "grows" } else { "decays" };
+            LabelledCurve {
+                label: format!("at {}°: {sign}", format_short(curve.direction_deg)),
                 points: curve.predicted.clone(),
             }
         };
@@ -71,28 +74,28 @@ impl FlowCheck {
             subtitle: format!(
                 "{}: curves from the analysis, rings from the solver{}",
                 case.medium().title(),
-                unmeasured_words(self.unmeasured()),
+                format_unmeasured_count(self.unmeasured_count()),
             ),
             x_label: "wave number k at the beginning, 1/m".to_owned(),
             y_label: "growth or decay rate |γ|, 1/s".to_owned(),
-            lines: self.curves.iter().map(line).collect(),
-            rings: self.curves.iter().map(|curve| curve.measured.clone()).collect(),
+            spectra: self.curves.iter().map(line).collect(),
+            measured_points: self.curves.iter().map(|curve| curve.measured.clone()).collect(),
         }
     }
 
     /// Creates the figure of the growth rate of the fastest growing wave of each grid, by model; `None` without
     /// refinement.
-    pub(super) fn refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
+    pub(super) fn create_refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points =
             |own: &RefinementCheck, value: fn(&FastestModeCheck) -> f64| -> Vec<[f64; 2]> {
-                let grids = own.grids.iter().filter(|_| own.grows);
-                grids.map(|grid| [grid.number, value(grid)]).collect()
+                let grids = own.grids.iter().filter(|_| own.is_growing);
+                grids.map(|grid| [grid.wave_number, value(grid)]).collect()
             };
         let first = self.refinements.first()?;
         let counts: Vec<String> =
             first.grids.iter().map(|grid| format!("{}²", grid.points[0])).collect();
-        let line = |own: &RefinementCheck| Line {
-            label: match own.grows {
+        let line = |own: &RefinementCheck| LabelledCurve {
+            label: match own.is_growing {
                 true => own.title.to_owned(),
                 false => format!("{}: nothing grows", own.title),
             },
@@ -104,21 +107,21 @@ impl FlowCheck {
                 .to_owned(),
             x_label: format!("its wave number k on {} points, 1/m", counts.join(", ")),
             y_label: "growth rate γ, 1/s".to_owned(),
-            lines: self.refinements.iter().map(line).collect(),
-            rings: self.refinements.iter().map(|own| points(own, |grid| grid.measured)).collect(),
+            spectra: self.refinements.iter().map(line).collect(),
+            measured_points: self.refinements.iter().map(|own| points(own, |grid| grid.measured)).collect(),
         })
     }
 }
 
 impl ModeCheck {
-    fn write(&self, shear_rate: f64, text: &mut String) {
-        let name = MODES[(self.mode - 1).min(1)];
+    fn write_row(&self, shear_rate: f64, text: &mut String) {
+        let name = MODE_NAMES[(self.mode - 1).min(1)];
         let predicted = self.predicted.growth_rate;
         let (Some(limit), Some(difference), Some(tolerance)) =
             (self.limit, self.difference, self.tolerance)
         else {
-            let reason = self.not_measurable.as_deref().unwrap_or_default();
-            let growth = digits(predicted);
+            let reason = self.unmeasured_reason.as_deref().unwrap_or_default();
+            let growth = format_significant(predicted);
             let _ = writeln!(text, "  {name:<22}{growth:>13}  not measurable: {reason}");
             return;
         };
@@ -126,23 +129,23 @@ impl ModeCheck {
             text,
             "  {:<22}{:>13}{:>13}{:>10}{:>10}{:>7}{:>15}  {}",
             name,
-            digits(predicted),
-            digits(limit.growth_rate),
-            signed_exponent(difference.growth / self.scale),
-            exponent(tolerance / self.scale),
+            format_significant(predicted),
+            format_significant(limit.growth_rate),
+            format_signed_scientific(difference.growth_rate / self.scale),
+            format_scientific(tolerance / self.scale),
             self.order.map_or("–".into(), |order| format!("{order:.2}")),
-            format!("{:+.3}", (self.frozen.growth_rate - predicted) / shear_rate),
-            verdict_words(self.agrees == Some(true)),
+            format!("{:+.3}", (self.frozen_rate.growth_rate - predicted) / shear_rate),
+            format_agreement(self.agrees == Some(true)),
         );
     }
 }
 
 impl RefinementCheck {
-    fn write(&self, text: &mut String) {
+    fn write_table(&self, text: &mut String) {
         let title = self.title;
         let _ = writeln!(text, "\n{title}: the fastest growing wave of each grid, rates in 1/s");
-        if let Some(delta) = self.lost_noncoaxiality_deg {
-            let _ = writeln!(text, "  {}", coaxial_words(delta));
+        if let Some(delta) = self.replaced_noncoaxiality_deg {
+            let _ = writeln!(text, "  {}", format_coaxial_note(delta));
         }
         for grid in &self.grids {
             let [columns, rows] = grid.points;
@@ -151,27 +154,27 @@ impl RefinementCheck {
                 text,
                 "  {:<22}{:>13}{:>13}{:>10}  {}",
                 format!("{columns} × {rows} points"),
-                digits(grid.predicted),
-                digits(grid.measured),
-                signed_exponent((grid.measured - grid.predicted) / scale),
-                verdict_words(grid.agrees),
+                format_significant(grid.predicted),
+                format_significant(grid.measured),
+                format_signed_scientific((grid.measured - grid.predicted) / scale),
+                format_agreement(grid.agrees),
             );
         }
-        let verdict = verdict_words(self.agrees);
+        let verdict = format_agreement(self.agrees);
         let _ = match self.orders {
-            Some(Orders { predicted, measured }) => writeln!(
+            Some(GrowthOrders { predicted, measured }) => writeln!(
                 text,
                 "  order in k: predicted {predicted:.4}, measured {measured:.4}, as k → ∞ {}  {verdict}",
-                order_words(self.limit_of_the_order),
+                format_order(self.verdict_order),
             ),
-            None if self.grows => writeln!(
+            None if self.is_growing => writeln!(
                 text,
                 "  one wave number is the fastest on all grids: no order in k  {verdict}",
             ),
             None => writeln!(
                 text,
                 "  nothing grows faster than the mean flow deforms{}  {verdict}",
-                if self.limit_of_the_order > 0.0 { ": too coarse for an order" } else { "" },
+                if self.verdict_order > 0.0 { ": too coarse for an order" } else { "" },
             ),
         };
     }

@@ -1,63 +1,68 @@
 //! Check report of a solid: table and picture.
 
 use super::{
-    digits, exponent, greatest_difference_words, signed_exponent, unmeasured_words, verdict_words,
+    format_agreement, format_max_difference, format_scientific, format_signed_scientific,
+    format_significant, format_unmeasured_count,
 };
 use crate::case::Case;
-use crate::report::format::{case_title, short};
+use crate::report::format::{case_title, format_short};
 use crate::study::check::solid::{BranchCheck, MediumCheck, SolidCheck};
 use crate::study::dispersion::WaveVector;
-use agreement::solids::Response;
-use figures::{Band, Branch, DispersionFigure};
+use agreement::solids::WaveResponse;
+use figures::{DispersionBranch, DispersionFigure, FrequencyBand};
 use models::solid::parameters::Isotropic;
 use std::fmt::Write as _;
 
 pub(super) const UNITS: [(&str, &str); 4] =
     [("frequency", "rad/s"), ("growth_rate", "1/s"), ("tolerance", "rad/s"), ("number", "1/m")];
 
-/// Phase speeds below this fraction of the greatest are zero: branches that do not propagate are not drawn.
-const STILL: f64 = 1e-6;
+/// Phase speeds below this fraction of the largest are zero: branches that do not propagate are not drawn.
+const MIN_RELATIVE_SPEED: f64 = 1e-6;
 
 impl SolidCheck {
-    pub(super) fn text(&self, case: &Case) -> String {
+    pub(super) fn to_text(&self, case: &Case) -> String {
         let mut text = format!("{}\n", case_title(case));
         for medium in &self.media {
-            medium.write(&mut text);
+            medium.write_table(&mut text);
         }
         text
     }
 }
 
 impl MediumCheck {
-    fn write(&self, text: &mut String) {
-        let place = if self.place.is_empty() { String::new() } else { format!("{}: ", self.place) };
+    fn write_table(&self, text: &mut String) {
+        let place = if self.region_key.is_empty() {
+            String::new()
+        } else {
+            format!("{}: ", self.region_key)
+        };
         let _ = writeln!(text, "{place}{}", self.model);
-        self.write_head(text);
+        self.write_table_head(text);
         let mut last: Option<WaveVector> = None;
         for row in &self.rows {
             let wave = row.wave;
             if last != Some(wave) {
                 let up = match wave.elevation_deg {
                     0.0 => String::new(),
-                    up => format!(", {}° above the plane", short(up)),
+                    up => format!(", {}° above the plane", format_short(up)),
                 };
-                let (k, along) = (short(wave.number), short(wave.direction_deg));
+                let (k, along) = (format_short(wave.wave_number), format_short(wave.direction_deg));
                 let _ = writeln!(text, "k = {k} 1/m at {along}°{up}");
                 last = Some(wave);
             }
-            row.write(text);
+            row.write_row(text);
         }
         for band in &self.forbidden_bands {
-            let at = |own: Option<f64>| own.map_or("none".to_owned(), digits);
+            let at = |own: Option<f64>| own.map_or("none".to_owned(), format_significant);
             let _ = writeln!(
                 text,
                 "\nno {} waves between {} and {} rad/s: measured next to it {} and {}  {}",
                 band.polarisation,
-                digits(band.from),
-                digits(band.to),
-                at(band.nearest[0]),
-                at(band.nearest[1]),
-                verdict_words(band.agrees),
+                format_significant(band.lower_edge),
+                format_significant(band.upper_edge),
+                at(band.nearest_frequencies[0]),
+                at(band.nearest_frequencies[1]),
+                format_agreement(band.agrees),
             );
         }
         let failed = self.rows.iter().filter(|row| row.agrees == Some(false)).count();
@@ -70,14 +75,15 @@ impl MediumCheck {
             text,
             "\n{} waves, {}{verdict}{}",
             self.rows.len(),
-            greatest_difference_words(self.greatest_difference()),
-            unmeasured_words(self.unmeasured()),
+            format_max_difference(self.max_relative_difference()),
+            format_unmeasured_count(self.unmeasured_count()),
         );
     }
 
-    fn write_head(&self, text: &mut String) {
+    fn write_table_head(&self, text: &mut String) {
         let measured = self.rows.iter().find(|row| row.limit.is_some());
-        let cells = measured.iter().flat_map(|row| &row.grids).filter_map(|grid| grid.cells);
+        let cells =
+            measured.iter().flat_map(|row| &row.grids).filter_map(|grid| grid.cells_per_period);
         let cells: Vec<String> = cells.map(|cells| cells.to_string()).collect();
         let coarse = cells.first().map_or("–", String::as_str);
         let _ = writeln!(
@@ -103,35 +109,38 @@ impl MediumCheck {
 
     /// Creates the figure of measured frequencies on predicted curves. Elastic points are of all directions if the
     /// solid is isotropic, other points of the first direction.
-    pub(super) fn figure(&self, case: &Case) -> DispersionFigure {
-        let greatest = self.rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
+    pub(super) fn create_figure(&self, case: &Case) -> DispersionFigure {
+        let greatest = self.rows.iter().map(|row| row.wave.wave_number).fold(0.0, f64::max);
         let bands = self.branches.iter().flat_map(|(_, groups)| groups).flat_map(|group| {
-            let inner = group.bands.iter().filter(|band| band.from > 0.0 && band.to.is_finite());
-            inner.map(|band| Band {
+            let inner = group
+                .forbidden_bands
+                .iter()
+                .filter(|band| band.lower > 0.0 && band.upper.is_finite());
+            inner.map(|band| FrequencyBand {
                 label: format!("no {} waves", group.family.polarisation.name()),
-                from: band.from,
-                to: band.to,
+                low: band.lower,
+                high: band.upper,
             })
         });
         let mut measured = self.rows.iter().filter(|row| row.limit.is_some());
-        let first = measured.next().map(|row| direction(&row.wave));
-        let are_several = measured.any(|row| Some(direction(&row.wave)) != first);
-        let is_alike = self.is_isotropic() && self.solid.plastic.is_none() && are_several;
+        let first = measured.next().map(|row| wave_direction(&row.wave));
+        let are_several = measured.any(|row| Some(wave_direction(&row.wave)) != first);
+        let is_alike = self.is_isotropic() && self.solid.plastic_state.is_none() && are_several;
         DispersionFigure {
             title: case_title(case),
             subtitle: format!(
                 "{}: curves from the analysis, rings from the solver{}{}",
                 self.model,
                 if is_alike { ", all directions" } else { "" },
-                unmeasured_words(self.unmeasured()),
+                format_unmeasured_count(self.unmeasured_count()),
             ),
             k_label: "wave number k (1/m)".into(),
             frequency_label: "angular frequency ω (rad/s)".into(),
             speed_label: "phase speed ω/k (m/s)".into(),
             growth_label: String::new(),
-            k_log: false,
-            frequency_log: false,
-            branches: self.curves(greatest),
+            is_k_log: false,
+            is_frequency_log: false,
+            branches: self.create_curves(greatest),
             bands: bands.collect(),
             cutoffs: Vec::new(),
             speed_limits: Vec::new(),
@@ -139,12 +148,12 @@ impl MediumCheck {
     }
 
     fn is_isotropic(&self) -> bool {
-        self.solid.elastic.downcast::<Isotropic>().is_some()
+        self.solid.elastic_law.downcast::<Isotropic>().is_some()
     }
 
     /// Returns the curves of all propagating branches, up to 1.05 times the wave number `greatest`, 1/m.
-    fn curves(&self, greatest: f64) -> Vec<Branch> {
-        let speeds = self.rows.iter().map(|row| row.predicted.frequency / row.wave.number);
+    fn create_curves(&self, greatest: f64) -> Vec<DispersionBranch> {
+        let speeds = self.rows.iter().map(|row| row.predicted.frequency / row.wave.wave_number);
         let greatest_speed = speeds.fold(0.0, f64::max);
         let groups = self
             .branches
@@ -153,19 +162,22 @@ impl MediumCheck {
         let mut curves = Vec::new();
         for (response, group) in groups {
             for (index, curve) in group.curves(1.05 * greatest).into_iter().enumerate() {
-                if curve.iter().all(|p| p.frequency <= STILL * p.number * greatest_speed) {
+                if curve
+                    .iter()
+                    .all(|p| p.frequency <= MIN_RELATIVE_SPEED * p.wave_number * greatest_speed)
+                {
                     continue;
                 }
                 let label = group.label(index);
-                curves.push(Branch {
-                    measured: self.measured(response, &label),
+                curves.push(DispersionBranch {
+                    measured_frequency: self.measured_points(response, &label),
                     label: match response {
-                        Response::Elastic => label,
+                        WaveResponse::Elastic => label,
                         other => format!("{}: {label}", other.name()),
                     },
-                    frequency: curve.iter().map(|p| [p.number, p.frequency]).collect(),
+                    frequency: curve.iter().map(|p| [p.wave_number, p.frequency]).collect(),
                     group_speed: Vec::new(),
-                    growth: Vec::new(),
+                    growth_rate: Vec::new(),
                 });
             }
         }
@@ -173,37 +185,37 @@ impl MediumCheck {
     }
 
     /// Returns the wave numbers, 1/m, and measured frequencies, rad/s, of a branch.
-    fn measured(&self, response: Response, label: &str) -> Vec<[f64; 2]> {
+    fn measured_points(&self, response: WaveResponse, label: &str) -> Vec<[f64; 2]> {
         let Some(first) = self.rows.first().map(|row| row.wave) else { return Vec::new() };
         let is_isotropic = self.is_isotropic();
         let is_own = |row: &&BranchCheck| {
-            let is_along = direction(&row.wave) == direction(&first);
+            let is_along = wave_direction(&row.wave) == wave_direction(&first);
             row.response == response
                 && row.branch == label
-                && (is_along || (is_isotropic && response != Response::Loading))
+                && (is_along || (is_isotropic && response != WaveResponse::Loading))
         };
         let own = self.rows.iter().filter(is_own);
-        own.filter_map(|row| Some([row.wave.number, row.limit?.frequency])).collect()
+        own.filter_map(|row| Some([row.wave.wave_number, row.limit?.frequency])).collect()
     }
 }
 
 /// Returns direction in the plane and elevation above it, degrees.
-fn direction(wave: &WaveVector) -> [f64; 2] {
+fn wave_direction(wave: &WaveVector) -> [f64; 2] {
     [wave.direction_deg, wave.elevation_deg]
 }
 
 impl BranchCheck {
-    fn write(&self, text: &mut String) {
+    fn write_row(&self, text: &mut String) {
         let name = match self.response {
-            Response::Elastic => self.branch.clone(),
+            WaveResponse::Elastic => self.branch.clone(),
             other => format!("{}: {}", other.name(), self.branch),
         };
         let predicted = self.predicted.frequency;
         let (Some(limit), Some(found), Some(expected)) =
             (self.limit, self.difference, self.expected_difference)
         else {
-            let reason = self.not_measurable.as_deref().unwrap_or_default();
-            let predicted = digits(predicted);
+            let reason = self.unmeasured_reason.as_deref().unwrap_or_default();
+            let predicted = format_significant(predicted);
             let _ = writeln!(text, "  {name:<40}{predicted:>12}  not measurable: {reason}");
             return;
         };
@@ -211,15 +223,17 @@ impl BranchCheck {
             text,
             "  {:<40}{:>12}{:>12}{:>10}{:>10}{:>10}{:>10}{:>10}{:>6}  {}",
             name,
-            digits(predicted),
-            digits(limit.frequency),
-            signed_exponent(found.frequency),
-            signed_exponent(expected.frequency),
-            signed_exponent(found.growth),
-            exponent(limit.tolerance / predicted),
-            self.grids.first().map_or_else(String::new, |grid| signed_exponent(grid.difference)),
+            format_significant(predicted),
+            format_significant(limit.frequency),
+            format_signed_scientific(found.frequency),
+            format_signed_scientific(expected.frequency),
+            format_signed_scientific(found.growth_rate),
+            format_scientific(limit.tolerance / predicted),
+            self.grids
+                .first()
+                .map_or_else(String::new, |grid| format_signed_scientific(grid.difference)),
             self.order.map_or("–".into(), |order| format!("{order:.2}")),
-            verdict_words(self.agrees == Some(true)),
+            format_agreement(self.agrees == Some(true)),
         );
     }
 }

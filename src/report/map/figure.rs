@@ -1,23 +1,25 @@
 //! Figure of a map.
 
-use crate::case::{Case, Kind, Parameter};
-use crate::report::format::{case_title, coefficient_unit, short, superscript, unit};
+use crate::case::{Case, ModelKind, SweepParameter};
+use crate::report::format::{
+    case_title, coefficient_unit, format_short, format_superscript, format_unit_suffix,
+};
 use crate::study::MapResult;
 use crate::study::map::summary::MapAxis;
 use crate::study::map::{MapPoint, PointStatus};
 use analysis::solids::Hyperbolicity;
-use figures::{Axis, Category, Curve, Look, VerdictMap};
+use figures::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use models::common::elementary::Elementary;
 
 /// Order of growth, and for solids the type of the characteristic speeds.
-type Growing = (f64, Option<Hyperbolicity>);
+type GrowthKind = (f64, Option<Hyperbolicity>);
 
-fn growing(point: &MapPoint) -> Growing {
+fn growth_kind(point: &MapPoint) -> GrowthKind {
     (point.order, point.speeds.map(|speeds| speeds.hyperbolicity))
 }
 
-pub(super) fn figure(case: &Case, found: &MapResult) -> VerdictMap {
-    let axis = |axis: &MapAxis| Axis {
+pub(super) fn create_figure(case: &Case, found: &MapResult) -> VerdictMap {
+    let axis = |axis: &MapAxis| VerdictMapAxis {
         label: match axis.unit {
             "" => axis.label.clone(),
             "deg" => format!("{} (°)", axis.label),
@@ -27,57 +29,59 @@ pub(super) fn figure(case: &Case, found: &MapResult) -> VerdictMap {
     };
     let points = &found.points;
     // One category per order of growth, and for solids per type of speeds, by descending order.
-    let mut kinds: Vec<Growing> =
-        points.iter().filter(|p| p.order.is_finite()).map(growing).collect();
-    let place = |speeds: &Option<Hyperbolicity>| speeds.map_or(0, |h| h as u8);
-    kinds.sort_by(|a, b| b.0.total_cmp(&a.0).then(place(&a.1).cmp(&place(&b.1))));
+    let mut kinds: Vec<GrowthKind> =
+        points.iter().filter(|p| p.order.is_finite()).map(growth_kind).collect();
+    let rank = |speeds: &Option<Hyperbolicity>| speeds.map_or(0, |h| h as u8);
+    kinds.sort_by(|a, b| b.0.total_cmp(&a.0).then(rank(&a.1).cmp(&rank(&b.1))));
     kinds.dedup();
     let mut orders: Vec<f64> = kinds.iter().map(|(order, _)| *order).collect();
     orders.dedup();
-    let (level_label, level) = level(points, &orders, case.material.numbers.wave.number);
+    let (level_label, level) =
+        compute_colour_level(points, &orders, case.material.numbers.wave.wave_number);
     VerdictMap {
         title: case_title(case),
-        subtitle: subtitle(case, found),
+        subtitle: format_subtitle(case, found),
         x: axis(&found.x),
         y: axis(&found.y),
-        categories: categories(&kinds),
-        category: points.iter().map(|point| category(&kinds, point)).collect(),
-        level,
+        categories: create_categories(&kinds),
+        category_indices: points.iter().map(|point| category_index(&kinds, point)).collect(),
+        growth_levels: level,
         level_label,
-        curves: noncoaxiality_curves(found),
+        curves: collect_noncoaxiality_curves(found),
     }
 }
 
-fn categories(kinds: &[Growing]) -> Vec<Category> {
-    let mut categories = vec![Category { label: "well-posed".into(), look: Look::WellPosed }];
-    categories.extend(kinds.iter().map(|(order, speeds)| Category {
+fn create_categories(kinds: &[GrowthKind]) -> Vec<VerdictCategory> {
+    let mut categories =
+        vec![VerdictCategory { label: "well-posed".into(), fill_style: FillStyle::WellPosed }];
+    categories.extend(kinds.iter().map(|(order, speeds)| VerdictCategory {
         label: format!(
             "ill-posed{}: Re ς grows as k{}",
             speeds.map_or(String::new(), |speeds| format!(" by {}", speeds.cause())),
-            superscript(*order)
+            format_superscript(*order)
         ),
-        look: Look::IllPosed,
+        fill_style: FillStyle::IllPosed,
     }));
     categories.extend(
         [
-            ("ill-posed: unbounded at finite k", Look::UnboundedAtFiniteWaveNumber),
-            ("marginal: no sign asserted", Look::Marginal),
-            ("indeterminate", Look::Indeterminate),
-            ("not fully deforming", Look::Indeterminate),
-            ("no such state", Look::OutsideModel),
-            ("no response while yielding", Look::Indeterminate),
+            ("ill-posed: unbounded at finite k", FillStyle::UnboundedAtFiniteWaveNumber),
+            ("marginal: no sign asserted", FillStyle::Marginal),
+            ("indeterminate", FillStyle::Indeterminate),
+            ("not fully deforming", FillStyle::Indeterminate),
+            ("no such state", FillStyle::OutsideModel),
+            ("no response while yielding", FillStyle::Indeterminate),
         ]
-        .map(|(label, look)| Category { label: label.into(), look }),
+        .map(|(label, look)| VerdictCategory { label: label.into(), fill_style: look }),
     );
     categories
 }
 
-/// Returns the index of a point's category in [`categories`].
-fn category(kinds: &[Growing], point: &MapPoint) -> u8 {
+/// Returns the index of a point's category in [`create_categories`].
+fn category_index(kinds: &[GrowthKind], point: &MapPoint) -> u8 {
     let first_other = 1 + kinds.len();
     let index = match point.status {
         PointStatus::WellPosed => 0,
-        PointStatus::IllPosed => match kinds.iter().position(|&kind| kind == growing(point)) {
+        PointStatus::IllPosed => match kinds.iter().position(|&kind| kind == growth_kind(point)) {
             Some(i) => 1 + i,
             None => first_other,
         },
@@ -92,19 +96,24 @@ fn category(kinds: &[Growing], point: &MapPoint) -> u8 {
 
 /// Returns label and values of the colour level: the growth coefficient if all points have one order, otherwise the
 /// leading growth rate at `wave_number`, 1/m, since coefficients of different orders have different units.
-fn level(points: &[MapPoint], orders: &[f64], wave_number: f64) -> (String, Vec<f64>) {
+fn compute_colour_level(
+    points: &[MapPoint],
+    orders: &[f64],
+    wave_number: f64,
+) -> (String, Vec<f64>) {
     match orders {
         [] | [_] => {
             let order = orders.first().copied().unwrap_or(1.0);
             let label = format!(
                 "growth coefficient lim Re ς / k{} ({})",
-                superscript(order),
+                format_superscript(order),
                 coefficient_unit(order)
             );
             (label, points.iter().map(|p| p.coefficient).collect())
         }
         _ => {
-            let label = format!("leading growth rate at k = {} 1/m (1/s)", short(wave_number));
+            let label =
+                format!("leading growth rate at k = {} 1/m (1/s)", format_short(wave_number));
             let rate = |p: &MapPoint| p.coefficient * wave_number.cr_powf(p.order);
             (label, points.iter().map(rate).collect())
         }
@@ -112,7 +121,7 @@ fn level(points: &[MapPoint], orders: &[f64], wave_number: f64) -> (String, Vec<
 }
 
 /// Describes the model and the fixed parameters most relevant to the verdict.
-fn subtitle(case: &Case, found: &MapResult) -> String {
+fn format_subtitle(case: &Case, found: &MapResult) -> String {
     let fixed = [
         "model.friction_angle_deg",
         "model.dilatancy_angle_deg",
@@ -125,19 +134,24 @@ fn subtitle(case: &Case, found: &MapResult) -> String {
     ]
     .into_iter()
     .filter(|name| *name != found.x.parameter && *name != found.y.parameter)
-    .filter_map(Parameter::find)
+    .filter_map(SweepParameter::find_by_name)
     .filter(|parameter| parameter.key().is_used_by(case.medium()))
     .filter_map(|parameter| {
-        let value = parameter.get(&case.material.numbers)?;
-        Some(format!("{} = {}{}", parameter.label(), short(value), unit(parameter.unit())))
+        let value = parameter.value(&case.material.numbers)?;
+        Some(format!(
+            "{} = {}{}",
+            parameter.label(),
+            format_short(value),
+            format_unit_suffix(parameter.unit())
+        ))
     });
     let space = match (case.material.kind, case.material.numbers.dimensions) {
-        (Kind::Solid(_), 3) => Some("in space".to_owned()),
-        (Kind::Solid(_), _) => Some("plane strain".to_owned()),
+        (ModelKind::Solid(_), 3) => Some("in space".to_owned()),
+        (ModelKind::Solid(_), _) => Some("plane strain".to_owned()),
         _ => None,
     };
-    let active = case.material.active.iter().map(|active| {
-        let all = case.medium().condition_names();
+    let active = case.material.active_conditions.iter().map(|active| {
+        let all = case.medium().yield_condition_names();
         let names: Vec<&str> = active.iter().map(|&index| all[index]).collect();
         format!("active {}", names.join(" "))
     });
@@ -151,12 +165,12 @@ fn subtitle(case: &Case, found: &MapResult) -> String {
 }
 
 /// Returns the curves of the model's closed-form bound on |Δ| if Δ is one of the axes.
-fn noncoaxiality_curves(found: &MapResult) -> Vec<Curve> {
-    const DELTA: &str = "background.noncoaxiality_deg";
+fn collect_noncoaxiality_curves(found: &MapResult) -> Vec<MapCurve> {
+    const NONCOAXIALITY_KEY: &str = "background.noncoaxiality_deg";
     let (nx, ny) = (found.x.points, found.y.points);
     let (along_x, count) = match (found.x.parameter.as_str(), found.y.parameter.as_str()) {
-        (DELTA, _) => (true, ny),
-        (_, DELTA) => (false, nx),
+        (NONCOAXIALITY_KEY, _) => (true, ny),
+        (_, NONCOAXIALITY_KEY) => (false, nx),
         _ => return Vec::new(),
     };
     let (range, other) = if along_x { (&found.x, &found.y) } else { (&found.y, &found.x) };
@@ -170,12 +184,13 @@ fn noncoaxiality_curves(found: &MapResult) -> Vec<Curve> {
                 };
                 let bound =
                     slice.map(|p| p.noncoaxiality_bound_deg).find(|b| b.is_finite())? * sign;
-                let inside = bound >= range.from.min(range.to) && bound <= range.from.max(range.to);
+                let inside = bound >= range.first_value.min(range.last_value)
+                    && bound <= range.first_value.max(range.last_value);
                 let other = other.values[i];
                 inside.then_some(if along_x { [bound, other] } else { [other, bound] })
             })
             .collect();
-        Curve { label: "bound on |Δ| for the leading order, closed form".into(), points }
+        MapCurve { label: "bound on |Δ| for the leading order, closed form".into(), points }
     };
     [curve(-1.0), curve(1.0)].into_iter().filter(|c| c.points.len() > 1).collect()
 }

@@ -3,10 +3,13 @@
 mod figure;
 mod tables;
 
-use super::format::{CLOSED_FORM, VALIDITY, case_title, short, superscript, unit};
-use super::{Picture, Report};
+use super::format::{
+    CLOSED_FORM_ROUTE, VALIDITY_NOTE, case_title, format_short, format_superscript,
+    format_unit_suffix,
+};
+use super::{Report, ReportPicture};
 use crate::Error;
-use crate::case::{Case, Kind};
+use crate::case::{Case, ModelKind};
 use crate::study::MapResult;
 use crate::study::map::summary::WorstPoint;
 use analysis::flows::FLOW_ROUTE;
@@ -15,7 +18,7 @@ use analysis::solids::{Hyperbolicity, PLANE_ROUTE, SPACE_ROUTE};
 impl Report for MapResult {
     const NAME: &'static str = "map";
 
-    fn text(&self, case: &Case) -> String {
+    fn to_text(&self, case: &Case) -> String {
         let mut lines = vec![case_title(case)];
         let (x, y) = (&self.x, &self.y);
         lines.push(format!(
@@ -28,37 +31,37 @@ impl Report for MapResult {
             y.label,
             y.parameter
         ));
-        self.count_lines(case, &mut lines);
-        self.interval_lines(&mut lines);
-        lines.extend(self.worst.as_ref().map(|worst| self.worst_line(worst)));
+        self.add_count_lines(case, &mut lines);
+        self.add_interval_lines(&mut lines);
+        lines.extend(self.worst_point.as_ref().map(|worst| self.format_worst_line(worst)));
         let blind = match (case.material.kind, case.material.numbers.dimensions) {
-            (Kind::Flow(_), _) => FLOW_ROUTE,
-            (Kind::Solid(_), 3) => SPACE_ROUTE,
-            (Kind::Solid(_), _) => PLANE_ROUTE,
+            (ModelKind::Flow(_), _) => FLOW_ROUTE,
+            (ModelKind::Solid(_), 3) => SPACE_ROUTE,
+            (ModelKind::Solid(_), _) => PLANE_ROUTE,
         };
-        for ((_, count), route) in self.routes.into_iter().zip([CLOSED_FORM, blind]) {
+        for ((_, count), route) in self.route_counts.into_iter().zip([CLOSED_FORM_ROUTE, blind]) {
             if count > 0 {
                 lines.push(format!("Route of {count} verdicts: {route}"));
             }
         }
-        lines.push(VALIDITY.into());
+        lines.push(VALIDITY_NOTE.into());
         lines.join("\n") + "\n"
     }
 
-    fn pictures(&self, case: &Case) -> Result<Vec<Picture>, Error> {
-        let figure = figure::figure(case, self);
-        Ok(vec![Picture::new(Self::NAME, move |format| figure.draw(format))])
+    fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error> {
+        let figure = figure::create_figure(case, self);
+        Ok(vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))])
     }
 
-    fn tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
-        Ok(vec![("map.csv", tables::csv(self)?), ("map.npz", tables::npz(self)?)])
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+        Ok(vec![("map.csv", tables::format_csv(self)?), ("map.npz", tables::encode_npz(self)?)])
     }
 }
 
 impl MapResult {
-    fn count_lines(&self, case: &Case, lines: &mut Vec<String>) {
+    fn add_count_lines(&self, case: &Case, lines: &mut Vec<String>) {
         let all = self.points.len() as f64;
-        for (name, count) in self.counts {
+        for (name, count) in self.status_counts {
             if count > 0 {
                 let share = 100.0 * count as f64 / all;
                 lines.push(format!("  {share:5.1} %  {name} ({count} points)"));
@@ -67,15 +70,16 @@ impl MapResult {
         let of_solid = self.solid.iter().flat_map(|solid| solid.hyperbolicity);
         for (hyperbolicity, (_, count)) in Hyperbolicity::ALL.into_iter().zip(of_solid) {
             if count > 0 {
-                lines.push(format!("  {count} points: {}", hyperbolicity.words()));
+                lines.push(format!("  {count} points: {}", hyperbolicity.description()));
             }
         }
         if let Some(share) = self.well_posed_share {
             let which = match case.material.kind {
-                Kind::Flow(_) => "states that flow",
-                Kind::Solid(_) => "states that respond",
+                ModelKind::Flow(_) => "states that flow",
+                ModelKind::Solid(_) => "states that respond",
             };
-            lines.push(format!("Of the {which}, {} % are well-posed.", short(100.0 * share)));
+            lines
+                .push(format!("Of the {which}, {} % are well-posed.", format_short(100.0 * share)));
         }
         if self.unbounded_at_finite_wave_number > 0 {
             lines.push(format!(
@@ -85,20 +89,32 @@ impl MapResult {
         }
     }
 
-    fn interval_lines(&self, lines: &mut Vec<String>) {
+    fn add_interval_lines(&self, lines: &mut Vec<String>) {
         let (x, y) = (&self.x, &self.y);
         let step = if x.points > 1 { x.values[1] - x.values[0] } else { 0.0 };
         lines.push(format!(
             "Where the well-posed states lie, to within a step of {}{} of the grid:",
-            short(step.abs()),
-            unit(x.unit)
+            format_short(step.abs()),
+            format_unit_suffix(x.unit)
         ));
         for intervals in &self.well_posed_intervals {
-            let at = format!("  at {} = {}{}:", y.label, short(intervals.y), unit(y.unit));
+            let at = format!(
+                "  at {} = {}{}:",
+                y.label,
+                format_short(intervals.y),
+                format_unit_suffix(y.unit)
+            );
             let list: Vec<String> = intervals
                 .x
                 .iter()
-                .map(|[a, b]| format!("{}{u} … {}{u}", short(*a), short(*b), u = unit(x.unit)))
+                .map(|[a, b]| {
+                    format!(
+                        "{}{u} … {}{u}",
+                        format_short(*a),
+                        format_short(*b),
+                        u = format_unit_suffix(x.unit)
+                    )
+                })
                 .collect();
             lines.push(if list.is_empty() {
                 format!("{at} nowhere well-posed")
@@ -108,24 +124,24 @@ impl MapResult {
         }
     }
 
-    fn worst_line(&self, worst: &WorstPoint) -> String {
+    fn format_worst_line(&self, worst: &WorstPoint) -> String {
         let (x, y) = (&self.x, &self.y);
         format!(
             "Worst growth on this grid: Re ς ≈ {} k{} (1/s, k in 1/m) as k → ∞, for waves at {}°{}, at {} = {}{}, {} = {}{}.",
-            short(worst.coefficient),
-            superscript(worst.order),
-            short(worst.direction_deg),
+            format_short(worst.coefficient),
+            format_superscript(worst.order),
+            format_short(worst.direction_deg),
             match worst.elevation_deg {
                 Some(up) if !up.is_nan() && up != 0.0 =>
-                    format!(", {}° above the plane", short(up)),
+                    format!(", {}° above the plane", format_short(up)),
                 _ => String::new(),
             },
             x.label,
-            short(worst.x),
-            unit(x.unit),
+            format_short(worst.x),
+            format_unit_suffix(x.unit),
             y.label,
-            short(worst.y),
-            unit(y.unit),
+            format_short(worst.y),
+            format_unit_suffix(y.unit),
         )
     }
 }

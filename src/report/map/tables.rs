@@ -7,7 +7,7 @@ use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 
 /// Returns the numeric columns of all points, by name.
-fn columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
+fn numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
     let column = |f: fn(&MapPoint) -> f64| found.points.iter().map(f).collect::<Vec<_>>();
     let mut columns = vec![
         ("order", column(|p| p.order)),
@@ -23,32 +23,32 @@ fn columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
             };
             columns.extend([
                 ("elevation_deg", column(|p| p.elevation_deg)),
-                ("flutter", speed(|s| s.flutter)),
-                ("least_squared_speed", speed(|s| s.least_squared)),
-                ("slowest_direction_deg", speed(|s| s.least_normal_deg[0])),
-                ("slowest_elevation_deg", speed(|s| s.least_normal_deg[1])),
+                ("flutter", speed(|s| s.max_imaginary_speed)),
+                ("least_squared_speed", speed(|s| s.min_squared_speed)),
+                ("slowest_direction_deg", speed(|s| s.slowest_normal_deg[0])),
+                ("slowest_elevation_deg", speed(|s| s.slowest_normal_deg[1])),
             ]);
         }
     }
-    if found.options.growth_rate {
+    if found.options.computes_growth_rate {
         columns.push(("growth_rate", column(|p| p.growth_rate)));
     }
-    if found.options.bound {
-        columns.push(("bound", column(|p| p.bound)));
+    if found.options.computes_bound {
+        columns.push(("bound", column(|p| p.growth_bound)));
     }
     columns
 }
 
 /// Renders the CSV table, one row per point.
-pub(super) fn csv(found: &MapResult) -> Result<Vec<u8>, Error> {
+pub(super) fn format_csv(found: &MapResult) -> Result<Vec<u8>, Error> {
     let is_solid = found.solid.is_some();
-    let columns = columns(found);
+    let columns = numeric_columns(found);
     let (x, y) = (&found.x, &found.y);
     let mut header = vec![x.parameter.as_str(), y.parameter.as_str(), "verdict", "route"];
     header.extend(is_solid.then_some("hyperbolicity"));
     header.extend(columns.iter().map(|(name, _)| *name));
     let rows = found.points.iter().enumerate().map(|(index, point)| {
-        let mut row: Vec<files::csv::Cell> = vec![
+        let mut row: Vec<files::csv::CsvCell> = vec![
             x.values[index % x.points].into(),
             y.values[index / x.points].into(),
             point.status.name().into(),
@@ -57,18 +57,18 @@ pub(super) fn csv(found: &MapResult) -> Result<Vec<u8>, Error> {
         if is_solid {
             row.push(point.speeds.map_or("", |speeds| speeds.hyperbolicity.name()).into());
         }
-        row.extend(columns.iter().map(|(_, values)| files::csv::Cell::from(values[index])));
+        row.extend(columns.iter().map(|(_, values)| files::csv::CsvCell::from(values[index])));
         row
     });
-    Ok(files::csv::table(&header, rows)?)
+    Ok(files::csv::format_table(&header, rows)?)
 }
 
 /// Renders the NPZ archive: axes under the names of their parameters, fields of shape (y, x).
-pub(super) fn npz(found: &MapResult) -> Result<Vec<u8>, Error> {
+pub(super) fn encode_npz(found: &MapResult) -> Result<Vec<u8>, Error> {
     let (x, y) = (&found.x, &found.y);
     let shape = [y.points, x.points];
     let codes = |f: fn(&MapPoint) -> i8| found.points.iter().map(f).collect::<Vec<_>>();
-    let mut npz = files::npz::Npz::new();
+    let mut npz = files::npz::NpzWriter::new();
     npz.add_f64(&x.parameter, &[x.points], &x.values)?;
     npz.add_f64(&y.parameter, &[y.points], &y.values)?;
     npz.add_text("axes", &[2], &[&y.parameter, &x.parameter])?;
@@ -90,7 +90,7 @@ pub(super) fn npz(found: &MapResult) -> Result<Vec<u8>, Error> {
         let number = |p: &MapPoint| p.speeds.map_or(0, |speeds| 1 + speeds.hyperbolicity as i8);
         npz.add_i8("hyperbolicity", &shape, &codes(number))?;
     }
-    for (name, values) in columns(found) {
+    for (name, values) in numeric_columns(found) {
         npz.add_f64(name, &shape, &values)?;
     }
     Ok(npz.finish()?)

@@ -1,9 +1,10 @@
 //! Text report and tables of the state of a flow.
 
 use crate::Error;
-use crate::case::{Case, Kind};
+use crate::case::{Case, ModelKind};
 use crate::report::format::{
-    VALIDITY, case_title, coaxial_words, coefficient_unit, order_words, short, superscript,
+    VALIDITY_NOTE, case_title, coefficient_unit, format_coaxial_note, format_order, format_short,
+    format_superscript,
 };
 use crate::study::point::flow_state::{SupremumPlace, WaveLimit};
 use crate::study::point::{FlowAnalysis, FlowPoint, FlowState, YieldingState};
@@ -13,9 +14,9 @@ use std::fmt::Write as _;
 
 impl FlowPoint {
     /// Returns the models in pictures and tables: the compared models, or else the model of the case.
-    pub(super) fn shown(&self) -> &[FlowAnalysis] {
-        match self.compare.as_slice() {
-            [] => std::slice::from_ref(&self.own),
+    pub(super) fn plotted_models(&self) -> &[FlowAnalysis] {
+        match self.compared_models.as_slice() {
+            [] => std::slice::from_ref(&self.analysis),
             compared => compared,
         }
     }
@@ -24,20 +25,20 @@ impl FlowPoint {
 impl YieldingState {
     /// Returns whether growth rates were sampled, which requires that the equations determine their unknowns.
     pub(super) fn has_curves(&self) -> bool {
-        !self.by_direction.is_empty()
+        !self.growth_by_direction.is_empty()
     }
 }
 
-pub(super) fn text(case: &Case, found: &FlowPoint) -> String {
-    let own = &found.own;
+pub(super) fn format_text(case: &Case, found: &FlowPoint) -> String {
+    let own = &found.analysis;
     let mut text = format!("{}\nmodel: {}\n", case_title(case), own.kind.title());
     match &own.state {
         FlowState::Yielding(state) => {
-            background(own.kind, state, &mut text);
-            characteristics(state, &mut text);
-            roots(state, &mut text);
-            let _ = write!(text, "\n{}", verdict(own));
-            let _ = writeln!(text, "Route: {}\n{VALIDITY}", state.evidence.route);
+            write_background(own.kind, state, &mut text);
+            write_characteristics(state, &mut text);
+            write_roots(state, &mut text);
+            let _ = write!(text, "\n{}", format_verdict(own));
+            let _ = writeln!(text, "Route: {}\n{VALIDITY_NOTE}", state.evidence.route);
         }
         FlowState::NotYielding(state) => {
             let _ = writeln!(
@@ -47,65 +48,68 @@ pub(super) fn text(case: &Case, found: &FlowPoint) -> String {
             );
         }
     }
-    for other in found.compare.iter().filter(|other| other.kind != own.kind) {
+    for other in found.compared_models.iter().filter(|other| other.kind != own.kind) {
         let _ = write!(text, "\nCompared: {}\n", other.kind.title());
-        if let Some(delta) = other.lost_noncoaxiality_deg {
-            let _ = writeln!(text, "  {}", coaxial_words(delta));
+        if let Some(delta) = other.replaced_noncoaxiality_deg {
+            let _ = writeln!(text, "  {}", format_coaxial_note(delta));
         }
-        text += &verdict(other);
+        text += &format_verdict(other);
     }
     text
 }
 
-fn pair(values: [f64; 2]) -> String {
-    format!("({}, {})", short(values[0]), short(values[1]))
+fn format_pair(values: [f64; 2]) -> String {
+    format!("({}, {})", format_short(values[0]), format_short(values[1]))
 }
 
 /// Formats a pair; components that vanish within rounding are printed as zero.
-fn pair_of(values: [Rounded; 2]) -> String {
-    pair(values.map(|x| if x.sign().is_some() { x.value } else { 0.0 }))
+fn format_rounded_pair(values: [Rounded; 2]) -> String {
+    format_pair(values.map(|x| if x.sign().is_some() { x.value } else { 0.0 }))
 }
 
-fn background(kind: Kind, state: &YieldingState, text: &mut String) {
+fn write_background(kind: ModelKind, state: &YieldingState, text: &mut String) {
     let YieldingState { flow, background, stress, .. } = state;
     let _ = writeln!(text, "region: {}", state.region);
     let _ = writeln!(
         text,
         "internal power: {} W/m³{}",
-        short(state.power),
+        format_short(state.power),
         if state.power < 0.0 { " (negative)" } else { "" }
     );
     let _ = writeln!(text, "\nBackground (given and derived)");
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "  {name:<36}{value}");
     };
-    line("deviatoric stress q", format!("{} Pa", short(stress.deviatoric_stress)));
-    if matches!(kind, Kind::Flow(kind) if kind.rotation() == RotationKind::IntrinsicSpin) {
-        line("rotational stress r", format!("{} Pa", short(stress.rotational_stress)));
+    line("deviatoric stress q", format!("{} Pa", format_short(stress.deviatoric_stress)));
+    if matches!(kind, ModelKind::Flow(kind) if kind.rotation() == RotationKind::IntrinsicSpin) {
+        line("rotational stress r", format!("{} Pa", format_short(stress.rotational_stress)));
     }
     line(
         "stress (second index: face normal)",
-        format!("[{}, {}] Pa", pair(stress.tensor[0]), pair(stress.tensor[1])),
+        format!("[{}, {}] Pa", format_pair(stress.tensor[0]), format_pair(stress.tensor[1])),
     );
-    line("non-coaxiality Δ", format!("{}°", short(background.noncoaxiality_deg)));
+    line("non-coaxiality Δ", format!("{}°", format_short(background.noncoaxiality_deg)));
     let gradient = flow.velocity_gradient;
     line(
         "velocity gradient ∂ⱼVᵢ",
-        format!("[{}, {}] 1/s", pair_of(gradient[0]), pair_of(gradient[1])),
+        format!("[{}, {}] 1/s", format_rounded_pair(gradient[0]), format_rounded_pair(gradient[1])),
     );
     if let Some(spin) = background.spin {
-        line("spin Ω", format!("{} rad/s", short(spin)));
+        line("spin Ω", format!("{} rad/s", format_short(spin)));
     }
-    line("acceleration less body force", format!("{} m/s²", pair_of(flow.acceleration)));
+    line(
+        "acceleration less body force",
+        format!("{} m/s²", format_rounded_pair(flow.acceleration)),
+    );
     if let Some(moment) = background.body_moment {
-        line("body moment per unit mass", format!("{} m²/s²", short(moment)));
+        line("body moment per unit mass", format!("{} m²/s²", format_short(moment)));
     }
     if let Some(rate) = background.stress_angle_rate_deg {
-        line("rate of the stress angle", format!("{} °/s", short(rate)));
+        line("rate of the stress angle", format!("{} °/s", format_short(rate)));
     }
 }
 
-fn characteristics(state: &YieldingState, text: &mut String) {
+fn write_characteristics(state: &YieldingState, text: &mut String) {
     let _ = writeln!(text, "\nSteady characteristic directions");
     let Some(real) = &state.characteristics else {
         let _ = writeln!(text, "  the steady equations do not determine their unknowns");
@@ -115,7 +119,7 @@ fn characteristics(state: &YieldingState, text: &mut String) {
         let _ = writeln!(
             text,
             "  {:>9}°  multiplicity {}  {}",
-            short(c.angle_deg),
+            format_short(c.angle_deg),
             c.multiplicity,
             c.family
         );
@@ -125,9 +129,9 @@ fn characteristics(state: &YieldingState, text: &mut String) {
         let _ = writeln!(
             text,
             "  complex, tan = {} {} {}i  {}",
-            short(re),
+            format_short(re),
             if im < 0.0 { "−" } else { "+" },
-            short(im.abs()),
+            format_short(im.abs()),
             complex.family
         );
     }
@@ -141,38 +145,38 @@ fn characteristics(state: &YieldingState, text: &mut String) {
     }
 }
 
-fn roots(state: &YieldingState, text: &mut String) {
+fn write_roots(state: &YieldingState, text: &mut String) {
     let wave = state.wave;
     let _ = writeln!(
         text,
         "\nDispersion roots ς at k = {} 1/m, direction {}°",
-        short(wave.number),
-        short(wave.direction_deg)
+        format_short(wave.wave_number),
+        format_short(wave.direction_deg)
     );
     for [re, im] in state.roots.iter().flatten() {
-        let _ = writeln!(text, "  {:>12} {im:>+13.4e} i  1/s", short(*re));
+        let _ = writeln!(text, "  {:>12} {im:>+13.4e} i  1/s", format_short(*re));
     }
-    if let Some(infinite) = state.infinite_roots {
+    if let Some(infinite) = state.infinite_root_count {
         let _ = writeln!(text, "  and {infinite} infinite ones (algebraic equations)");
     }
     if let Some(rank) = state.rank {
         let _ = writeln!(text, "  every ς is a root (rank {rank})");
     }
     if state.gradient_wave_number > 0.0 {
-        let length = short(wave.number / state.gradient_wave_number);
+        let length = format_short(wave.wave_number / state.gradient_wave_number);
         let _ = writeln!(text, "  k × length of the background = {length}");
     }
 }
 
-fn verdict(analysis: &FlowAnalysis) -> String {
-    let Some(state) = analysis.yielding() else { return "Not fully deforming.\n".into() };
+fn format_verdict(analysis: &FlowAnalysis) -> String {
+    let Some(state) = analysis.yielding_state() else { return "Not fully deforming.\n".into() };
     let evidence = &state.evidence;
-    let mut text = format!("Verdict: {}\n  {}\n", state.verdict, evidence.words);
+    let mut text = format!("Verdict: {}\n  {}\n", state.verdict, evidence.description);
     if let (Some(order), Some(coefficient)) = (state.order, state.coefficient) {
         let _ = writeln!(
             text,
             "  order {}, coefficient {coefficient} {}",
-            order_words(order),
+            format_order(order),
             coefficient_unit(order)
         );
     }
@@ -181,70 +185,79 @@ fn verdict(analysis: &FlowAnalysis) -> String {
             text,
             "  fitted order {:.3}: greatest Re ς over all directions, k from {} to {} 1/m",
             (1e3 * order).round() / 1e3 + 0.0,
-            short(from),
-            short(to)
+            format_short(from),
+            format_short(to)
         );
     }
     if !evidence.orders.is_empty() {
         let list: Vec<String> = evidence
             .orders
             .iter()
-            .map(|counted| format!("{} × k{}", counted.roots, superscript(counted.order)))
+            .map(|counted| {
+                format!("{} × k{}", counted.root_count, format_superscript(counted.order))
+            })
             .collect();
         let _ = writeln!(text, "  unbounded roots in a general direction: {}", list.join(", "));
     }
     if !evidence.degenerate_directions_deg.is_empty() {
-        let list: Vec<String> =
-            evidence.degenerate_directions_deg.iter().map(|&d| format!("{}°", short(d))).collect();
+        let list: Vec<String> = evidence
+            .degenerate_directions_deg
+            .iter()
+            .map(|&d| format!("{}°", format_short(d)))
+            .collect();
         let _ = writeln!(text, "  degenerate directions of the wave vector: {}", list.join(", "));
     }
-    if let (Some(rate), Some(place)) = (state.bound, state.bound_at) {
+    if let (Some(rate), Some(place)) = (state.growth_bound, state.supremum_place) {
         let _ = writeln!(
             text,
             "  supremum of Re ς: {} 1/s, {}, direction {}°",
-            short(rate),
-            place_words(&place),
-            short(place.direction_deg)
+            format_short(rate),
+            format_supremum_place(&place),
+            format_short(place.direction_deg)
         );
     }
     if let Some(bound) = state.noncoaxiality_bound_deg {
-        let _ = writeln!(text, "  bound on |Δ| for the leading order of growth: {}°", short(bound));
+        let _ = writeln!(
+            text,
+            "  bound on |Δ| for the leading order of growth: {}°",
+            format_short(bound)
+        );
     }
     text
 }
 
-fn place_words(place: &SupremumPlace) -> String {
-    match (place.number, place.limit) {
-        (Some(number), _) => format!("at k = {} 1/m", short(number)),
+fn format_supremum_place(place: &SupremumPlace) -> String {
+    match (place.wave_number, place.limit) {
+        (Some(number), _) => format!("at k = {} 1/m", format_short(number)),
         (None, Some(WaveLimit::LongWaves)) => "approached by the longest waves".into(),
         (None, _) => "approached as k → ∞".into(),
     }
 }
 
 /// Renders the tables of sampled growth rates, if any.
-pub(super) fn tables(found: &FlowPoint) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+pub(super) fn create_tables(found: &FlowPoint) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
     let curves: Vec<(&str, &YieldingState)> = found
-        .shown()
+        .plotted_models()
         .iter()
-        .filter_map(|shown| Some((shown.kind.name(), shown.yielding()?)))
+        .filter_map(|shown| Some((shown.kind.name(), shown.yielding_state()?)))
         .filter(|(_, state)| state.has_curves())
         .collect();
     if curves.is_empty() {
         return Ok(Vec::new());
     }
     let by_direction = curves.iter().flat_map(|(model, state)| {
-        state.by_direction.iter().map(|&[direction, rate]| -> Vec<files::csv::Cell> {
+        state.growth_by_direction.iter().map(|&[direction, rate]| -> Vec<files::csv::CsvCell> {
             vec![(*model).into(), direction.into(), rate.into()]
         })
     });
     let by_wave_number = curves.iter().flat_map(|(model, state)| {
-        state.by_wave_number.iter().map(|at| -> Vec<files::csv::Cell> {
+        state.growth_by_wave_number.iter().map(|at| -> Vec<files::csv::CsvCell> {
             vec![
                 (*model).into(),
-                at.number.into(),
+                at.wave_number.into(),
                 at.growth_rate.into(),
-                at.greatest.into(),
-                at.direction.to_degrees().into(),
+                at.max_growth_rate.into(),
+                at.max_growth_direction.to_degrees().into(),
             ]
         })
     });
@@ -252,7 +265,7 @@ pub(super) fn tables(found: &FlowPoint) -> Result<Vec<(&'static str, Vec<u8>)>, 
     let of_wave_number =
         ["model", "number", "growth_rate", "greatest_growth_rate", "greatest_direction_deg"];
     Ok(vec![
-        ("growth_by_direction.csv", files::csv::table(&of_direction, by_direction)?),
-        ("growth_by_wave_number.csv", files::csv::table(&of_wave_number, by_wave_number)?),
+        ("growth_by_direction.csv", files::csv::format_table(&of_direction, by_direction)?),
+        ("growth_by_wave_number.csv", files::csv::format_table(&of_wave_number, by_wave_number)?),
     ])
 }

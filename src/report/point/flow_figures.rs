@@ -1,48 +1,49 @@
 //! Figures of the state of a flow.
 
 use crate::case::Case;
-use crate::report::Picture;
-use crate::report::format::{case_title, order_words, short};
+use crate::report::ReportPicture;
+use crate::report::format::{case_title, format_order, format_short};
 use crate::study::point::{FlowAnalysis, FlowPoint, YieldingState};
 use figures::{
-    Direction, DirectionsFigure, GrowthFigure, Line, Mark, Panel, PolarFigure, Spoke, SpokeStyle,
-    Style,
+    AxisMark, Direction, DirectionKind, DirectionsFigure, GrowthFigure, GrowthPanel, LabelledCurve,
+    PolarFigure, Spoke, SpokeStyle,
 };
 use models::common::elementary::Elementary;
 
 /// Creates the figures of growth rates, if sampled, and of characteristic directions, if the state is fully deforming.
-pub(super) fn pictures(case: &Case, found: &FlowPoint) -> Vec<Picture> {
-    let shown: Vec<Shown> = found.shown().iter().filter_map(Shown::new).collect();
+pub(super) fn create_pictures(case: &Case, found: &FlowPoint) -> Vec<ReportPicture> {
+    let shown: Vec<PlottedModel> =
+        found.plotted_models().iter().filter_map(PlottedModel::new).collect();
     let mut pictures = Vec::new();
     if shown.iter().any(|shown| shown.state.has_curves()) {
-        let growth = growth_figure(case, &shown);
-        pictures.push(Picture::new("growth", move |format| growth.draw(format)));
-        let polar = polar_figure(case, &shown);
-        pictures.push(Picture::new("polar", move |format| polar.draw(format)));
+        let growth = create_growth_figure(case, &shown);
+        pictures.push(ReportPicture::new("growth", move |format| growth.draw(format)));
+        let polar = create_polar_figure(case, &shown);
+        pictures.push(ReportPicture::new("polar", move |format| polar.draw(format)));
     }
-    if let Some(own) = Shown::new(&found.own) {
-        let directions = directions_figure(case, &own);
-        pictures.push(Picture::new("directions", move |format| directions.draw(format)));
+    if let Some(own) = PlottedModel::new(&found.analysis) {
+        let directions = create_directions_figure(case, &own);
+        pictures.push(ReportPicture::new("directions", move |format| directions.draw(format)));
     }
     pictures
 }
 
 /// Model with a fully deforming state.
-struct Shown<'a> {
+struct PlottedModel<'a> {
     title: &'static str,
     state: &'a YieldingState,
 }
 
-impl<'a> Shown<'a> {
+impl<'a> PlottedModel<'a> {
     fn new(analysis: &'a FlowAnalysis) -> Option<Self> {
-        Some(Self { title: analysis.kind.title(), state: analysis.yielding()? })
+        Some(Self { title: analysis.kind.title(), state: analysis.yielding_state()? })
     }
 
     /// Returns the legend: name of the model, fitted order of growth and exact order by the verdict.
-    fn legend(&self) -> String {
+    fn format_legend(&self) -> String {
         let Self { title, state } = self;
         let exact = match (state.verdict, state.order) {
-            (_, Some(order)) => format!("exact {}", order_words(order)),
+            (_, Some(order)) => format!("exact {}", format_order(order)),
             ("ill-posed", None) => return format!("{title}: unbounded at all k (upper edge)"),
             ("well-posed", None) => "exact: bounded".into(),
             (verdict, None) => verdict.into(),
@@ -60,14 +61,18 @@ impl<'a> Shown<'a> {
 }
 
 /// Returns the models with sampled growth rates.
-fn with_curves<'a>(shown: &'a [Shown<'a>]) -> impl Iterator<Item = &'a Shown<'a>> {
+fn models_with_curves<'a>(
+    shown: &'a [PlottedModel<'a>],
+) -> impl Iterator<Item = &'a PlottedModel<'a>> {
     shown.iter().filter(|shown| shown.state.has_curves())
 }
 
 /// Returns the degenerate directions of all models, degrees, merged if closer than `apart` degrees.
-fn degenerate_directions(shown: &[Shown], apart: f64) -> Vec<f64> {
+fn collect_degenerate_directions(shown: &[PlottedModel], apart: f64) -> Vec<f64> {
     let mut found: Vec<f64> = Vec::new();
-    for &angle in with_curves(shown).flat_map(|s| &s.state.evidence.degenerate_directions_deg) {
+    for &angle in
+        models_with_curves(shown).flat_map(|s| &s.state.evidence.degenerate_directions_deg)
+    {
         if found.iter().all(|other| (other - angle).abs() > apart) {
             found.push(angle);
         }
@@ -75,18 +80,24 @@ fn degenerate_directions(shown: &[Shown], apart: f64) -> Vec<f64> {
     found
 }
 
-fn growth_figure(case: &Case, shown: &[Shown]) -> GrowthFigure {
+fn create_growth_figure(case: &Case, shown: &[PlottedModel]) -> GrowthFigure {
     let wave = case.material.numbers.wave;
     let lines = |points: fn(&YieldingState) -> Vec<[f64; 2]>| {
-        with_curves(shown)
-            .map(|shown| Line { label: shown.legend(), points: points(shown.state) })
+        models_with_curves(shown)
+            .map(|shown| LabelledCurve {
+                label: shown.format_legend(),
+                points: points(shown.state),
+            })
             .collect::<Vec<_>>()
     };
-    let asymptotes = with_curves(shown).filter_map(|Shown { state, .. }| {
+    let asymptotes = models_with_curves(shown).filter_map(|PlottedModel { state, .. }| {
         let (order, coefficient) = (state.order?, state.coefficient?);
         let asymptote = |k: f64| coefficient * k.cr_powf(order);
-        let points = state.by_wave_number.iter().map(|at| [at.number, asymptote(at.number)]);
-        Some(Line {
+        let points = state
+            .growth_by_wave_number
+            .iter()
+            .map(|at| [at.wave_number, asymptote(at.wave_number)]);
+        Some(LabelledCurve {
             label: "exact asymptote: coefficient · k^order".into(),
             points: points.collect(),
         })
@@ -96,35 +107,39 @@ fn growth_figure(case: &Case, shown: &[Shown]) -> GrowthFigure {
         subtitle: format!(
             "greatest Re ς of all roots; left: k = {} 1/m, degenerate directions dashed; right: in \
              the worst direction at each k",
-            short(wave.number),
+            format_short(wave.wave_number),
         ),
-        by_direction: Panel {
+        by_direction: GrowthPanel {
             x_label: "direction of the wave vector (°)".into(),
             y_label: "growth rate Re ς (1/s)".into(),
-            x_log: false,
-            curves: lines(|state| state.by_direction.clone()),
-            guides: Vec::new(),
-            marks: degenerate_directions(shown, 0.5)
+            is_x_log: false,
+            curves: lines(|state| state.growth_by_direction.clone()),
+            reference_lines: Vec::new(),
+            marks: collect_degenerate_directions(shown, 0.5)
                 .into_iter()
-                .map(|x| Mark { label: format!("{}°", short(x)), x })
+                .map(|x| AxisMark { label: format!("{}°", format_short(x)), x })
                 .collect(),
         },
-        by_wave_number: Panel {
+        by_wave_number: GrowthPanel {
             x_label: "wave number k (1/m)".into(),
             y_label: "max of Re ς over all directions (1/s)".into(),
-            x_log: true,
+            is_x_log: true,
             curves: lines(|state| {
-                state.by_wave_number.iter().map(|at| [at.number, at.greatest]).collect()
+                state
+                    .growth_by_wave_number
+                    .iter()
+                    .map(|at| [at.wave_number, at.max_growth_rate])
+                    .collect()
             }),
-            guides: asymptotes.collect(),
-            marks: vec![Mark { label: "k".into(), x: wave.number }],
+            reference_lines: asymptotes.collect(),
+            marks: vec![AxisMark { label: "k".into(), x: wave.wave_number }],
         },
     }
 }
 
 /// Creates the polar figure of the growth rate against the direction of the wave vector. Characteristics are curves in
 /// physical space, hence their normals are drawn as wave vector directions.
-fn polar_figure(case: &Case, shown: &[Shown]) -> PolarFigure {
+fn create_polar_figure(case: &Case, shown: &[PlottedModel]) -> PolarFigure {
     let mut spokes: Vec<Spoke> = Vec::new();
     for c in shown.iter().flat_map(|shown| shown.state.characteristics.iter().flatten()) {
         let spoke = Spoke {
@@ -139,32 +154,32 @@ fn polar_figure(case: &Case, shown: &[Shown]) -> PolarFigure {
             spokes.push(spoke);
         }
     }
-    spokes.extend(degenerate_directions(shown, 1e-6).into_iter().map(|angle_deg| Spoke {
+    spokes.extend(collect_degenerate_directions(shown, 1e-6).into_iter().map(|angle_deg| Spoke {
         label: String::new(),
         angle_deg,
-        style: SpokeStyle::Degenerate,
+        style: SpokeStyle::DegenerateDirection,
     }));
     PolarFigure {
         title: case_title(case),
         subtitle: format!(
             "greatest growth rate Re ς of all roots at k = {} 1/m; angle: wave vector, anticlockwise \
              from x₁",
-            short(case.material.numbers.wave.number)
+            format_short(case.material.numbers.wave.wave_number)
         ),
         symbol: "Re ς".into(),
         unit: "1/s".into(),
-        curves: with_curves(shown)
-            .map(|shown| Line {
+        curves: models_with_curves(shown)
+            .map(|shown| LabelledCurve {
                 label: shown.title.into(),
-                points: shown.state.by_direction.clone(),
+                points: shown.state.growth_by_direction.clone(),
             })
             .collect(),
         spokes,
     }
 }
 
-fn directions_figure(case: &Case, own: &Shown) -> DirectionsFigure {
-    let Shown { title, state } = own;
+fn create_directions_figure(case: &Case, own: &PlottedModel) -> DirectionsFigure {
+    let PlottedModel { title, state } = own;
     let mut directions: Vec<Direction> = state
         .characteristics
         .iter()
@@ -173,26 +188,26 @@ fn directions_figure(case: &Case, own: &Shown) -> DirectionsFigure {
             label: c.family.clone(),
             angle_deg: c.angle_deg,
             multiplicity: c.multiplicity,
-            style: Style::Characteristic,
+            kind: DirectionKind::Characteristic,
         })
         .collect();
     let axis = |label: &str, angle: f64, style| Direction {
         label: label.into(),
         angle_deg: angle.to_degrees().rem_euclid(180.0),
         multiplicity: 1,
-        style,
+        kind: style,
     };
     let flow = &state.flow;
     let angle = flow.stress.angle;
-    directions.push(axis("greater principal stress", angle, Style::StressAxis));
+    directions.push(axis("greater principal stress", angle, DirectionKind::StressAxis));
     directions.push(axis(
         "greater principal deformation rate",
         angle + flow.noncoaxiality,
-        Style::DeformationAxis,
+        DirectionKind::DeformationAxis,
     ));
     if flow.velocity != [0.0; 2] {
         let [v1, v2] = flow.velocity;
-        directions.push(axis("velocity", v2.cr_atan2(v1), Style::Velocity));
+        directions.push(axis("velocity", v2.cr_atan2(v1), DirectionKind::Velocity));
     }
     let kind = state.steady_type.map_or(String::new(), |kind| format!(", steady equations {kind}"));
     DirectionsFigure {

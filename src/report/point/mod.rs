@@ -4,7 +4,7 @@ mod flow;
 mod flow_figures;
 mod solid;
 
-use super::{Picture, Report};
+use super::{Report, ReportPicture};
 use crate::Error;
 use crate::case::Case;
 use crate::study::PointResult;
@@ -13,23 +13,23 @@ impl Report for PointResult {
     const NAME: &'static str = "point";
     const ENDS_WITH_PICTURE: bool = false;
 
-    fn text(&self, case: &Case) -> String {
+    fn to_text(&self, case: &Case) -> String {
         match self {
-            Self::Flow(found) => flow::text(case, found),
-            Self::Solid(found) => solid::text(case, found),
+            Self::Flow(found) => flow::format_text(case, found),
+            Self::Solid(found) => solid::format_text(case, found),
         }
     }
 
-    fn pictures(&self, case: &Case) -> Result<Vec<Picture>, Error> {
+    fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error> {
         Ok(match self {
-            Self::Flow(found) => flow_figures::pictures(case, found),
-            Self::Solid(found) => solid::pictures(case, found),
+            Self::Flow(found) => flow_figures::create_pictures(case, found),
+            Self::Solid(found) => solid::create_pictures(case, found),
         })
     }
 
-    fn tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
         match self {
-            Self::Flow(found) => flow::tables(found),
+            Self::Flow(found) => flow::create_tables(found),
             Self::Solid(_) => Ok(Vec::new()),
         }
     }

@@ -1,49 +1,49 @@
 //! Text report and figure of the state of a solid.
 
-use crate::case::{Case, Kind};
-use crate::report::Picture;
-use crate::report::format::{VALIDITY, case_title, normal_words as at, short};
-use crate::setup::solid::normal;
+use crate::case::{Case, ModelKind};
+use crate::report::ReportPicture;
+use crate::report::format::{VALIDITY_NOTE, case_title, format_normal as at, format_short};
+use crate::setup::solid::wave_normal;
 use crate::study::SolidPoint;
-use crate::study::words::evidence;
+use crate::study::format::describe_evidence;
 use analysis::growth::Verdict;
 use analysis::solids::Hyperbolicity;
-use figures::{GrowthFigure, Line, Mark, Panel};
+use figures::{AxisMark, GrowthFigure, GrowthPanel, LabelledCurve};
 use models::common::elementary::Elementary;
 use models::solid::parameters::Theory;
 use num_complex::Complex64;
 use std::fmt::Write as _;
 
-pub(super) fn text(case: &Case, found: &SolidPoint) -> String {
+pub(super) fn format_text(case: &Case, found: &SolidPoint) -> String {
     let mut text = format!(
         "{}\nmodel: {}, {}\n",
         case_title(case),
         case.medium().title(),
         if found.dimensions == 2 { "plane strain" } else { "in space" }
     );
-    yielding(found, &mut text);
-    speeds(case, found, &mut text);
-    extremes(found, &mut text);
-    energy(found, &mut text);
+    write_yielding(found, &mut text);
+    write_speeds(case, found, &mut text);
+    write_extremes(found, &mut text);
+    write_energy(found, &mut text);
     let wave = case.material.numbers.wave;
     let _ = writeln!(
         text,
         "\nRoots ς at k = {} 1/m {}; {} more are zero",
-        short(wave.number),
-        at(normal(&wave)),
-        found.zero_roots
+        format_short(wave.wave_number),
+        at(wave_normal(&wave)),
+        found.zero_root_count
     );
     for [re, im] in &found.roots {
-        let _ = writeln!(text, "  {:>12} {im:>+13.4e} i  1/s", short(*re));
+        let _ = writeln!(text, "  {:>12} {im:>+13.4e} i  1/s", format_short(*re));
     }
-    verdict(found, &mut text);
-    let _ = writeln!(text, "Route: {}\n{VALIDITY}", found.route);
+    write_verdict(found, &mut text);
+    let _ = writeln!(text, "Route: {}\n{VALIDITY_NOTE}", found.route);
     text
 }
 
-fn yielding(found: &SolidPoint, text: &mut String) {
-    let Some(active) = &found.active else { return };
-    let flow = if found.associated { "associated" } else { "non-associated" };
+fn write_yielding(found: &SolidPoint, text: &mut String) {
+    let Some(active) = &found.active_conditions else { return };
+    let flow = if found.is_associated { "associated" } else { "non-associated" };
     let _ = writeln!(text, "\nYielding, {flow}");
     for name in active {
         let _ = writeln!(text, "  active: {name}");
@@ -51,7 +51,7 @@ fn yielding(found: &SolidPoint, text: &mut String) {
     if let Some(stress) = found.stress {
         let rows = |t: &[[f64; 3]; 3]| {
             t.iter()
-                .map(|row| format!("[{}]", row.map(|x| short(x + 0.0)).join(", ")))
+                .map(|row| format!("[{}]", row.map(|x| format_short(x + 0.0)).join(", ")))
                 .collect::<Vec<_>>()
                 .join(" ")
         };
@@ -63,26 +63,29 @@ fn yielding(found: &SolidPoint, text: &mut String) {
     }
 }
 
-fn list(squares: &[[f64; 2]]) -> String {
+fn format_speeds(squares: &[[f64; 2]]) -> String {
     let speed = |&[re, im]: &[f64; 2]| {
         let c = Complex64::new(re, im).sqrt();
         match (c.re, c.im.abs()) {
-            (real, 0.0) => short(real),
-            (0.0, growth) => format!("{}i", short(growth)),
-            (real, growth) => format!("{} ± {}i", short(real), short(growth)),
+            (real, 0.0) => format_short(real),
+            (0.0, growth) => format!("{}i", format_short(growth)),
+            (real, growth) => format!("{} ± {}i", format_short(real), format_short(growth)),
         }
     };
     squares.iter().map(speed).collect::<Vec<_>>().join(", ")
 }
 
-fn speeds(case: &Case, found: &SolidPoint, text: &mut String) {
-    let _ =
-        writeln!(text, "\nCharacteristic speeds {}, m/s", at(normal(&case.material.numbers.wave)));
-    let _ = writeln!(text, "  elastic   {}", list(&found.elastic_squared_speeds));
-    if found.solid.plastic.is_some() {
-        let _ = writeln!(text, "  yielding  {}", list(&found.squared_speeds));
+fn write_speeds(case: &Case, found: &SolidPoint, text: &mut String) {
+    let _ = writeln!(
+        text,
+        "\nCharacteristic speeds {}, m/s",
+        at(wave_normal(&case.material.numbers.wave))
+    );
+    let _ = writeln!(text, "  elastic   {}", format_speeds(&found.elastic_squared_speeds));
+    if found.solid.plastic_state.is_some() {
+        let _ = writeln!(text, "  yielding  {}", format_speeds(&found.squared_speeds));
     }
-    if matches!(case.material.kind, Kind::Solid(solid) if solid.theory == Theory::Reduced) {
+    if matches!(case.material.kind, ModelKind::Solid(solid) if solid.theory == Theory::Reduced) {
         let _ =
             writeln!(text, "  where 0 is the rotation: without couple stress it does not travel");
     }
@@ -90,22 +93,22 @@ fn speeds(case: &Case, found: &SolidPoint, text: &mut String) {
         text,
         "  and {} of speed zero among {} unknowns: stresses without traction or couple \
          on the front, which no motion relieves",
-        found.zero_roots, found.unknowns
+        found.zero_root_count, found.unknown_count
     );
 }
 
-fn extremes(found: &SolidPoint, text: &mut String) {
+fn write_extremes(found: &SolidPoint, text: &mut String) {
     let hyperbolicity = found.assessment.hyperbolicity;
-    let _ = writeln!(text, "\nSpeeds over all directions: {}", hyperbolicity.words());
+    let _ = writeln!(text, "\nSpeeds over all directions: {}", hyperbolicity.description());
     if let Some(flutter) = found.flutter {
         let [re, im] = flutter.squared_speed;
         let _ = writeln!(
             text,
             "  strongest flutter   c² = {} ± {}i m²/s² {}: short waves grow as {} k",
-            short(re),
-            short(im.abs()),
+            format_short(re),
+            format_short(im.abs()),
             at(flutter.normal.vector),
-            short(flutter.growth)
+            format_short(flutter.max_imaginary_speed)
         );
     }
     let slowest = found.slowest;
@@ -114,7 +117,7 @@ fn extremes(found: &SolidPoint, text: &mut String) {
             text,
             "  slowest wave        c² = 0 {}: a stationary discontinuity{}",
             at(slowest.normal.vector),
-            match &found.solid.plastic {
+            match &found.solid.plastic_state {
                 Some(own) if own.set.half_spaces().is_some() => {
                     " (slip along a layer stands still always)"
                 }
@@ -124,8 +127,8 @@ fn extremes(found: &SolidPoint, text: &mut String) {
         false => writeln!(
             text,
             "  slowest wave        c² = {} m²/s² {}{}",
-            short(slowest.squared_speed),
-            match found.solid.plastic {
+            format_short(slowest.squared_speed),
+            match found.solid.plastic_state {
                 Some(_) => at(slowest.normal.vector),
                 None => "in all directions".into(),
             },
@@ -134,7 +137,7 @@ fn extremes(found: &SolidPoint, text: &mut String) {
     };
 }
 
-fn energy(found: &SolidPoint, text: &mut String) {
+fn write_energy(found: &SolidPoint, text: &mut String) {
     let energy = &found.energy;
     let _ = writeln!(text, "\nEnergy");
     let mut line = |name: &str, value: f64| {
@@ -142,32 +145,32 @@ fn energy(found: &SolidPoint, text: &mut String) {
     };
     line("least eigenvalue of the symmetriser (unit diagonal)", energy.definiteness);
     line("asymmetry of B, elastic", energy.asymmetry);
-    line("asymmetry of Q + Qᵀ, elastic", energy.antisymmetry);
+    line("asymmetry of Q + Qᵀ, elastic", energy.antisymmetry_defect);
     line("greatest |Re ς|/|ς| of many waves, elastic", energy.elastic_growth);
-    if found.solid.plastic.is_some() {
-        line("greatest |Re ς|/|ς| of many waves, yielding", energy.growth);
+    if found.solid.plastic_state.is_some() {
+        line("greatest |Re ς|/|ς| of many waves, yielding", energy.yielding_growth);
     }
 }
 
-fn verdict(found: &SolidPoint, text: &mut String) {
+fn write_verdict(found: &SolidPoint, text: &mut String) {
     let assessment = &found.assessment;
     let _ = writeln!(text, "\nVerdict: {}", found.verdict);
-    let words = match &assessment.verdict {
+    let evidence = match &assessment.verdict {
         Verdict::IllPosed { growth: Some(growth), .. } => {
             let normal = assessment.normal.map_or(String::new(), at);
-            format!("Re ς ≈ {} k^{} as k → ∞ {normal}", growth.coefficient, growth.order.value())
+            format!("Re ς ≈ {} k^{} as k → ∞ {normal}", growth.coefficient, growth.order.to_f64())
         }
-        Verdict::WellPosed if found.solid.keeps_energy() => {
+        Verdict::WellPosed if found.solid.is_symmetric_hyperbolic() => {
             "symmetric-hyperbolic: the energy bounds every wave".into()
         }
         Verdict::WellPosed if found.dimensions == 3 => {
             "all speeds real and none vanishes, over all directions".into()
         }
-        verdict => evidence(verdict),
+        verdict => describe_evidence(verdict),
     };
-    let _ = writeln!(text, "  {words}");
-    if let Some(bound) = found.bound {
-        let _ = writeln!(text, "  supremum of Re ς: {} 1/s", short(bound));
+    let _ = writeln!(text, "  {evidence}");
+    if let Some(bound) = found.growth_bound {
+        let _ = writeln!(text, "  supremum of Re ς: {} 1/s", format_short(bound));
     }
     if assessment.hyperbolicity == Hyperbolicity::Hyperbolic
         && matches!(assessment.verdict, Verdict::IllPosed { .. })
@@ -177,68 +180,72 @@ fn verdict(found: &SolidPoint, text: &mut String) {
 }
 
 /// Creates the figure of the growth rate against direction and wave number.
-pub(super) fn pictures(case: &Case, found: &SolidPoint) -> Vec<Picture> {
-    let figure = figure(case, found);
-    vec![Picture::new("growth", move |format| figure.draw(format))]
+pub(super) fn create_pictures(case: &Case, found: &SolidPoint) -> Vec<ReportPicture> {
+    let figure = create_figure(case, found);
+    vec![ReportPicture::new("growth", move |format| figure.draw(format))]
 }
 
-fn figure(case: &Case, found: &SolidPoint) -> GrowthFigure {
+fn create_figure(case: &Case, found: &SolidPoint) -> GrowthFigure {
     let wave = case.material.numbers.wave;
     let along = |[direction, elevation]: [f64; 2]| match elevation {
-        0.0 => format!("along {}°", short(direction)),
-        up => format!("along {}°, {}° above the plane", short(direction), short(up)),
+        0.0 => format!("along {}°", format_short(direction)),
+        up => format!("along {}°, {}° above the plane", format_short(direction), format_short(up)),
     };
-    let mut curves = vec![Line {
+    let mut curves = vec![LabelledCurve {
         label: along([wave.direction_deg, wave.elevation_deg]),
-        points: found.by_wave_number.clone(),
+        points: found.growth_by_wave_number.clone(),
     }];
     let mut guides = Vec::new();
     if let (Some(direction), Some(elevation)) = (found.direction_deg, found.elevation_deg) {
-        curves.push(Line {
+        curves.push(LabelledCurve {
             label: format!("{}, where short waves grow fastest", along([direction, elevation])),
-            points: found.in_worst_direction.clone(),
+            points: found.growth_in_worst_direction.clone(),
         });
         if let (Some(order), Some(coefficient)) = (found.order, found.coefficient) {
             let asymptote = |k: f64| coefficient * k.cr_powf(order);
-            guides.push(Line {
+            guides.push(LabelledCurve {
                 label: "exact asymptote: coefficient · k^order".into(),
-                points: found.in_worst_direction.iter().map(|&[k, _]| [k, asymptote(k)]).collect(),
+                points: found
+                    .growth_in_worst_direction
+                    .iter()
+                    .map(|&[k, _]| [k, asymptote(k)])
+                    .collect(),
             });
         }
     }
     let above = match wave.elevation_deg {
         0.0 => String::new(),
-        up => format!(", {}° above the plane", short(up)),
+        up => format!(", {}° above the plane", format_short(up)),
     };
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
             "{}: greatest Re ς of all roots; left: k = {} 1/m{above}",
             case.medium().title(),
-            short(wave.number)
+            format_short(wave.wave_number)
         ),
-        by_direction: Panel {
+        by_direction: GrowthPanel {
             x_label: match (found.dimensions, wave.elevation_deg) {
                 (2, _) => "direction of the wave vector (°)".into(),
                 (_, 0.0) => "direction in the plane of x₁ and x₂ (°)".into(),
                 _ => "direction, measured in the plane of x₁ and x₂ (°)".into(),
             },
             y_label: "growth rate Re ς (1/s)".into(),
-            x_log: false,
-            curves: vec![Line {
-                label: format!("k = {} 1/m{above}", short(wave.number)),
-                points: found.by_direction.clone(),
+            is_x_log: false,
+            curves: vec![LabelledCurve {
+                label: format!("k = {} 1/m{above}", format_short(wave.wave_number)),
+                points: found.growth_by_direction.clone(),
             }],
-            guides: Vec::new(),
+            reference_lines: Vec::new(),
             marks: Vec::new(),
         },
-        by_wave_number: Panel {
+        by_wave_number: GrowthPanel {
             x_label: "wave number k (1/m)".into(),
             y_label: "growth rate Re ς (1/s)".into(),
-            x_log: true,
+            is_x_log: true,
             curves,
-            guides,
-            marks: vec![Mark { label: "k".into(), x: wave.number }],
+            reference_lines: guides,
+            marks: vec![AxisMark { label: "k".into(), x: wave.wave_number }],
         },
     }
 }

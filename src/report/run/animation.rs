@@ -2,54 +2,58 @@
 
 use super::{flow, solid};
 use crate::Error;
-use crate::case::{Case, InTime};
-use figures::{Animation, FieldFigure};
+use crate::case::{Case, TimeDomainRun};
+use figures::{FieldFigure, GifAnimation};
 
 /// Function from the bytes of a snapshot to the values to be drawn, or an error message.
-type Values<'a> = Box<dyn Fn(&[u8]) -> Result<Vec<f64>, String> + 'a>;
+type SnapshotReader<'a> = Box<dyn Fn(&[u8]) -> Result<Vec<f64>, String> + 'a>;
 
 /// Function from a time, s, and the values of its snapshot to a figure.
-type Figure<'a> = Box<dyn Fn(f64, Vec<f64>) -> FieldFigure + 'a>;
+type FigureBuilder<'a> = Box<dyn Fn(f64, Vec<f64>) -> FieldFigure + 'a>;
 
 /// Conversion of snapshots of a case to frames of an animation.
-pub struct Frames<'a> {
-    values: Values<'a>,
-    figure: Figure<'a>,
+pub struct FrameConverter<'a> {
+    read_values: SnapshotReader<'a>,
+    build_figure: FigureBuilder<'a>,
 }
 
 /// Time and values of a snapshot to be drawn.
-pub struct Frame {
+pub struct AnimationFrame {
     /// Time of the snapshot, s.
     time: f64,
     values: Vec<f64>,
 }
 
-impl Frame {
-    /// Returns the greatest absolute value.
-    pub fn greatest(&self) -> f64 {
+impl AnimationFrame {
+    /// Returns the largest absolute value.
+    pub fn max_magnitude(&self) -> f64 {
         self.values.iter().fold(0.0, |sum, value| sum.max(value.abs()))
     }
 }
 
-impl<'a> Frames<'a> {
+impl<'a> FrameConverter<'a> {
     /// Creates the conversion for a case; `None` if the case requests no snapshots.
     ///
     /// # Errors
     /// The case has no simulation.
     pub fn new(case: &'a Case) -> Result<Option<Self>, Error> {
-        Ok(match case.in_time()? {
-            InTime::Solid(dynamics) if dynamics.output.snapshot_interval > 0.0 => {
-                let section = solid::Section::new(dynamics);
-                let picture = dynamics.output.picture;
-                let drawn = solid::Section::new(dynamics);
+        Ok(match case.time_domain_run()? {
+            TimeDomainRun::Solid(dynamics) if dynamics.output.snapshot_interval > 0.0 => {
+                let section = solid::PlaneSection::new(dynamics);
+                let picture = dynamics.output.plotted_quantity;
+                let drawn = solid::PlaneSection::new(dynamics);
                 Some(Self {
-                    values: Box::new(move |bytes| section.of_snapshot(bytes, picture)),
-                    figure: Box::new(move |time, values| drawn.figure(case, picture, time, values)),
+                    read_values: Box::new(move |bytes| {
+                        section.read_snapshot_values(bytes, picture)
+                    }),
+                    build_figure: Box::new(move |time, values| {
+                        drawn.create_figure(case, picture, time, values)
+                    }),
                 })
             }
-            InTime::Flow(run) if run.output.snapshot_interval > 0.0 => Some(Self {
-                values: Box::new(|bytes| flow::of_snapshot(bytes, run)),
-                figure: Box::new(|time, values| flow::figure(case, run, time, values)),
+            TimeDomainRun::Flow(run) if run.output.snapshot_interval > 0.0 => Some(Self {
+                read_values: Box::new(|bytes| flow::read_snapshot_values(bytes, run)),
+                build_figure: Box::new(|time, values| flow::create_figure(case, run, time, values)),
             }),
             _ => None,
         })
@@ -59,29 +63,29 @@ impl<'a> Frames<'a> {
     ///
     /// # Errors
     /// The bytes are not a snapshot of this case; a message.
-    pub fn frame(&self, snapshot: &[u8]) -> Result<Frame, String> {
-        let time = files::vti::plain_time(snapshot).ok_or("has no time")?;
-        Ok(Frame { time, values: (self.values)(snapshot)? })
+    pub fn read_frame(&self, snapshot: &[u8]) -> Result<AnimationFrame, String> {
+        let time = files::vti::read_plain_time(snapshot).ok_or("has no time")?;
+        Ok(AnimationFrame { time, values: (self.read_values)(snapshot)? })
     }
 
-    /// Draws the frames as a GIF with a common colour scale up to `greatest`.
+    /// Draws the frames as a GIF with a common colour scale up to `max_magnitude`.
     ///
     /// # Errors
     /// A frame is an error or cannot be drawn.
-    pub fn animation<E: From<Error>>(
+    pub fn draw_animation<E: From<Error>>(
         &self,
-        greatest: f64,
-        frames: impl Iterator<Item = Result<Frame, E>>,
+        max_magnitude: f64,
+        frames: impl Iterator<Item = Result<AnimationFrame, E>>,
     ) -> Result<Vec<u8>, E> {
         const SECONDS_PER_FRAME: f64 = 0.1;
-        const WIDTH: u32 = 800;
-        let animation = Animation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH);
+        const WIDTH_PIXELS: u32 = 800;
+        let animation = GifAnimation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH_PIXELS);
         let mut animation = animation.map_err(Error::from)?;
         for frame in frames {
-            let Frame { time, values } = frame?;
-            let mut figure = (self.figure)(time, values);
-            figure.scale = Some(greatest);
-            animation.add(&figure).map_err(Error::from)?;
+            let AnimationFrame { time, values } = frame?;
+            let mut figure = (self.build_figure)(time, values);
+            figure.fixed_limit = Some(max_magnitude);
+            animation.add_frame(&figure).map_err(Error::from)?;
         }
         Ok(animation.finish().map_err(Error::from)?)
     }

@@ -1,15 +1,15 @@
 //! NPZ archives of the final fields and of receiver records.
 
 use crate::Error;
-use crate::study::simulate::{Fields, Quantity, Table};
-use files::npz::{Array, Npz, NpzError, Values, read_some};
+use crate::study::simulate::{FieldQuantity, OutputFields, RecordTable};
+use files::npz::{ArrayValues, NpzArray, NpzError, NpzWriter, read_selected_arrays};
 
 /// Renders the archive of the fields of a state.
 ///
 /// # Errors
 /// The archive cannot be created.
-pub(super) fn fields(fields: &Fields) -> Result<Vec<u8>, Error> {
-    let mut archive = Npz::new();
+pub(super) fn encode_fields(fields: &OutputFields) -> Result<Vec<u8>, Error> {
+    let mut archive = NpzWriter::new();
     for (axis, along) in fields.coordinates.iter().enumerate() {
         archive.add_f64(&format!("x{}", axis + 1), &[along.len()], along)?;
     }
@@ -40,19 +40,21 @@ pub(super) fn fields(fields: &Fields) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// The archive is damaged or does not match the grid.
-pub fn read_fields(bytes: &[u8], cells: usize) -> Result<Fields, NpzError> {
-    let mut fields = Fields::default();
+pub fn read_fields(bytes: &[u8], cells: usize) -> Result<OutputFields, NpzError> {
+    let mut fields = OutputFields::default();
     let is_numbers = |name: &str| !["names", "units"].contains(&name);
-    for Array { name, values, .. } in read_some(bytes, is_numbers, cells)? {
+    for NpzArray { name, values, .. } in read_selected_arrays(bytes, is_numbers, cells)? {
         match (name.as_str(), values) {
-            ("time", Values::F64(time)) => fields.time = time.first().copied().unwrap_or(0.0),
-            ("x1" | "x2" | "x3", Values::F64(along)) => fields.coordinates.push(along),
-            ("dissipation", Values::F64(values)) => fields.dissipation = values,
-            ("region", Values::I32(regions)) => {
+            ("time", ArrayValues::F64(time)) => fields.time = time.first().copied().unwrap_or(0.0),
+            ("x1" | "x2" | "x3", ArrayValues::F64(along)) => fields.coordinates.push(along),
+            ("dissipation", ArrayValues::F64(values)) => fields.dissipation = values,
+            ("region", ArrayValues::I32(regions)) => {
                 fields.regions = regions.iter().map(|&region| region as u16).collect();
             }
             ("deformation", _) => {}
-            (_, Values::F64(values)) => fields.quantities.push(Quantity::new(name, values)),
+            (_, ArrayValues::F64(values)) => {
+                fields.quantities.push(FieldQuantity::new(name, values))
+            }
             _ => {}
         }
     }
@@ -63,8 +65,8 @@ pub fn read_fields(bytes: &[u8], cells: usize) -> Result<Fields, NpzError> {
 ///
 /// # Errors
 /// The archive cannot be created.
-pub(super) fn table(table: &Table) -> Result<Vec<u8>, Error> {
-    let mut archive = Npz::new();
+pub(super) fn encode_table(table: &RecordTable) -> Result<Vec<u8>, Error> {
+    let mut archive = NpzWriter::new();
     let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
     let units: Vec<&str> = table.columns.iter().map(|column| column.unit).collect();
     archive.add_text("names", &[names.len()], &names)?;

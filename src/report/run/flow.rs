@@ -1,52 +1,56 @@
 //! Pictures of the simulation of a flow.
 
-use super::records::{ledger, seismograms};
-use super::snapshot::array;
-use super::words::label;
+use super::display::axis_label;
+use super::records::{create_ledger_picture, create_seismograms};
+use super::snapshot::read_array;
 use crate::case::Case;
-use crate::case::flow::{FlowRun, Quantity};
-use crate::report::Picture;
-use crate::report::format::{case_title, short};
-use crate::study::simulate::{Fields, Records, Table, unit_of};
-use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, Line, SpectrumFigure};
+use crate::case::flow::{FlowQuantity, FlowRun};
+use crate::report::ReportPicture;
+use crate::report::format::{case_title, format_short};
+use crate::study::simulate::{OutputFields, RecordTable, RunRecords, quantity_unit};
+use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind, LabelledCurve, SpectrumFigure};
 use models::common::elementary::Elementary;
 
 /// Creates all pictures of a run except the animation.
-pub(super) fn pictures(
+pub(super) fn create_pictures(
     case: &Case,
     run: &FlowRun,
-    fields: &Fields,
-    records: &Records,
-) -> Vec<Picture> {
+    fields: &OutputFields,
+    records: &RunRecords,
+) -> Vec<ReportPicture> {
     let of = |name: &str| fields.get(name).unwrap_or_default();
-    let values = match run.output.picture {
+    let values = match run.output.plotted_field {
         None => of("v1").iter().zip(of("v2")).map(|(v1, v2)| v1.root_sum_square(*v2)).collect(),
-        Some(own) => of(own.array()).iter().map(|value| own.to_display_unit(*value)).collect(),
+        Some(own) => of(own.array_name()).iter().map(|value| own.to_display_unit(*value)).collect(),
     };
-    let figure = figure(case, run, fields.time, values);
-    let mut pictures = vec![Picture::new("run", move |format| figure.draw(format))];
-    pictures.extend(records.receivers.as_ref().map(|table| seismograms(case, table)));
-    let words = |name: &str| match name {
+    let figure = create_figure(case, run, fields.time, values);
+    let mut pictures = vec![ReportPicture::new("run", move |format| figure.draw(format))];
+    pictures.extend(records.receivers.as_ref().map(|table| create_seismograms(case, table)));
+    let describe_term = |name: &str| match name {
         "kinetic" => "kinetic energy of the perturbation",
         "background" => "given by the mean flow",
         "stress" => "work of the stress",
         _ => "left over: error of the steps",
     };
-    pictures.extend(ledger(case, &records.ledger, words));
-    pictures.extend(records.spectrum.as_ref().and_then(|table| spectrum(case, table)));
+    pictures.extend(create_ledger_picture(case, &records.ledger, describe_term));
+    pictures
+        .extend(records.spectrum.as_ref().and_then(|table| create_spectrum_picture(case, table)));
     pictures
 }
 
 /// Reads the values of the case's picture from a snapshot, in display units; an error message if they are absent.
-pub(super) fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
-    let count = run.grid.count();
-    let velocity = || array(bytes, "velocity [m/s]", 3 * count);
-    let values: Vec<f64> = match run.output.picture {
+pub(super) fn read_snapshot_values(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, String> {
+    let count = run.grid.point_count();
+    let velocity = || read_array(bytes, "velocity [m/s]", 3 * count);
+    let values: Vec<f64> = match run.output.plotted_field {
         None => velocity()?.chunks_exact(3).map(|v| v[0].root_sum_square(v[1])).collect(),
-        Some(Quantity::Velocity(i)) => velocity()?.chunks_exact(3).map(|v| v[i]).collect(),
+        Some(FlowQuantity::Velocity(i)) => velocity()?.chunks_exact(3).map(|v| v[i]).collect(),
         Some(own) => {
-            let name = format!("{} [{}]", own.array(), unit_of(own.array()));
-            array(bytes, &name, count)?.iter().map(|value| own.to_display_unit(*value)).collect()
+            let name = format!("{} [{}]", own.array_name(), quantity_unit(own.array_name()));
+            read_array(bytes, &name, count)?
+                .iter()
+                .map(|value| own.to_display_unit(*value))
+                .collect()
         }
     };
     Ok(values)
@@ -54,27 +58,33 @@ pub(super) fn of_snapshot(bytes: &[u8], run: &FlowRun) -> Result<Vec<f64>, Strin
 
 /// Creates the figure of a field in the initial box. The spatial mean of quantities other than velocities is
 /// subtracted, since perturbations are small against it.
-pub(super) fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>) -> FieldFigure {
-    let picture = run.output.picture;
-    let mut subtitle = format!("t = {} s, in the box that moves with the mean flow", short(time));
+pub(super) fn create_figure(
+    case: &Case,
+    run: &FlowRun,
+    time: f64,
+    mut values: Vec<f64>,
+) -> FieldFigure {
+    let picture = run.output.plotted_field;
+    let mut subtitle =
+        format!("t = {} s, in the box that moves with the mean flow", format_short(time));
     let label = match picture {
         None => "speed |v| of the perturbation, m/s".to_owned(),
-        Some(own @ Quantity::Velocity(_)) => label(own.name()),
+        Some(own @ FlowQuantity::Velocity(_)) => axis_label(own.name()),
         Some(own) => {
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
             values.iter_mut().for_each(|value| *value -= mean);
-            let unit = unit_of(own.name()).replace("deg", "°");
-            subtitle += &format!("; mean {} {unit}", short(mean));
-            label(own.name()).replace(", ", " less the mean, ")
+            let unit = quantity_unit(own.name()).replace("deg", "°");
+            subtitle += &format!("; mean {} {unit}", format_short(mean));
+            axis_label(own.name()).replace(", ", " less the mean, ")
         }
     };
     let axis = |axis: usize| FieldAxis {
         label: format!("x{} at the beginning, m", ["₁", "₂"][axis]),
-        from: 0.0,
-        to: run.grid.lengths[axis],
+        start: 0.0,
+        end: run.grid.lengths[axis],
     };
     let mark = |at: [f64; 2], name: &str| FieldMark {
-        at,
+        position: at,
         name: name.to_owned(),
         kind: FieldMarkKind::Receiver,
     };
@@ -83,31 +93,35 @@ pub(super) fn figure(case: &Case, run: &FlowRun, time: f64, mut values: Vec<f64>
         subtitle,
         x: axis(0),
         y: axis(1),
-        columns: run.grid.cells[0],
-        rows: run.grid.cells[1],
+        columns: run.grid.points[0],
+        rows: run.grid.points[1],
         values,
         label,
         is_signed: picture.is_some(),
         limit: None,
-        scale: None,
-        curves: run.output.contours.clone(),
-        outlines: Vec::new(),
-        plastic: Vec::new(),
-        marks: run.receivers.iter().map(|own| mark([own.at[0], own.at[1]], &own.name)).collect(),
+        fixed_limit: None,
+        contour_levels: run.output.contour_levels.clone(),
+        material_indices: Vec::new(),
+        has_yielded: Vec::new(),
+        marks: run
+            .receivers
+            .iter()
+            .map(|own| mark([own.position[0], own.position[1]], &own.name))
+            .collect(),
     }
 }
 
 /// Creates the figure of the energy spectrum by shells of modes, at up to six times.
-fn spectrum(case: &Case, table: &Table) -> Option<Picture> {
+fn create_spectrum_picture(case: &Case, table: &RecordTable) -> Option<ReportPicture> {
     /// Maximum number of lines.
-    const MOST: usize = 6;
+    const MAX_LINES: usize = 6;
     let (times, shells) = table.columns.split_first()?;
     let times = &times.values;
     let last = times.len().saturating_sub(1);
-    let count = MOST.min(times.len());
+    let count = MAX_LINES.min(times.len());
     let rows = (0..count).map(|line| line * last / (count - 1).max(1));
-    let lines = rows.map(|row| Line {
-        label: format!("t = {} s", short(times[row])),
+    let lines = rows.map(|row| LabelledCurve {
+        label: format!("t = {} s", format_short(times[row])),
         points: (1..).zip(shells).map(|(n, shell)| [f64::from(n), shell.values[row]]).collect(),
     });
     let figure = SpectrumFigure {
@@ -115,8 +129,8 @@ fn spectrum(case: &Case, table: &Table) -> Option<Picture> {
         subtitle: "energy of the modes with n − ½ ≤ |m| < n + ½".to_owned(),
         x_label: "mode number n".to_owned(),
         y_label: "kinetic energy, J/m³".to_owned(),
-        lines: lines.collect(),
-        rings: Vec::new(),
+        spectra: lines.collect(),
+        measured_points: Vec::new(),
     };
-    Some(Picture::new("spectrum", move |format| figure.draw(format)))
+    Some(ReportPicture::new("spectrum", move |format| figure.draw(format)))
 }

@@ -1,30 +1,31 @@
 //! Pictures of receiver records and of the energy ledger.
 
-use super::words::label;
+use super::display::axis_label;
 use crate::case::Case;
 use crate::case::dynamics::Precision;
-use crate::report::Picture;
+use crate::report::ReportPicture;
 use crate::report::format::case_title;
-use crate::study::simulate::{Table, unit_of};
+use crate::study::simulate::{RecordTable, quantity_unit};
 use figures::{LedgerFigure, LedgerTerm, SeismogramFigure, SeismogramPanel, Trace};
 
 /// Returns the indices of the receivers that a picture names: at most eight, evenly spaced from first to last.
-pub(super) fn some_of(count: usize) -> impl Iterator<Item = usize> {
+pub(super) fn evenly_spaced_indices(count: usize) -> impl Iterator<Item = usize> {
     /// Maximum number of legend entries.
-    const MOST: usize = 8;
-    let named = count.min(MOST);
+    const MAX_LEGEND_ENTRIES: usize = 8;
+    let named = count.min(MAX_LEGEND_ENTRIES);
     (0..named).map(move |index| index * (count - 1) / (named - 1).max(1))
 }
 
 /// Creates the figure of the receiver records with one panel per quantity.
-pub(super) fn seismograms(case: &Case, table: &Table) -> Picture {
+pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPicture {
     /// Maximum number of panels; further quantities are omitted.
-    const MOST: usize = 8;
+    const MAX_PANELS: usize = 8;
     let columns = &table.columns;
     let mut receivers: Vec<&str> =
         columns.iter().filter_map(|own| Some(own.name.rsplit_once('.')?.0)).collect();
     receivers.dedup();
-    let drawn: Vec<&str> = some_of(receivers.len()).map(|index| receivers[index]).collect();
+    let drawn: Vec<&str> =
+        evenly_spaced_indices(receivers.len()).map(|index| receivers[index]).collect();
     let mut panels: Vec<(String, Vec<Trace>)> = Vec::new();
     for column in columns.iter().skip(1) {
         let Some((receiver, name)) = column.name.rsplit_once('.') else { continue };
@@ -37,57 +38,57 @@ pub(super) fn seismograms(case: &Case, table: &Table) -> Picture {
             None => panels.push((name.to_owned(), vec![trace])),
         }
     }
-    let vanishing = remove_vanishing(&mut panels, rounding(case));
+    let vanishing = remove_vanishing_panels(&mut panels, machine_epsilon(case));
     let all = panels.len();
-    panels.truncate(MOST);
-    let mut words = Vec::new();
-    if all > MOST {
-        words.push(format!("the first {MOST} of {all} quantities in receivers.csv"));
+    panels.truncate(MAX_PANELS);
+    let mut notes = Vec::new();
+    if all > MAX_PANELS {
+        notes.push(format!("the first {MAX_PANELS} of {all} quantities in receivers.csv"));
     }
     if receivers.len() > drawn.len() {
-        words.push(format!("{} of {} receivers", drawn.len(), receivers.len()));
+        notes.push(format!("{} of {} receivers", drawn.len(), receivers.len()));
     }
     if !vanishing.is_empty() {
         // Axis label without its unit.
-        let quantity = |name: &String| label(name).split(',').next().map(str::to_owned);
+        let quantity = |name: &String| axis_label(name).split(',').next().map(str::to_owned);
         let names: Vec<String> = vanishing.iter().filter_map(quantity).collect();
-        words.push(format!("without {}, no more than rounding", names.join(", ")));
+        notes.push(format!("without {}, no more than rounding", names.join(", ")));
     }
     let figure = SeismogramFigure {
         title: case_title(case),
-        subtitle: words.join(", "),
+        subtitle: notes.join(", "),
         time_label: "time t, s".to_owned(),
         panels: panels
             .into_iter()
-            .map(|(name, traces)| SeismogramPanel { label: label(&name), traces })
+            .map(|(name, traces)| SeismogramPanel { label: axis_label(&name), traces })
             .collect(),
         times: columns.first().map(|column| column.values.clone()).unwrap_or_default(),
     };
-    Picture::new("seismograms", move |format| figure.draw(format))
+    ReportPicture::new("seismograms", move |format| figure.draw(format))
 }
 
 /// Returns the machine epsilon of the solver's precision.
-fn rounding(case: &Case) -> f64 {
-    match case.dynamics.as_ref().map(|dynamics| dynamics.scheme.precision) {
+fn machine_epsilon(case: &Case) -> f64 {
+    match case.solid_run.as_ref().map(|dynamics| dynamics.scheme.precision) {
         Some(Precision::F32) => f32::EPSILON.into(),
         _ => f64::EPSILON,
     }
 }
 
-/// Removes the panels of quantities that vanish within rounding and returns their names. The reference is the greatest
+/// Removes the panels of quantities that vanish within rounding and returns their names. The reference is the largest
 /// quantity of the same unit; on a separate scale rounding errors would look like motion. `rounding` is relative.
-fn remove_vanishing(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Vec<String> {
+fn remove_vanishing_panels(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Vec<String> {
     /// Factor for the accumulation of rounding errors during a run.
-    const SUM: f64 = 256.0;
+    const ROUNDING_FACTOR: f64 = 256.0;
     let greatest = |traces: &[Trace]| {
         let all = traces.iter().flat_map(|trace| &trace.values);
         all.fold(0.0, |sum: f64, value| sum.max(value.abs()))
     };
     let sizes: Vec<(&'static str, f64)> =
-        panels.iter().map(|(name, traces)| (unit_of(name), greatest(traces))).collect();
+        panels.iter().map(|(name, traces)| (quantity_unit(name), greatest(traces))).collect();
     let vanishes = |&(unit, size): &(&str, f64)| {
         let beside = sizes.iter().filter(|own| own.0 == unit).map(|own| own.1);
-        size <= SUM * rounding * beside.fold(0.0, f64::max) && size > 0.0
+        size <= ROUNDING_FACTOR * rounding * beside.fold(0.0, f64::max) && size > 0.0
     };
     let vanishing: Vec<bool> = sizes.iter().map(vanishes).collect();
     let mut names = Vec::new();
@@ -102,18 +103,21 @@ fn remove_vanishing(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Ve
     names
 }
 
-/// Creates the figure of the energy ledger: energies by column, described by `words`; the last column is the balance.
-pub(super) fn ledger(
+/// Creates the figure of the energy ledger: energies by column, described by `describe_term`; the last column is the balance.
+pub(super) fn create_ledger_picture(
     case: &Case,
-    table: &Table,
-    words: impl Fn(&str) -> &'static str,
-) -> Option<Picture> {
+    table: &RecordTable,
+    describe_term: impl Fn(&str) -> &'static str,
+) -> Option<ReportPicture> {
     let (times, columns) = table.columns.split_first()?;
     let unit = columns.first()?.unit;
     let mut terms: Vec<LedgerTerm> = columns
         .iter()
         .filter(|column| column.unit == unit)
-        .map(|own| LedgerTerm { name: words(&own.name).to_owned(), values: own.values.clone() })
+        .map(|own| LedgerTerm {
+            name: describe_term(&own.name).to_owned(),
+            values: own.values.clone(),
+        })
         .collect();
     let balance = terms.pop()?;
     terms.retain(|term| term.values.iter().any(|value| *value != 0.0));
@@ -121,10 +125,10 @@ pub(super) fn ledger(
         title: case_title(case),
         subtitle: String::new(),
         time_label: "time t, s".to_owned(),
-        label: format!("energy, {}", unit.replace("m3", "m³")),
+        energy_label: format!("energy, {}", unit.replace("m3", "m³")),
         times: times.values.clone(),
         terms,
-        balance,
+        residual: balance,
     };
-    Some(Picture::new("ledger", move |format| figure.draw(format)))
+    Some(ReportPicture::new("ledger", move |format| figure.draw(format)))
 }

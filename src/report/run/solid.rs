@@ -1,32 +1,32 @@
 //! Pictures of the simulation of a solid.
 
-use super::records::{ledger, seismograms, some_of};
-use super::snapshot::array;
-use super::words::label;
+use super::display::axis_label;
+use super::records::{create_ledger_picture, create_seismograms, evenly_spaced_indices};
+use super::snapshot::read_array;
 use crate::case::Case;
-use crate::case::dynamics::{Component, Dynamics, Picture as Shown};
-use crate::report::Picture;
-use crate::report::format::{case_title, short};
-use crate::study::simulate::{Fields, Records, unit_of};
+use crate::case::dynamics::{PlottedQuantity as Shown, SolidRun, StateComponent};
+use crate::report::ReportPicture;
+use crate::report::format::{case_title, format_short};
+use crate::study::simulate::{OutputFields, RunRecords, quantity_unit};
 use figures::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
 use models::common::elementary::Elementary;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use std::fmt::Write as _;
 
 /// Creates all pictures of a run except the animation.
-pub(super) fn pictures(
+pub(super) fn create_pictures(
     case: &Case,
-    dynamics: &Dynamics,
-    fields: &Fields,
-    records: &Records,
-) -> Vec<Picture> {
+    dynamics: &SolidRun,
+    fields: &OutputFields,
+    records: &RunRecords,
+) -> Vec<ReportPicture> {
     let final_state = |stem, shown| {
-        let figure = figure(case, dynamics, fields, shown);
-        Picture::new(stem, move |format| figure.draw(format))
+        let figure = create_figure(case, dynamics, fields, shown);
+        ReportPicture::new(stem, move |format| figure.draw(format))
     };
-    let mut pictures = vec![final_state("run", dynamics.output.picture)];
-    pictures.extend(records.receivers.as_ref().map(|table| seismograms(case, table)));
-    let words = |name: &str| match name {
+    let mut pictures = vec![final_state("run", dynamics.output.plotted_quantity)];
+    pictures.extend(records.receivers.as_ref().map(|table| create_seismograms(case, table)));
+    let describe_term = |name: &str| match name {
         "kinetic" => "kinetic energy",
         "stored" => "stored energy",
         "sides" => "work at the sides",
@@ -37,8 +37,8 @@ pub(super) fn pictures(
         "residual" => "left over",
         _ => "balance: the scheme's, not counted",
     };
-    pictures.extend(ledger(case, &records.ledger, words));
-    if !fields.dissipation.is_empty() && dynamics.output.picture != Shown::Dissipation {
+    pictures.extend(create_ledger_picture(case, &records.ledger, describe_term));
+    if !fields.dissipation.is_empty() && dynamics.output.plotted_quantity != Shown::Dissipation {
         pictures.push(final_state("dissipation", Shown::Dissipation));
     }
     pictures
@@ -46,58 +46,66 @@ pub(super) fn pictures(
 
 /// Creates the figure of the final state; in three dimensions of the section across x₂ through the first source, or
 /// else the middle.
-fn figure(case: &Case, dynamics: &Dynamics, fields: &Fields, shown: Shown) -> FieldFigure {
-    let section = Section::new(dynamics);
+fn create_figure(
+    case: &Case,
+    dynamics: &SolidRun,
+    fields: &OutputFields,
+    shown: Shown,
+) -> FieldFigure {
+    let section = PlaneSection::new(dynamics);
     let values: Vec<f64> = match shown {
         Shown::Speed => {
             let of_axis = |i| fields.get(&format!("v{i}"));
             let axes: Vec<&[f64]> = (1..=dynamics.grid.dimensions()).filter_map(of_axis).collect();
             let of_cell = |cell: usize| {
-                let along = axes.iter().map(|values| value(values, cell));
+                let along = axes.iter().map(|values| cell_value(values, cell));
                 along.fold(0.0, Elementary::root_sum_square)
             };
-            section.cells().map(of_cell).collect()
+            section.cell_indices().map(of_cell).collect()
         }
         Shown::Dissipation => {
-            section.cells().map(|cell| value(&fields.dissipation, cell)).collect()
+            section.cell_indices().map(|cell| cell_value(&fields.dissipation, cell)).collect()
         }
         other => {
             let values = fields.get(&other.name()).unwrap_or_default();
-            section.cells().map(|cell| value(values, cell)).collect()
+            section.cell_indices().map(|cell| cell_value(values, cell)).collect()
         }
     };
-    let mut figure = section.figure(case, shown, fields.time, values);
+    let mut figure = section.create_figure(case, shown, fields.time, values);
     if dynamics.regions.len() > 1 {
         let region = |cell: usize| fields.regions.get(cell).copied().unwrap_or(0);
-        figure.outlines = section.cells().map(region).collect();
+        figure.material_indices = section.cell_indices().map(region).collect();
     }
     if !fields.dissipation.is_empty() && shown != Shown::Dissipation {
-        figure.plastic =
-            section.cells().map(|cell| value(&fields.dissipation, cell) > 0.0).collect();
+        figure.has_yielded = section
+            .cell_indices()
+            .map(|cell| cell_value(&fields.dissipation, cell) > 0.0)
+            .collect();
     }
     figure
 }
 
 /// Returns the value of a cell; 0 if it is absent.
-fn value(values: &[f64], cell: usize) -> f64 {
+fn cell_value(values: &[f64], cell: usize) -> f64 {
     values.get(cell).copied().unwrap_or(0.0)
 }
 
 /// Plane section to be drawn.
-pub(super) struct Section<'a> {
-    dynamics: &'a Dynamics,
+pub(super) struct PlaneSection<'a> {
+    dynamics: &'a SolidRun,
     /// Axes of the plane.
     axes: [usize; 2],
     /// Cell index along x₂; `None` in two dimensions.
     layer: Option<usize>,
 }
 
-impl<'a> Section<'a> {
-    pub(super) fn new(dynamics: &'a Dynamics) -> Self {
+impl<'a> PlaneSection<'a> {
+    pub(super) fn new(dynamics: &'a SolidRun) -> Self {
         let grid = &dynamics.grid;
         let layer = (grid.dimensions() == 3).then(|| {
-            let [first, last] = grid.extent(1);
-            let at = dynamics.sources.first().map_or(0.5 * (first + last), |source| source.at[1]);
+            let [first, last] = grid.axis_bounds(1);
+            let at =
+                dynamics.sources.first().map_or(0.5 * (first + last), |source| source.position[1]);
             let index = ((at - grid.origin[1]) / grid.spacing[1]).floor().max(0.0) as usize;
             index.min(grid.cells[1] - 1)
         });
@@ -105,7 +113,7 @@ impl<'a> Section<'a> {
     }
 
     /// Iterates over the cells of the section, x₁ fastest.
-    fn cells(&self) -> impl Iterator<Item = usize> {
+    fn cell_indices(&self) -> impl Iterator<Item = usize> {
         let cells = &self.dynamics.grid.cells;
         let [columns, rows] = self.axes.map(|axis| cells[axis]);
         let (layer, depth) = (self.layer, cells[1]);
@@ -118,25 +126,29 @@ impl<'a> Section<'a> {
     }
 
     /// Reads the values of the picture on the section from a snapshot; an error message if they are absent.
-    pub(super) fn of_snapshot(&self, bytes: &[u8], picture: Shown) -> Result<Vec<f64>, String> {
+    pub(super) fn read_snapshot_values(
+        &self,
+        bytes: &[u8],
+        picture: Shown,
+    ) -> Result<Vec<f64>, String> {
         let name = match picture {
-            Shown::Speed | Shown::Component(Component(Field::Velocity(_))) => {
+            Shown::Speed | Shown::Component(StateComponent(SolidField::Velocity(_))) => {
                 "velocity [m/s]".to_owned()
             }
-            _ => format!("{} [{}]", picture.name(), unit_of(&picture.name())),
+            _ => format!("{} [{}]", picture.name(), quantity_unit(&picture.name())),
         };
-        let all = array(bytes, &name, self.dynamics.grid.count())?;
+        let all = read_array(bytes, &name, self.dynamics.grid.cell_count())?;
         let of = |cell: usize| match picture {
             Shown::Speed => all[3 * cell..3 * cell + 3]
                 .iter()
                 .fold(0.0, |s, v| Elementary::root_sum_square(s, *v)),
-            Shown::Component(Component(Field::Velocity(i))) => all[3 * cell + i],
+            Shown::Component(StateComponent(SolidField::Velocity(i))) => all[3 * cell + i],
             _ => all[cell],
         };
-        Ok(self.cells().map(of).collect())
+        Ok(self.cell_indices().map(of).collect())
     }
 
-    pub(super) fn figure(
+    pub(super) fn create_figure(
         &self,
         case: &Case,
         picture: Shown,
@@ -145,22 +157,25 @@ impl<'a> Section<'a> {
     ) -> FieldFigure {
         let dynamics = self.dynamics;
         let grid = &dynamics.grid;
-        let mut subtitle = format!("t = {} s", short(time));
+        let mut subtitle = format!("t = {} s", format_short(time));
         if let Some(layer) = self.layer {
-            let _ = write!(subtitle, ", section x₂ = {} m", short(grid.centre(1, layer)));
+            let _ =
+                write!(subtitle, ", section x₂ = {} m", format_short(grid.cell_centre(1, layer)));
         }
         let axis = |axis: usize| {
-            let [from, to] = grid.extent(axis);
-            FieldAxis { label: format!("x{}, m", ["₁", "₂", "₃"][axis]), from, to }
+            let [from, to] = grid.axis_bounds(axis);
+            FieldAxis {
+                label: format!("x{}, m", ["₁", "₂", "₃"][axis]), start: from, end: to
+            }
         };
         let mark = |at: &[f64], name: &str, kind: FieldMarkKind| {
-            let is_near = self
-                .layer
-                .is_none_or(|layer| (at[1] - grid.centre(1, layer)).abs() <= 0.5 * grid.spacing[1]);
+            let is_near = self.layer.is_none_or(|layer| {
+                (at[1] - grid.cell_centre(1, layer)).abs() <= 0.5 * grid.spacing[1]
+            });
             let at = self.axes.map(|axis| at[axis]);
-            is_near.then(|| FieldMark { at, name: name.to_owned(), kind })
+            is_near.then(|| FieldMark { position: at, name: name.to_owned(), kind })
         };
-        let named: Vec<usize> = some_of(dynamics.receivers.len()).collect();
+        let named: Vec<usize> = evenly_spaced_indices(dynamics.receivers.len()).collect();
         let name = |index: usize| match named.contains(&index) {
             true => dynamics.receivers[index].name.as_str(),
             false => "",
@@ -177,20 +192,27 @@ impl<'a> Section<'a> {
             values,
             label: match picture {
                 Shown::Speed => "speed |v|, m/s".to_owned(),
-                _ => label(&picture.name()),
+                _ => axis_label(&picture.name()),
             },
             is_signed: !matches!(picture, Shown::Speed | Shown::Dissipation),
             limit: None,
-            scale: None,
+            fixed_limit: None,
             // Contours are values of the quantity in the case's picture.
-            curves: dynamics.output.contours.clone().filter(|_| picture == dynamics.output.picture),
-            outlines: Vec::new(),
-            plastic: Vec::new(),
+            contour_levels: dynamics
+                .output
+                .contour_levels
+                .clone()
+                .filter(|_| picture == dynamics.output.plotted_quantity),
+            material_indices: Vec::new(),
+            has_yielded: Vec::new(),
             marks: receivers
-                .filter_map(|(index, own)| mark(&own.at, name(index), FieldMarkKind::Receiver))
+                .filter_map(|(index, own)| {
+                    mark(&own.position, name(index), FieldMarkKind::Receiver)
+                })
                 .chain(
-                    sources
-                        .filter_map(|own| mark(&own.at, own.action.name(), FieldMarkKind::Source)),
+                    sources.filter_map(|own| {
+                        mark(&own.position, own.kind.name(), FieldMarkKind::Source)
+                    }),
                 )
                 .collect(),
         }

@@ -3,7 +3,7 @@
 pub mod flow;
 pub mod solid;
 
-use crate::case::{Case, CaseError, Kind, Material, Parameter};
+use crate::case::{Case, CaseError, Material, ModelKind, SweepParameter};
 use crate::{Error, setup};
 use agreement::AgreementError;
 use flow::FlowPlan;
@@ -12,7 +12,7 @@ use solid::MediumPlan;
 
 /// Thoroughness of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Extent {
+pub enum CheckExtent {
     /// All waves of the case, given or by default.
     Full,
     /// Quick: one wave number in two directions, for series of cases.
@@ -35,24 +35,28 @@ impl CheckPlan {
     ///
     /// # Errors
     /// The case is invalid.
-    pub fn new(case: &Case, extent: Extent) -> Result<Self, Error> {
-        check_range(case)?;
-        if let Kind::Solid(_) = case.material.kind {
-            return Ok(match solid::media(case, extent).map_err(|error| case.locate(error))? {
-                Ok(media) => Self::Solid(media),
-                Err(error) => Self::NotMeasurable(reason(case.locate(error))),
-            });
+    pub fn new(case: &Case, extent: CheckExtent) -> Result<Self, Error> {
+        check_magnitudes(case)?;
+        if let ModelKind::Solid(_) = case.material.kind {
+            return Ok(
+                match solid::plan_media(case, extent).map_err(|error| case.locate_error(error))? {
+                    Ok(media) => Self::Solid(media),
+                    Err(error) => Self::NotMeasurable(format_reason(case.locate_error(error))),
+                },
+            );
         }
-        case.model()?.background(&case.state()).map_err(|error| case.locate(error))?;
-        match case.rotation_in_time().and(case.mean_flow()) {
+        case.build_located_model()?
+            .background(&case.to_flow_state())
+            .map_err(|error| case.locate_error(error))?;
+        match case.simulation_rotation().and(case.solve_mean_flow()) {
             Ok(_) => FlowPlan::new(case, extent).map(Self::Flow),
-            Err(error) => Ok(Self::NotMeasurable(reason(error))),
+            Err(error) => Ok(Self::NotMeasurable(format_reason(error))),
         }
     }
 }
 
 /// Formats the reason why no solver supports a case.
-fn reason(error: CaseError) -> String {
+fn format_reason(error: CaseError) -> String {
     match error {
         CaseError::Key { key, found, allowed, .. } => {
             format!("{key}: {found}; analysis alone ({allowed})")
@@ -63,48 +67,68 @@ fn reason(error: CaseError) -> String {
 
 /// Checks that the numbers of a case are 0 or of magnitude 10⁻⁶⁰ to 10⁶⁰, so that products of a few neither overflow
 /// nor underflow.
-fn check_range(case: &Case) -> Result<(), CaseError> {
-    const SIZES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
-    let asked = case.check.iter().flat_map(|own| own.numbers.iter().flatten());
-    let keys =
-        Parameter::all().filter_map(|key| Some((key.key().name, key.get(&case.material.numbers)?)));
+fn check_magnitudes(case: &Case) -> Result<(), CaseError> {
+    const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+    let asked = case.check_options.iter().flat_map(|own| own.wave_numbers.iter().flatten());
+    let keys = SweepParameter::all_parameters()
+        .filter_map(|key| Some((key.key().name, key.value(&case.material.numbers)?)));
     let mut all = keys.chain(asked.map(|number| ("check.numbers", *number)));
-    match all.find(|(_, value)| *value != 0.0 && !SIZES.contains(&value.abs())) {
+    match all.find(|(_, value)| *value != 0.0 && !MAGNITUDES.contains(&value.abs())) {
         None => Ok(()),
         Some((key, value)) => {
             let (found, allowed) = (format!("{value:?}"), "0, or a size from 1e-60 to 1e60".into());
-            Err(case.locate(InputError { input: key, found, allowed }))
+            Err(case.locate_error(InputError {
+                input: key,
+                rejected_value: found,
+                allowed_values: allowed,
+            }))
         }
     }
 }
 
 /// Converts an error of the agreement crate to an error with the responsible key and a remedy.
-pub fn locate(material: &Material, error: AgreementError) -> Error {
+pub fn locate_agreement_error(material: &Material, error: AgreementError) -> Error {
     let found = error.to_string();
     let (key, allowed) = match error {
-        AgreementError::NoResponse(error) => return setup::locate(material, error.into()),
-        AgreementError::Cancelled => return Error::Cancelled,
-        AgreementError::TooLong { most, .. } => {
-            let allowed = format!("at most {most:.0e}: a greater wave number, or fewer cells");
-            return material.locate(InputError { input: "check.numbers", found, allowed }).into();
+        AgreementError::NoResponse(error) => {
+            return setup::locate_state_error(material, error.into());
         }
-        AgreementError::Energy => {
+        AgreementError::Cancelled => return Error::Cancelled,
+        AgreementError::TooManyCellUpdates { max_updates: most, .. } => {
+            let allowed = format!("at most {most:.0e}: a greater wave number, or fewer cells");
+            return material
+                .locate_error(InputError {
+                    input: "check.numbers",
+                    rejected_value: found,
+                    allowed_values: allowed,
+                })
+                .into();
+        }
+        AgreementError::IndefiniteEnergy => {
             ("model", "moduli, and conditions that hold independently of each other")
         }
-        AgreementError::ActiveConditions => {
+        AgreementError::UnattainableConditions => {
             ("yield", "positive strengths, or a section [stress] that decides")
         }
-        AgreementError::PlasticFlow => ("yield", "conditions that flow together"),
-        AgreementError::Undetermined | AgreementError::Flow(_) | AgreementError::Left(_) => {
+        AgreementError::NonPositiveMultiplier => ("yield", "conditions that flow together"),
+        AgreementError::SingularEquations
+        | AgreementError::Flow(_)
+        | AgreementError::SolverStopped(_) => {
             ("background", "a state further from the border of the fully deforming region")
         }
-        AgreementError::NothingMoves => {
+        AgreementError::NoVelocity => {
             ("initial", "noise of v, say, up to the greatest mode number of the finest")
         }
         // Not reachable from a case.
-        AgreementError::Dimensions { .. } => ("model.dimensions", "the same for both"),
+        AgreementError::DimensionMismatch { .. } => ("model.dimensions", "the same for both"),
         AgreementError::NoGrids => ("check.cells", "at least one grid"),
-        AgreementError::Points { .. } => ("initial", "a value at each point"),
+        AgreementError::PointCount { .. } => ("initial", "a value at each point"),
     };
-    material.locate(InputError { input: key, found, allowed: allowed.to_owned() }).into()
+    material
+        .locate_error(InputError {
+            input: key,
+            rejected_value: found,
+            allowed_values: allowed.to_owned(),
+        })
+        .into()
 }

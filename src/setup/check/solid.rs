@@ -1,7 +1,7 @@
 //! Plans of solid checks: media of a case and waves to be measured in each.
 
-use super::Extent;
-use crate::case::{Case, Check, Material, Wave};
+use super::CheckExtent;
+use crate::case::{Case, CheckOptions, Material, WaveNumbers};
 use crate::setup;
 use agreement::PlaneWave;
 use agreement::solids::SolverSettings;
@@ -11,7 +11,7 @@ use models::InputError;
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumPlan {
     /// Position in the case; empty if everywhere.
-    pub place: String,
+    pub region_key: String,
     /// Material of the medium.
     pub material: Material,
     /// Waves to be measured in the medium.
@@ -22,7 +22,7 @@ pub struct MediumPlan {
 #[derive(Clone, Debug, PartialEq)]
 pub struct WavePlan {
     /// Waves to be measured.
-    pub waves: Vec<Wave>,
+    pub waves: Vec<WaveNumbers>,
     /// Grids and time step.
     pub settings: SolverSettings,
 }
@@ -31,11 +31,11 @@ pub struct WavePlan {
 ///
 /// # Errors
 /// The case is invalid.
-pub(super) fn media(
+pub(super) fn plan_media(
     case: &Case,
-    extent: Extent,
+    extent: CheckExtent,
 ) -> Result<Result<Vec<MediumPlan>, InputError>, InputError> {
-    let regions = case.dynamics.iter().flat_map(|dynamics| &dynamics.regions);
+    let regions = case.solid_run.iter().flat_map(|dynamics| &dynamics.regions);
     let mut media: Vec<(String, Material)> = Vec::new();
     for (index, region) in regions.enumerate() {
         let own = &region.material;
@@ -50,21 +50,21 @@ pub(super) fn media(
         media.push((String::new(), case.material.clone()));
     }
     for (_, own) in &media {
-        let solid = setup::solid::solid(own)?;
-        if let Err(error) = setup::solid::medium(own, solid.dimensions) {
+        let solid = setup::solid::create_solid(own)?;
+        if let Err(error) = setup::solid::create_medium(own, solid.dimensions) {
             return Ok(Err(error));
         }
-        if let Some(plastic) = solid.plastic.filter(|plastic| plastic.rate > 0.0) {
+        if let Some(plastic) = solid.plastic_state.filter(|plastic| plastic.multiplier_rate > 0.0) {
             return Ok(Err(InputError {
                 input: "yield.plastic_rate",
-                found: format!("{:?}", plastic.rate),
-                allowed: "waves are sent through backgrounds at rest: 0".to_owned(),
+                rejected_value: format!("{:?}", plastic.multiplier_rate),
+                allowed_values: "waves are sent through backgrounds at rest: 0".to_owned(),
             }));
         }
     }
-    let plan = |(place, own): (String, Material)| MediumPlan {
+    let plan = |(region_key, own): (String, Material)| MediumPlan {
         waves: WavePlan::new(case, &own, extent),
-        place,
+        region_key,
         material: own,
     };
     Ok(Ok(media.into_iter().map(plan).collect()))
@@ -72,46 +72,47 @@ pub(super) fn media(
 
 impl WavePlan {
     /// Plans the waves of the medium `own` of a case; time step and scheme are those of the case.
-    pub fn new(case: &Case, own: &Material, extent: Extent) -> Self {
-        let solid = setup::solid::solid(own);
+    pub fn new(case: &Case, own: &Material, extent: CheckExtent) -> Self {
+        let solid = setup::solid::create_solid(own);
         let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
-        let yields = solid.as_ref().is_ok_and(|solid| solid.plastic.is_some());
-        let natural = solid.ok().and_then(|solid| solid.elastic.characteristic_wave_number());
-        let asked = case.check.clone().unwrap_or_default();
-        let Check { numbers, directions_deg, cells } = asked;
-        let mut numbers =
-            numbers.unwrap_or_else(|| wave_numbers(natural, yields, own.numbers.wave.number));
-        let mut directions = directions(directions_deg, dimensions == 2, yields, own.numbers.wave);
-        if extent == Extent::Short {
+        let yields = solid.as_ref().is_ok_and(|solid| solid.plastic_state.is_some());
+        let natural = solid.ok().and_then(|solid| solid.elastic_law.characteristic_wave_number());
+        let asked = case.check_options.clone().unwrap_or_default();
+        let CheckOptions { wave_numbers: numbers, directions_deg, grid_sizes: cells } = asked;
+        let mut numbers = numbers
+            .unwrap_or_else(|| default_wave_numbers(natural, yields, own.numbers.wave.wave_number));
+        let mut directions =
+            default_directions(directions_deg, dimensions == 2, yields, own.numbers.wave);
+        if extent == CheckExtent::Short {
             numbers.truncate(1);
             directions.truncate(2);
         }
         let waves = numbers.iter().flat_map(|&number| {
-            directions.iter().map(move |&[direction_deg, elevation_deg]| Wave {
-                number,
+            directions.iter().map(move |&[direction_deg, elevation_deg]| WaveNumbers {
+                wave_number: number,
                 direction_deg,
                 elevation_deg,
                 ..own.numbers.wave
             })
         });
         let default = if dimensions == 2 { vec![20, 30, 40] } else { vec![20, 25, 30] };
-        Self { waves: waves.collect(), settings: settings(case, cells.unwrap_or(default)) }
+        Self { waves: waves.collect(), settings: solver_settings(case, cells.unwrap_or(default)) }
     }
 
     /// Converts the waves to wave numbers and unit normals.
     pub fn plane_waves(&self) -> Vec<PlaneWave<3>> {
-        self.waves.iter().map(plane_wave).collect()
+        self.waves.iter().map(to_plane_wave).collect()
     }
 }
 
 /// Converts a wave to wave number and unit normal.
-fn plane_wave(wave: &Wave) -> PlaneWave<3> {
-    PlaneWave { number: wave.number, normal: setup::solid::normal(wave) }
+fn to_plane_wave(wave: &WaveNumbers) -> PlaneWave<3> {
+    PlaneWave { wave_number: wave.wave_number, normal: setup::solid::wave_normal(wave) }
 }
 
 /// Returns the default wave numbers, 1/m: multiples of the characteristic wave number of the solid, or that of the case
 /// if the solid has none.
-fn wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
+fn default_wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
     match natural {
         // Long and short waves have different dispersion, hence five wave numbers.
         Some(own) if !yields => [1.0, 0.25, 0.5, 2.0, 4.0].map(|part| part * own).to_vec(),
@@ -121,13 +122,13 @@ fn wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
 }
 
 /// Returns directions and elevations, degrees: the given ones, or that of the case and a few oblique ones.
-fn directions(
-    asked_deg: Option<Vec<f64>>,
+fn default_directions(
+    given_deg: Option<Vec<f64>>,
     is_plane: bool,
     yields: bool,
-    wave: Wave,
+    wave: WaveNumbers,
 ) -> Vec<[f64; 2]> {
-    if let Some(asked) = asked_deg {
+    if let Some(asked) = given_deg {
         return asked.into_iter().map(|own| [own, wave.elevation_deg]).collect();
     }
     let oblique: &[[f64; 2]] = match (is_plane, yields) {
@@ -142,14 +143,15 @@ fn directions(
 }
 
 /// Returns the solver settings of a run of the case on the grids of `cells` cells per period.
-fn settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
-    let time = case.dynamics.as_ref().map(|dynamics| &dynamics.time);
-    let chosen = case.dynamics.as_ref().map(|dynamics| dynamics.scheme).unwrap_or_default();
-    let scheme = setup::solid_run::scheme(chosen);
+fn solver_settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
+    let time = case.solid_run.as_ref().map(|dynamics| &dynamics.time);
+    let chosen = case.solid_run.as_ref().map(|dynamics| dynamics.scheme).unwrap_or_default();
+    let scheme = setup::solid_run::convert_scheme(chosen);
     SolverSettings {
-        cells,
-        courant: time.map_or(crate::case::dynamics::COURANT, |time| time.courant),
-        rotation: time.map_or(30.0, |time| time.rotation_deg).to_radians(),
+        cells_per_wavelength: cells,
+        courant_number: time
+            .map_or(crate::case::dynamics::DEFAULT_COURANT_NUMBER, |time| time.courant_number),
+        max_rotation: time.map_or(30.0, |time| time.max_rotation_deg).to_radians(),
         plastic_step: scheme.plastic_step,
         splitting: scheme.splitting,
     }

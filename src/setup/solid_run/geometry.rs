@@ -1,27 +1,28 @@
 //! Positions of a case in its grid.
 
 use crate::case::dynamics::{
-    Condition, Dynamics, Interpolation, Receiver, Recorded, Side, SideCondition,
+    BoundaryConditionKind, BoundaryFace, FaceCondition, Interpolation, ReceiverPoint,
+    RecordedQuantity, SolidRun,
 };
 use dynamics::probe::Probe;
 use models::common::elementary::Elementary;
 
 /// Returns the centre of a cell, m.
-pub(crate) fn centre(dynamics: &Dynamics, cell: usize) -> Vec<f64> {
+pub(crate) fn cell_centre(dynamics: &SolidRun, cell: usize) -> Vec<f64> {
     let mut rest = cell;
     let along = dynamics.grid.cells.iter().enumerate();
     along
         .map(|(axis, &count)| {
             let index = rest % count;
             rest /= count;
-            dynamics.grid.centre(axis, index)
+            dynamics.grid.cell_centre(axis, index)
         })
         .collect()
 }
 
 /// Returns the index of the cell that contains a point, the upper cell for points on a face, the nearest cell outside
 /// of the grid.
-pub(crate) fn cell_at(dynamics: &Dynamics, point: &[f64]) -> usize {
+pub(crate) fn containing_cell(dynamics: &SolidRun, point: &[f64]) -> usize {
     let mut cell = 0;
     for (axis, x) in point.iter().enumerate().rev() {
         let grid = &dynamics.grid;
@@ -32,8 +33,8 @@ pub(crate) fn cell_at(dynamics: &Dynamics, point: &[f64]) -> usize {
 }
 
 /// Returns a − b along an axis, m; in the periodic case the shortest difference.
-pub(super) fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
-    let [first, last] = dynamics.grid.extent(axis);
+pub(super) fn coordinate_difference(dynamics: &SolidRun, axis: usize, a: f64, b: f64) -> f64 {
+    let [first, last] = dynamics.grid.axis_bounds(axis);
     match is_periodic(dynamics, axis) {
         true => (a - b) - ((a - b) / (last - first)).round() * (last - first),
         false => a - b,
@@ -41,34 +42,46 @@ pub(super) fn along(dynamics: &Dynamics, axis: usize, a: f64, b: f64) -> f64 {
 }
 
 /// Returns the distance of two points in the space of `axes`, m.
-pub(super) fn distance(dynamics: &Dynamics, axes: &[usize], a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn distance(dynamics: &SolidRun, axes: &[usize], a: &[f64], b: &[f64]) -> f64 {
     let parts = axes.iter().zip(a.iter().zip(b));
     parts.fold(0.0, |sum, (axis, (a, b))| {
-        Elementary::root_sum_square(sum, along(dynamics, *axis, *a, *b))
+        Elementary::root_sum_square(sum, coordinate_difference(dynamics, *axis, *a, *b))
     })
 }
 
 /// Returns whether the grid is periodic along an axis.
-pub(super) fn is_periodic(dynamics: &Dynamics, axis: usize) -> bool {
-    whole_side(dynamics, Side { axis, is_upper: false })
-        .is_some_and(|entry| entry.condition == Condition::Periodic)
+pub(super) fn is_periodic(dynamics: &SolidRun, axis: usize) -> bool {
+    whole_boundary_condition(dynamics, BoundaryFace { axis, is_upper: false })
+        .is_some_and(|entry| entry.condition == BoundaryConditionKind::Periodic)
 }
 
-/// Returns the last condition set on a whole side.
-pub(super) fn whole_side(dynamics: &Dynamics, side: Side) -> Option<&SideCondition> {
-    dynamics.sides.iter().rev().find(|entry| entry.side == side && entry.part.is_none())
+/// Returns the last condition set on a whole boundary.
+pub(super) fn whole_boundary_condition(
+    dynamics: &SolidRun,
+    boundary: BoundaryFace,
+) -> Option<&FaceCondition> {
+    dynamics
+        .boundary_conditions
+        .iter()
+        .rev()
+        .find(|entry| entry.face == boundary && entry.rectangle.is_none())
 }
 
 /// Creates the probe of a receiver; `of_cell` holds the medium index of each cell.
-pub(crate) fn probe(dynamics: &Dynamics, of_cell: &[u16], receiver: &Receiver<Recorded>) -> Probe {
+pub(crate) fn create_probe(
+    dynamics: &SolidRun,
+    of_cell: &[u16],
+    receiver: &ReceiverPoint<RecordedQuantity>,
+) -> Probe {
     let grid = &dynamics.grid;
-    let home = cell_at(dynamics, &receiver.at);
+    let home = containing_cell(dynamics, &receiver.position);
     if receiver.interpolation == Interpolation::Nearest {
-        return Probe::nearest(home);
+        return Probe::from_cell(home);
     }
     let axes = || 0..grid.dimensions();
-    let place = |axis: usize| (receiver.at[axis] - grid.origin[axis]) / grid.spacing[axis] - 0.5;
-    let at: Vec<f64> = axes().map(place).collect();
+    let grid_coordinate =
+        |axis: usize| (receiver.position[axis] - grid.origin[axis]) / grid.spacing[axis] - 0.5;
+    let at: Vec<f64> = axes().map(grid_coordinate).collect();
     let is_periodic: Vec<bool> = axes().map(|axis| is_periodic(dynamics, axis)).collect();
-    Probe::interpolating(&grid.cells, &is_periodic, of_cell, home, &at)
+    Probe::with_interpolation(&grid.cells, &is_periodic, of_cell, home, &at)
 }

@@ -1,78 +1,78 @@
 //! Initial state of a solid simulation.
 
-use super::geometry::{along, centre, distance};
-use super::pulse::Incident;
-use super::{Place, unknown_name};
+use super::geometry::{cell_centre, coordinate_difference, distance};
+use super::pulse::IncidentPulse;
+use super::{GridConverter, unknown_name};
 use crate::Error;
-use crate::case::dynamics::{Centre, Dynamics, Initial, Shape};
-use crate::case::{Case, Material, Wave};
-use crate::setup::solid::{elastic_law_and_set, normal};
+use crate::case::dynamics::{InitialStateTerm, PulseCentre, RegionShape, SolidRun};
+use crate::case::{Case, Material, WaveNumbers};
+use crate::setup::solid::{create_elastic_law_and_set, wave_normal};
 use analysis::waves::plane_waves;
-use dynamics::initial::with_unit_velocity;
+use dynamics::initial::normalise_velocity;
 use models::common::elementary::{Elementary, cr_cis};
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use num_complex::Complex64;
 
 /// Accumulated parts of the initial state.
-struct Sums<'a> {
-    dynamics: &'a Dynamics,
+struct FieldSums<'a> {
+    dynamics: &'a SolidRun,
     /// Values by cell of the fields set by any part.
-    all: Vec<(Field, Vec<f64>)>,
+    fields: Vec<(SolidField, Vec<f64>)>,
 }
 
-impl Sums<'_> {
+impl FieldSums<'_> {
     /// Adds `value` at the cell centres, in order of the cells.
-    fn add(&mut self, field: Field, mut value: impl FnMut(&[f64]) -> f64) {
-        let place = self.all.iter().position(|own| own.0 == field).unwrap_or_else(|| {
-            self.all.push((field, vec![0.0; self.dynamics.grid.count()]));
-            self.all.len() - 1
+    fn add_field(&mut self, field: SolidField, mut value: impl FnMut(&[f64]) -> f64) {
+        let index = self.fields.iter().position(|own| own.0 == field).unwrap_or_else(|| {
+            self.fields.push((field, vec![0.0; self.dynamics.grid.cell_count()]));
+            self.fields.len() - 1
         });
-        for (cell, own) in self.all[place].1.iter_mut().enumerate() {
-            *own += value(&centre(self.dynamics, cell));
+        for (cell, own) in self.fields[index].1.iter_mut().enumerate() {
+            *own += value(&cell_centre(self.dynamics, cell));
         }
     }
 }
 
-impl Place<'_> {
+impl GridConverter<'_> {
     /// Returns the initial values of all fields that are set, by cell.
-    pub(super) fn initial<const D: usize>(
+    pub(super) fn create_initial_fields<const D: usize>(
         &self,
         case: &Case,
         media: usize,
-    ) -> Result<Vec<(Field, Vec<f64>)>, Error> {
-        let mut sums = Sums { dynamics: self.dynamics, all: Vec::new() };
-        for (index, part) in self.dynamics.initial.iter().enumerate() {
+    ) -> Result<Vec<(SolidField, Vec<f64>)>, Error> {
+        let mut sums = FieldSums { dynamics: self.dynamics, fields: Vec::new() };
+        for (index, part) in self.dynamics.initial_terms.iter().enumerate() {
             match part {
-                Initial::Pulse { field, amplitude, centre, radius } => {
+                InitialStateTerm::Pulse { component: field, amplitude, centre, radius } => {
                     let axes: Vec<usize> = (0..D).collect();
-                    sums.add(field.0, |x| {
+                    sums.add_field(field.0, |x| {
                         let r = match centre {
-                            Centre::Point(at) => distance(self.dynamics, &axes, x, at),
-                            Centre::Plane { axis, at } => {
-                                along(self.dynamics, *axis, x[*axis], *at)
+                            PulseCentre::Point(at) => distance(self.dynamics, &axes, x, at),
+                            PulseCentre::Plane { axis, coordinate: at } => {
+                                coordinate_difference(self.dynamics, *axis, x[*axis], *at)
                             }
                         };
                         amplitude * (-(r / radius).powi(2)).cr_exp()
                     });
                 }
-                Initial::Uniform { shape, field, amplitude } => {
-                    sums.add(field.0, |x| if shape.contains(x) { *amplitude } else { 0.0 });
+                InitialStateTerm::Uniform { shape, component: field, amplitude } => {
+                    sums.add_field(field.0, |x| if shape.contains(x) { *amplitude } else { 0.0 });
                 }
-                Initial::Rotation { shape, angle_deg, axis } => {
+                InitialStateTerm::Rotation { shape, angle_deg, axis } => {
                     self.add_rotation(&mut sums, case, shape, *angle_deg, *axis)?;
                 }
-                Initial::PlanePulse(pulse) => {
-                    let of_cell = self.dynamics.media_of_cells()?;
+                InitialStateTerm::PlanePulse(pulse) => {
+                    let of_cell = self.dynamics.compute_cell_media()?;
                     let key = format!("initial[{index}]");
-                    let wave = Incident::new(case, self.dynamics, &of_cell, pulse, &key)?;
+                    let wave = IncidentPulse::new(case, self.dynamics, &of_cell, pulse, &key)?;
                     for &field in &self.medium.fields {
                         let mut media = of_cell.iter();
-                        sums.add(field, |x| {
-                            media.next().map_or(0.0, |medium| wave.value(field, x, *medium))
+                        sums.add_field(field, |x| {
+                            media.next().map_or(0.0, |medium| wave.field_value(field, x, *medium))
                         });
                     }
                 }
-                Initial::PlaneWave {
+                InitialStateTerm::PlaneWave {
                     branch,
                     direction_deg,
                     elevation_deg,
@@ -83,42 +83,44 @@ impl Place<'_> {
                     if media > 1 {
                         let found = "a plane wave in several media";
                         let allowed = "one medium: leave the regions out";
-                        return Err(self.dynamics.locate(&key, found, allowed).into());
+                        return Err(self.dynamics.error_at(&key, found, allowed).into());
                     }
-                    let wave = Wave {
-                        number: 2.0 * std::f64::consts::PI / wavelength,
+                    let wave = WaveNumbers {
+                        wave_number: 2.0 * std::f64::consts::PI / wavelength,
                         direction_deg: *direction_deg,
                         elevation_deg: *elevation_deg,
-                        greatest_number: 0.0,
+                        max_wave_number: 0.0,
                     };
-                    for (field, factor) in self.plane_wave::<D>(case, &wave, *branch, &key)? {
-                        let direction = normal(&wave);
-                        sums.add(field, |x| {
+                    for (field, factor) in
+                        self.plane_wave_amplitudes::<D>(case, &wave, *branch, &key)?
+                    {
+                        let direction = wave_normal(&wave);
+                        sums.add_field(field, |x| {
                             let along: f64 = x.iter().zip(direction).map(|(x, n)| x * n).sum();
-                            (amplitude * factor * cr_cis(wave.number * along)).re
+                            (amplitude * factor * cr_cis(wave.wave_number * along)).re
                         });
                     }
                 }
             }
         }
-        Ok(sums.all)
+        Ok(sums.fields)
     }
 
     /// Adds the stress of a rotation φ without displacement: Λ = −φ×, σ_ij = −σ_ji = 2αφ with α of each medium.
     fn add_rotation(
         &self,
-        sums: &mut Sums,
+        sums: &mut FieldSums,
         case: &Case,
-        shape: &Shape,
+        shape: &RegionShape,
         angle_deg: f64,
         axis: usize,
     ) -> Result<(), Error> {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
         let antisymmetric_moduli = self.antisymmetric_moduli(case)?;
-        let of_cell = self.dynamics.media_of_cells()?;
-        for (field, sign) in [(Field::Stress(i, j), 1.0), (Field::Stress(j, i), -1.0)] {
+        let of_cell = self.dynamics.compute_cell_media()?;
+        for (field, sign) in [(SolidField::Stress(i, j), 1.0), (SolidField::Stress(j, i), -1.0)] {
             let mut cell = 0;
-            sums.add(field, |x| {
+            sums.add_field(field, |x| {
                 let alpha = antisymmetric_moduli[usize::from(of_cell[cell])];
                 cell += 1;
                 match shape.contains(x) {
@@ -133,7 +135,8 @@ impl Place<'_> {
     /// Returns the antisymmetric modulus α of each medium, Pa.
     fn antisymmetric_moduli(&self, case: &Case) -> Result<Vec<f64>, Error> {
         let alpha = |own: &Material| -> Result<f64, Error> {
-            let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
+            let (elastic, _) =
+                create_elastic_law_and_set(own).map_err(|error| own.locate_error(error))?;
             Ok(elastic.antisymmetric_modulus())
         };
         match self.dynamics.regions.as_slice() {
@@ -142,44 +145,45 @@ impl Place<'_> {
         }
     }
 
-    /// Returns the complex amplitudes of a plane wave, normalised to a greatest velocity of 1.
-    fn plane_wave<const D: usize>(
+    /// Returns the complex amplitudes of a plane wave, normalised to a largest velocity of 1.
+    fn plane_wave_amplitudes<const D: usize>(
         &self,
         case: &Case,
-        wave: &Wave,
+        wave: &WaveNumbers,
         branch: usize,
         key: &str,
-    ) -> Result<Vec<(Field, Complex64)>, Error> {
+    ) -> Result<Vec<(SolidField, Complex64)>, Error> {
         let own = match self.dynamics.regions.as_slice() {
             [region] => &region.material,
             _ => &case.material,
         };
-        let (elastic, _) = elastic_law_and_set(own).map_err(|error| own.locate(error))?;
-        let rates = elastic.carried_rates::<D>();
-        let direction = normal(wave);
-        let vector = std::array::from_fn(|axis| wave.number * direction[axis]);
+        let (elastic, _) =
+            create_elastic_law_and_set(own).map_err(|error| own.locate_error(error))?;
+        let rates = elastic.rates_with_out_of_plane::<D>();
+        let direction = wave_normal(wave);
+        let vector = std::array::from_fn(|axis| wave.wave_number * direction[axis]);
         let waves = plane_waves(&rates, vector);
         // Waves by descending frequency, without those of zero frequency.
         let Some((_, amplitudes)) = branch.checked_sub(1).and_then(|i| waves.get(i)) else {
             let found = format!("found branch {branch}");
             let allowed = format!("1 to {} at this wavelength", waves.len());
-            return Err(self.dynamics.locate(&format!("{key}.branch"), found, allowed).into());
+            return Err(self.dynamics.error_at(&format!("{key}.branch"), found, allowed).into());
         };
-        let of = |field: Field| {
+        let of = |field: SolidField| {
             let name = unknown_name(field);
             rates.unknowns.iter().position(|unknown| unknown.name == name)
         };
-        let found: Vec<(Field, Complex64)> = self
+        let found: Vec<(SolidField, Complex64)> = self
             .medium
             .fields
             .iter()
             .filter_map(|&field| Some((field, amplitudes[of(field)?])))
             .collect();
-        let density = self.medium.inertia(Field::Velocity(0));
-        with_unit_velocity(found, density).ok_or_else(|| {
+        let density = self.medium.inertia(SolidField::Velocity(0));
+        normalise_velocity(found, density).ok_or_else(|| {
             let found = "a branch that moves nothing but spins";
             let allowed = "a wave whose velocity can have an amplitude: another branch";
-            self.dynamics.locate(&format!("{key}.branch"), found, allowed).into()
+            self.dynamics.error_at(&format!("{key}.branch"), found, allowed).into()
         })
     }
 }

@@ -3,32 +3,34 @@
 
 use crate::Error;
 use crate::case::Case;
-use crate::case::dynamics::{Action, Component, Dynamics, Initial, Load, Precision};
+use crate::case::dynamics::{
+    FaceLoad, InitialStateTerm, LoadedArea, Precision, SolidRun, StateComponent,
+};
 use crate::setup::solid;
 use dynamics::medium::Medium;
 use models::InputError;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// Allowed ranges of constants and drives (loads and initial values) for a precision.
-struct Range {
+struct PrecisionRange {
     name: &'static str,
-    /// Greatest constant; the least is its inverse. Powers up to the third and products of a few moduli, inertias,
+    /// Largest constant; the smallest is its inverse. Powers up to the third and products of a few moduli, inertias,
     /// impedances and strengths must be representable.
-    constant: f64,
-    /// Least amplitude of a drive, far above the threshold below which the solver flushes decaying values to zero.
-    drive: f64,
+    max_constant: f64,
+    /// Smallest amplitude of a drive, far above the threshold below which the solver flushes decaying values to zero.
+    min_amplitude: f64,
 }
 
-impl Range {
-    fn of(precision: Precision) -> Self {
+impl PrecisionRange {
+    fn from_precision(precision: Precision) -> Self {
         match precision {
-            Precision::F64 => Self { name: "f64", constant: 1e90, drive: 1e-280 },
-            Precision::F32 => Self { name: "f32", constant: 1e15, drive: 1e-20 },
+            Precision::F64 => Self { name: "f64", max_constant: 1e90, min_amplitude: 1e-280 },
+            Precision::F32 => Self { name: "f32", max_constant: 1e15, min_amplitude: 1e-20 },
         }
     }
 
-    fn holds(&self, constant: f64) -> bool {
-        constant == 0.0 || (1.0 / self.constant..=self.constant).contains(&constant.abs())
+    fn contains(&self, constant: f64) -> bool {
+        constant == 0.0 || (1.0 / self.max_constant..=self.max_constant).contains(&constant.abs())
     }
 }
 
@@ -36,21 +38,22 @@ impl Range {
 ///
 /// # Errors
 /// A constant is out of range.
-pub(super) fn check_constants(case: &Case, dynamics: &Dynamics) -> Result<(), Error> {
-    let range = Range::of(dynamics.scheme.precision);
+pub(super) fn check_constants(case: &Case, dynamics: &SolidRun) -> Result<(), Error> {
+    let range = PrecisionRange::from_precision(dynamics.scheme.precision);
     let own = dynamics.regions.is_empty().then_some(&case.material);
     for material in own.into_iter().chain(dynamics.regions.iter().map(|region| &region.material)) {
-        let constants = solid::constants(material).map_err(|error| material.locate(error))?;
-        if let Some((input, value)) = constants.into_iter().find(|own| !range.holds(own.1)) {
+        let constants =
+            solid::constants_by_name(material).map_err(|error| material.locate_error(error))?;
+        if let Some((input, value)) = constants.into_iter().find(|own| !range.contains(own.1)) {
             let allowed = format!(
                 "numbers from {:e} to {:e} in {}, in other units if need be",
-                1.0 / range.constant,
-                range.constant,
+                1.0 / range.max_constant,
+                range.max_constant,
                 range.name
             );
             let found = format!("{value:?}");
-            let error = InputError { input, found, allowed };
-            return Err(material.locate(error).into());
+            let error = InputError { input, rejected_value: found, allowed_values: allowed };
+            return Err(material.locate_error(error).into());
         }
     }
     Ok(())
@@ -60,35 +63,37 @@ pub(super) fn check_constants(case: &Case, dynamics: &Dynamics) -> Result<(), Er
 ///
 /// # Errors
 /// An amplitude is too small.
-pub(super) fn check_drives(dynamics: &Dynamics, media: &[Medium]) -> Result<(), Error> {
+pub(super) fn check_amplitudes(dynamics: &SolidRun, media: &[Medium]) -> Result<(), Error> {
     let pairs = || media.iter().flat_map(|medium| medium.pairs.iter().flatten());
     let impedances = || pairs().map(|pair| pair.impedance());
     let (least, greatest) =
         (impedances().fold(f64::INFINITY, f64::min), impedances().fold(0.0, f64::max));
     // The lesser of the amplitude and that of its conjugate: σ = Zv with the impedance Z.
-    let smaller = |field: Field, amplitude: f64| {
+    let smaller = |field: SolidField, amplitude: f64| {
         let size = amplitude.abs();
         match field {
-            Field::Velocity(_) | Field::Spin(_) => size.min(size * least),
+            SolidField::Velocity(_) | SolidField::Spin(_) => size.min(size * least),
             _ => size.min(size / greatest),
         }
     };
-    let range = Range::of(dynamics.scheme.precision);
-    let check = |key: String, Component(field): Component, amplitude: f64| {
+    let range = PrecisionRange::from_precision(dynamics.scheme.precision);
+    let check = |key: String, StateComponent(field): StateComponent, amplitude: f64| {
         let size = smaller(field, amplitude);
-        if amplitude == 0.0 || size >= range.drive {
+        if amplitude == 0.0 || size >= range.min_amplitude {
             return Ok(());
         }
         let found = format!("found {amplitude:?}: waves of {size:.1e} in SI units");
-        let allowed = format!("waves of at least {:e} in {}, or none", range.drive, range.name);
-        Err(dynamics.locate(&format!("{key}.amplitude"), found, allowed))
+        let allowed =
+            format!("waves of at least {:e} in {}, or none", range.min_amplitude, range.name);
+        Err(dynamics.error_at(&format!("{key}.amplitude"), found, allowed))
     };
     for (index, load) in dynamics.loads.iter().enumerate() {
-        check(format!("load[{index}]"), load.field, on_a_face(dynamics, load))?;
+        check(format!("load[{index}]"), load.component, amplitude_per_face(dynamics, load))?;
     }
-    for (index, initial) in dynamics.initial.iter().enumerate() {
+    for (index, initial) in dynamics.initial_terms.iter().enumerate() {
         match initial {
-            Initial::Pulse { field, amplitude, .. } | Initial::Uniform { field, amplitude, .. } => {
+            InitialStateTerm::Pulse { component: field, amplitude, .. }
+            | InitialStateTerm::Uniform { component: field, amplitude, .. } => {
                 check(format!("initial[{index}]"), *field, *amplitude)?;
             }
             _ => {}
@@ -97,15 +102,15 @@ pub(super) fn check_drives(dynamics: &Dynamics, media: &[Medium]) -> Result<(), 
     Ok(())
 }
 
-/// Returns the amplitude of a load per face; that of a point load is an integral over the side, divided by the face
+/// Returns the amplitude of a load per face; that of a point load is an integral over the boundary, divided by the face
 /// area.
-fn on_a_face(dynamics: &Dynamics, load: &Load) -> f64 {
-    match load.action {
-        Action::Point { .. } => {
-            let axes = load.side.axes(dynamics.grid.dimensions());
+fn amplitude_per_face(dynamics: &SolidRun, load: &FaceLoad) -> f64 {
+    match load.loaded_area {
+        LoadedArea::Point { .. } => {
+            let axes = load.face.tangential_axes(dynamics.grid.dimensions());
             let area: f64 = axes.into_iter().map(|axis| dynamics.grid.spacing[axis]).product();
             load.amplitude / area
         }
-        Action::Whole | Action::Part(_) => load.amplitude,
+        LoadedArea::WholeFace | LoadedArea::Rectangle(_) => load.amplitude,
     }
 }

@@ -1,18 +1,18 @@
 //! Gravity and initial stress.
 
-use super::Place;
-use super::geometry::centre;
+use super::GridConverter;
+use super::geometry::cell_centre;
 use crate::case::CaseError;
-use dynamics::initial::{UnevenLayer, add_lithostatic, layer_densities};
+use dynamics::initial::{NonUniformLayer, add_lithostatic_stress, layer_densities};
 use dynamics::medium::Medium;
 use models::solid::stress::Stress;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
-impl Place<'_> {
+impl GridConverter<'_> {
     /// Returns the acceleration by gravity, m/s², or the lithostatic initial stress that balances it, plus the uniform
     /// initial stress, as axis and stress by layer across it.
     #[allow(clippy::type_complexity, reason = "two fields of the problem")]
-    pub(super) fn weight<const D: usize>(
+    pub(super) fn gravity_and_initial_stress<const D: usize>(
         &self,
         media: &[Medium],
         of_cell: &[u16],
@@ -20,14 +20,14 @@ impl Place<'_> {
         let mut uniform = Stress::default();
         for (component, value) in &self.dynamics.initial_stress {
             match component.0 {
-                Field::Stress(i, j) => {
+                SolidField::Stress(i, j) => {
                     uniform.force[i][j] = *value;
                     if self.medium.rotation.is_none() {
                         uniform.force[j][i] = *value;
                     }
                 }
-                Field::Couple(k, j) => uniform.couple[k][j] = *value,
-                Field::Velocity(_) | Field::Spin(_) | Field::ViscousStrain(..) => {}
+                SolidField::Couple(k, j) => uniform.couple[k][j] = *value,
+                SolidField::Velocity(_) | SolidField::Spin(_) | SolidField::ViscousStrain(..) => {}
             }
         }
         let grid = &self.dynamics.grid;
@@ -40,11 +40,11 @@ impl Place<'_> {
                 Some(axis) => {
                     let cells = &grid.cells;
                     let densities = layer_densities(cells, axis, media, of_cell)
-                        .map_err(|uneven| self.uneven(axis, uneven))?;
+                        .map_err(|uneven| self.uneven_layer_error(axis, uneven))?;
                     let mut all = vec![uniform; cells[axis]];
                     let (spacing, pull) = (grid.spacing[axis], gravity.acceleration[axis]);
                     let ratio = gravity.lateral_ratio;
-                    add_lithostatic(&mut all, axis, &densities, spacing, pull, ratio);
+                    add_lithostatic_stress(&mut all, axis, &densities, spacing, pull, ratio);
                     layers = (axis, all);
                 }
             }
@@ -54,18 +54,18 @@ impl Place<'_> {
     }
 
     /// Creates the error that the density in a layer across an axis is not uniform.
-    fn uneven(
+    fn uneven_layer_error(
         &self,
         axis: usize,
-        UnevenLayer { cell, densities: [own, density] }: UnevenLayer,
+        NonUniformLayer { cell, densities: [own, density] }: NonUniformLayer,
     ) -> CaseError {
         let found = format!(
             "densities {own:?} and {density:?} side by side, at x{} = {:?}",
             axis + 1,
-            centre(self.dynamics, cell)[axis]
+            cell_centre(self.dynamics, cell)[axis]
         );
         let allowed = "densities that change along gravity alone; balanced = false lets \
                        the weight act from the start";
-        self.dynamics.locate("gravity.balanced", found, allowed)
+        self.dynamics.error_at("gravity.balanced", found, allowed)
     }
 }

@@ -1,14 +1,14 @@
 //! Checks of flows: waves advected by the mean flow, and a perturbation on refined grids.
 
-use super::greatest;
-use super::refinement::{RefinementCheck, refine};
+use super::max_or_nan;
+use super::refinement::{RefinementCheck, check_refinement};
 use crate::Error;
 use crate::case::Case;
-use crate::setup::check::flow::{FlowPlan, FlowWave, uniform_flow, verdict};
-use crate::setup::check::locate;
-use crate::study::{OnProgress, report_progress};
+use crate::setup::check::flow::{FlowPlan, FlowWave, compute_verdict, create_uniform_flow};
+use crate::setup::check::locate_agreement_error;
+use crate::study::{ProgressCallback, report_progress};
 use agreement::fit::Rate;
-use agreement::flows::{ModeResult, UniformFlow, wave_results};
+use agreement::flows::{ModeResult, UniformFlow, compare_waves};
 use agreement::{AgreementError, PlaneWave};
 use models::common::elementary::Elementary;
 use serde::Serialize;
@@ -40,7 +40,8 @@ pub struct ModeCheck {
     /// Rate predicted by the linearised equations along k(t).
     pub predicted: ComplexRate,
     /// Rate by the matrix pencil at the frozen initial wave vector.
-    pub frozen: ComplexRate,
+    #[serde(rename = "frozen")]
+    pub frozen_rate: ComplexRate,
     /// Rates measured by the solver for decreasing time steps.
     pub measured: Vec<SequenceRate>,
     /// Measured rate extrapolated to zero time step.
@@ -48,7 +49,8 @@ pub struct ModeCheck {
     /// Bound on the error of the limit, 1/s.
     pub tolerance: Option<f64>,
     /// Reason why there is no measurement.
-    pub not_measurable: Option<String>,
+    #[serde(rename = "not_measurable")]
+    pub unmeasured_reason: Option<String>,
     /// Order of convergence in the time step; `None` if the error is rounding.
     pub order: Option<f64>,
     /// Whether measured and predicted rate agree; `None` without measurement.
@@ -71,7 +73,7 @@ pub struct ComplexRate {
 }
 
 impl From<Rate> for ComplexRate {
-    fn from(Rate { frequency, growth }: Rate) -> Self {
+    fn from(Rate { frequency, growth_rate: growth }: Rate) -> Self {
         Self { growth_rate: growth, frequency }
     }
 }
@@ -92,7 +94,8 @@ pub struct RateCurve {
     /// Direction of the waves, degrees.
     pub direction_deg: f64,
     /// Whether the waves grow.
-    pub grows: bool,
+    #[serde(rename = "grows")]
+    pub is_growing: bool,
     /// Initial wave numbers, 1/m, and predicted |γ|, 1/s.
     pub predicted: Vec<[f64; 2]>,
     /// Initial wave numbers, 1/m, and measured |γ|, 1/s.
@@ -100,64 +103,65 @@ pub struct RateCurve {
 }
 
 /// Checks the waves of a flow, and a perturbation on refined grids if requested.
-pub(super) fn check(
+pub(super) fn check_flow(
     case: &Case,
     plan: &FlowPlan,
-    on_progress: OnProgress,
+    on_progress: ProgressCallback,
 ) -> Result<FlowCheck, Error> {
     let FlowPlan { waves, kinds, grids } = plan;
-    let problem = uniform_flow(case)?;
-    verdict(case, &problem)?;
+    let problem = create_uniform_flow(case)?;
+    compute_verdict(case, &problem)?;
     let all = waves.len() + kinds.len() * grids.len();
-    let plane_waves: Vec<PlaneWave<2>> = waves.iter().map(FlowWave::plane_wave).collect();
-    let results = wave_results(&problem, &plane_waves, &|done, _| on_progress(done, all))
-        .map_err(|error| locate(&case.material, error))?;
+    let plane_waves: Vec<PlaneWave<2>> = waves.iter().map(FlowWave::to_plane_wave).collect();
+    let results = compare_waves(&problem, &plane_waves, &|done, _| on_progress(done, all))
+        .map_err(|error| locate_agreement_error(&case.material, error))?;
     let noncoaxiality_deg = problem.flow.noncoaxiality.to_degrees();
     let mut done = waves.len();
     let mut refinements = Vec::new();
     for kind in kinds {
-        let own = case.for_kind_with(*kind, Some(noncoaxiality_deg));
-        if let Some(run) = &case.flow {
-            refinements.push(refine(own, run, grids, &mut || {
+        let own = case.convert_with_noncoaxiality(*kind, Some(noncoaxiality_deg));
+        if let Some(run) = &case.flow_run {
+            refinements.push(check_refinement(own, run, grids, &mut || {
                 done += 1;
                 report_progress(on_progress, done, all)
             })?);
         }
     }
     let shear_rate = problem.flow.shear_rate;
-    let curves = curves(&problem, waves, &results, shear_rate)
-        .map_err(|error| locate(&case.material, error))?;
-    let row = |result: &ModeResult| ModeCheck::new(waves[result.wave], result, shear_rate);
+    let curves = compute_curves(&problem, waves, &results, shear_rate)
+        .map_err(|error| locate_agreement_error(&case.material, error))?;
+    let row = |result: &ModeResult| ModeCheck::new(waves[result.wave_index], result, shear_rate);
     Ok(FlowCheck { rows: results.iter().map(row).collect(), refinements, shear_rate, curves })
 }
 
 /// Computes the predicted rates against the wave number and collects the measured ones.
-fn curves(
+fn compute_curves(
     problem: &UniformFlow,
     waves: &[FlowWave],
     results: &[ModeResult],
     shear_rate: f64,
 ) -> Result<Vec<RateCurve>, AgreementError> {
-    let numbers = || results.iter().map(|row| waves[row.wave].number);
+    let numbers = || results.iter().map(|row| waves[row.wave_index].wave_number);
     let (least, most) =
         (0.5 * numbers().fold(f64::MAX, f64::min), 2.0 * numbers().fold(0.0, f64::max));
     let mut directions: Vec<f64> = Vec::new();
     for row in results {
-        let direction_deg = waves[row.wave].direction_deg;
+        let direction_deg = waves[row.wave_index].direction_deg;
         if !directions.contains(&direction_deg) {
             directions.push(direction_deg);
         }
     }
     // Omitted are modes with rates below three times the shear rate, for which the short-wave behaviour is not
     // decisive, and modes near degenerate directions, whose initial rate differs from that along k(t).
-    let is_slow = |row: &&ModeResult| row.predicted.growth.abs() < 3.0 * shear_rate;
+    let is_slow = |row: &&ModeResult| row.predicted_rate.growth_rate.abs() < 3.0 * shear_rate;
     let has_turned = |row: &&ModeResult| {
-        (row.frozen - row.predicted).max_norm() > 0.1 * row.predicted.max_norm()
+        (row.frozen_rate - row.predicted_rate).max_norm() > 0.1 * row.predicted_rate.max_norm()
     };
     let mut curves = Vec::new();
     for (direction_deg, mode) in directions.iter().flat_map(|own| [(*own, 1), (*own, 2)]) {
-        let is_own =
-            |row: &&ModeResult| waves[row.wave].direction_deg == direction_deg && row.mode == mode;
+        let is_own = |row: &&ModeResult| {
+            waves[row.wave_index].direction_deg == direction_deg && row.mode_number == mode
+        };
         let own: Vec<&ModeResult> = results.iter().filter(is_own).collect();
         let Some(first) = own.first() else { continue };
         if own.iter().all(is_slow) || own.iter().any(has_turned) {
@@ -165,16 +169,17 @@ fn curves(
         }
         let point = |index: u32| {
             let number = least * (most / least).cr_powf(f64::from(index) / 80.0);
-            let rates = problem.initial_rates(&FlowWave { number, direction_deg }.plane_wave())?;
+            let rates = problem
+                .initial_rates(&FlowWave { wave_number: number, direction_deg }.to_plane_wave())?;
             Ok([number, rates.get(mode - 1).map_or(f64::NAN, |own| own.re.abs())])
         };
         let ring = |row: &&ModeResult| {
-            let own = row.measured.as_ref().ok()?;
-            Some([waves[row.wave].number, own.limit.growth.abs()])
+            let own = row.measurement.as_ref().ok()?;
+            Some([waves[row.wave_index].wave_number, own.limit.growth_rate.abs()])
         };
         curves.push(RateCurve {
             direction_deg,
-            grows: first.predicted.growth > 0.0,
+            is_growing: first.predicted_rate.growth_rate > 0.0,
             predicted: (0..=80).map(point).collect::<Result<_, AgreementError>>()?,
             measured: own.iter().filter_map(ring).collect(),
         });
@@ -186,49 +191,49 @@ impl FlowCheck {
     /// Returns whether all measurements agree; `None` without any.
     pub fn agrees(&self) -> Option<bool> {
         let is_anything = self.rows.iter().any(|row| row.limit.is_some());
-        let [_, failed] = self.counts();
+        let [_, failed] = self.row_counts();
         (is_anything || !self.refinements.is_empty()).then_some(failed == 0)
     }
 
     /// Returns the number of modes without measurement.
-    pub fn unmeasured(&self) -> usize {
-        self.rows.iter().filter(|row| row.not_measurable.is_some()).count()
+    pub fn unmeasured_count(&self) -> usize {
+        self.rows.iter().filter(|row| row.unmeasured_reason.is_some()).count()
     }
 
     /// Returns the number of modes and refinements, and the number that disagree.
-    pub fn counts(&self) -> [usize; 2] {
+    pub fn row_counts(&self) -> [usize; 2] {
         let failed = self.rows.iter().filter(|row| row.agrees == Some(false)).count()
             + self.refinements.iter().filter(|own| !own.agrees).count();
         [self.rows.len() + self.refinements.len(), failed]
     }
 
-    /// Returns the greatest relative difference of measured rates; `None` without measurement.
-    pub fn greatest_difference(&self) -> Option<f64> {
+    /// Returns the largest relative difference of measured rates; `None` without measurement.
+    pub fn max_relative_difference(&self) -> Option<f64> {
         let relative = |row: &ModeCheck| Some(row.difference?.max_norm() / row.scale);
-        greatest(self.rows.iter().filter_map(relative))
+        max_or_nan(self.rows.iter().filter_map(relative))
     }
 }
 
 impl ModeCheck {
     fn new(wave: FlowWave, result: &ModeResult, shear_rate: f64) -> Self {
-        let measured = result.measured.as_ref().ok();
-        let sequences = measured.iter().flat_map(|own| &own.sequences);
+        let measured = result.measurement.as_ref().ok();
+        let sequences = measured.iter().flat_map(|own| &own.rates_by_steps);
         Self {
             wave,
-            mode: result.mode,
+            mode: result.mode_number,
             duration: result.duration,
-            predicted: result.predicted.into(),
-            frozen: result.frozen.into(),
+            predicted: result.predicted_rate.into(),
+            frozen_rate: result.frozen_rate.into(),
             measured: sequences
                 .map(|&(steps, rate)| SequenceRate { rate: rate.into(), steps })
                 .collect(),
             limit: measured.map(|own| own.limit.into()),
             tolerance: measured.map(|own| own.tolerance),
-            not_measurable: result.measured.as_ref().err().map(ToString::to_string),
-            order: result.order(),
-            agrees: result.agrees(),
-            difference: result.difference(),
-            scale: result.scale(shear_rate),
+            unmeasured_reason: result.measurement.as_ref().err().map(ToString::to_string),
+            order: result.convergence_order(),
+            agrees: result.is_within_tolerance(),
+            difference: result.rate_difference(),
+            scale: result.rate_scale(shear_rate),
         }
     }
 }

@@ -6,9 +6,9 @@ pub mod flow;
 pub mod refinement;
 pub mod solid;
 
-pub use crate::setup::check::Extent;
+pub use crate::setup::check::CheckExtent;
 
-use super::OnProgress;
+use super::ProgressCallback;
 use crate::Error;
 use crate::case::Case;
 use crate::setup::check::CheckPlan;
@@ -25,13 +25,13 @@ pub struct CheckResult {
     pub agrees: Option<bool>,
     /// Result of the check.
     #[serde(flatten)]
-    pub outcome: Outcome,
+    pub outcome: CheckOutcome,
 }
 
 /// Result of the check of a case.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
-pub enum Outcome {
+pub enum CheckOutcome {
     /// Check of a solid.
     Solid(SolidCheck),
     /// Check of a flow.
@@ -39,7 +39,8 @@ pub enum Outcome {
     /// No solver supports the case.
     NotMeasurable {
         /// Reason.
-        not_measurable: String,
+        #[serde(rename = "not_measurable")]
+        reason: String,
     },
 }
 
@@ -48,8 +49,8 @@ pub enum Outcome {
 ///
 /// ```
 /// use wellposed::case::Case;
-/// use wellposed::study::check::{Extent, Outcome};
-/// use wellposed::study::unwatched;
+/// use wellposed::study::check::{CheckExtent, CheckOutcome};
+/// use wellposed::study::ignore_progress;
 ///
 /// let text = "
 /// [model]
@@ -62,9 +63,9 @@ pub enum Outcome {
 /// cells = [12, 16]
 /// ";
 /// let case = Case::parse(text, "elastic.toml", &[])?;
-/// let found = wellposed::check(&case, Extent::Short, &unwatched)?;
+/// let found = wellposed::check_agreement(&case, CheckExtent::Short, &ignore_progress)?;
 /// assert_eq!(found.agrees, Some(true));
-/// let Outcome::Solid(solid) = found.outcome else { panic!("a solid") };
+/// let CheckOutcome::Solid(solid) = found.outcome else { panic!("a solid") };
 /// // Pressure and shear waves in two directions.
 /// assert_eq!(solid.media[0].rows.len(), 4);
 /// # Ok::<(), wellposed::Error>(())
@@ -72,53 +73,57 @@ pub enum Outcome {
 ///
 /// # Errors
 /// The case is invalid, its state cannot be analysed, or the study was cancelled.
-pub fn check(case: &Case, extent: Extent, on_progress: OnProgress) -> Result<CheckResult, Error> {
+pub fn check_agreement(
+    case: &Case,
+    extent: CheckExtent,
+    on_progress: ProgressCallback,
+) -> Result<CheckResult, Error> {
     let (agrees, outcome) = match CheckPlan::new(case, extent)? {
         CheckPlan::Solid(media) => {
-            let found = solid::check(media, on_progress)?;
-            (found.agrees(), Outcome::Solid(found))
+            let found = solid::check_solid(media, on_progress)?;
+            (found.agrees(), CheckOutcome::Solid(found))
         }
         CheckPlan::Flow(plan) => {
-            let found = flow::check(case, &plan, on_progress)?;
-            (found.agrees(), Outcome::Flow(found))
+            let found = flow::check_flow(case, &plan, on_progress)?;
+            (found.agrees(), CheckOutcome::Flow(found))
         }
-        CheckPlan::NotMeasurable(not_measurable) => {
-            (None, Outcome::NotMeasurable { not_measurable })
-        }
+        CheckPlan::NotMeasurable(reason) => (None, CheckOutcome::NotMeasurable { reason }),
     };
     Ok(CheckResult { model: case.medium().title(), agrees, outcome })
 }
 
 impl CheckResult {
     /// Returns the number of rows and the number that disagree.
-    pub fn counts(&self) -> [usize; 2] {
+    pub fn row_counts(&self) -> [usize; 2] {
         match &self.outcome {
-            Outcome::NotMeasurable { .. } => [0, 0],
-            Outcome::Flow(own) => own.counts(),
-            Outcome::Solid(own) => own.counts(),
+            CheckOutcome::NotMeasurable { .. } => [0, 0],
+            CheckOutcome::Flow(own) => own.row_counts(),
+            CheckOutcome::Solid(own) => own.row_counts(),
         }
     }
 
     /// Returns the number of waves without measurement.
-    pub fn unmeasured(&self) -> usize {
+    pub fn unmeasured_count(&self) -> usize {
         match &self.outcome {
-            Outcome::NotMeasurable { .. } => 0,
-            Outcome::Flow(own) => own.unmeasured(),
-            Outcome::Solid(own) => own.media.iter().map(|own| own.unmeasured()).sum(),
+            CheckOutcome::NotMeasurable { .. } => 0,
+            CheckOutcome::Flow(own) => own.unmeasured_count(),
+            CheckOutcome::Solid(own) => own.media.iter().map(|own| own.unmeasured_count()).sum(),
         }
     }
 
-    /// Returns the greatest difference of a measured wave relative to its rate; `None` without measurement.
-    pub fn greatest_difference(&self) -> Option<f64> {
+    /// Returns the largest difference of a measured wave relative to its rate; `None` without measurement.
+    pub fn max_relative_difference(&self) -> Option<f64> {
         match &self.outcome {
-            Outcome::NotMeasurable { .. } => None,
-            Outcome::Flow(own) => own.greatest_difference(),
-            Outcome::Solid(own) => greatest(own.media.iter().flat_map(|own| own.differences())),
+            CheckOutcome::NotMeasurable { .. } => None,
+            CheckOutcome::Flow(own) => own.max_relative_difference(),
+            CheckOutcome::Solid(own) => {
+                max_or_nan(own.media.iter().flat_map(|own| own.relative_differences()))
+            }
         }
     }
 }
 
-/// Returns the maximum; NaN counts as the greatest, `None` without values.
-fn greatest(sizes: impl Iterator<Item = f64>) -> Option<f64> {
+/// Returns the maximum; NaN counts as the largest, `None` without values.
+fn max_or_nan(sizes: impl Iterator<Item = f64>) -> Option<f64> {
     sizes.reduce(|sum, own| if own <= sum || sum.is_nan() { sum } else { own })
 }

@@ -1,13 +1,15 @@
 //! Grid refinement of a perturbation of a flow.
 
 use crate::Error;
-use crate::case::Converted;
+use crate::case::ConvertedCase;
 use crate::case::flow::FlowRun;
-use crate::setup::check::flow::{perturbation_on, uniform_flow, verdict};
-use crate::setup::check::locate;
-use agreement::flows::{FastestMode, Refinement, fastest_mode};
+use crate::setup::check::flow::{
+    compute_verdict, create_perturbation_on_grid, create_uniform_flow,
+};
+use crate::setup::check::locate_agreement_error;
+use agreement::flows::{FastestMode, GridRefinement, compare_fastest_mode};
 use analysis::growth::Verdict;
-use analysis::newton::Order;
+use analysis::newton_polygon::GrowthOrder;
 use serde::Serialize;
 
 /// Grid refinement of a perturbation in one model.
@@ -16,19 +18,21 @@ pub struct RefinementCheck {
     /// Name of the model.
     pub model: &'static str,
     /// Non-coaxiality Δ of the case, degrees, if this model is coaxial and uses Δ = 0.
-    pub lost_noncoaxiality_deg: Option<f64>,
+    #[serde(rename = "lost_noncoaxiality_deg")]
+    pub replaced_noncoaxiality_deg: Option<f64>,
     /// Order of growth in k as k → ∞ by the verdict; 0 if well-posed.
-    pub limit_of_the_order: f64,
+    #[serde(rename = "limit_of_the_order")]
+    pub verdict_order: f64,
     /// Orders over these grids; `None` if no mode grows faster than the shear rate, or if the fastest modes of all
     /// grids have equal wave numbers.
-    pub orders: Option<Orders>,
+    pub orders: Option<GrowthOrders>,
     /// Results by grid.
     pub grids: Vec<FastestModeCheck>,
     /// Whether rates and orders agree, and the order is close to that of the verdict.
     pub agrees: bool,
     /// Whether the fastest mode of each grid grows faster than the shear rate.
     #[serde(skip)]
-    pub grows: bool,
+    pub is_growing: bool,
     /// Title of the model.
     #[serde(skip)]
     pub title: &'static str,
@@ -39,7 +43,7 @@ pub struct RefinementCheck {
 
 /// Orders of growth in the wave number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Orders {
+pub struct GrowthOrders {
     /// Order of the predicted rates.
     pub predicted: f64,
     /// Order of the measured rates.
@@ -54,7 +58,8 @@ pub struct FastestModeCheck {
     /// Periods of the mode along each axis.
     pub mode: [i32; 2],
     /// Initial wave number, 1/m.
-    pub number: f64,
+    #[serde(rename = "number")]
+    pub wave_number: f64,
     /// Growth rate predicted by the linearised equations, 1/s.
     pub predicted: f64,
     /// Growth rate measured by the solver, 1/s.
@@ -65,42 +70,42 @@ pub struct FastestModeCheck {
 
 /// Simulates the perturbation of `run` in the model of a case on each of `grids`, given as points per axis, and
 /// compares the growth rate of the fastest mode with the prediction.
-pub(super) fn refine(
-    Converted { case, lost_noncoaxiality_deg }: Converted,
+pub(super) fn check_refinement(
+    ConvertedCase { case, lost_noncoaxiality_deg }: ConvertedCase,
     run: &FlowRun,
     grids: &[usize],
     grid_is_done: &mut dyn FnMut() -> Result<(), Error>,
 ) -> Result<RefinementCheck, Error> {
-    let problem = uniform_flow(&case)?;
-    let verdict_order = match verdict(&case, &problem)? {
-        Verdict::IllPosed { growth: Some(growth), .. } => Order::value(growth.order),
+    let problem = create_uniform_flow(&case)?;
+    let verdict_order = match compute_verdict(&case, &problem)? {
+        Verdict::IllPosed { growth: Some(growth), .. } => GrowthOrder::to_f64(growth.order),
         _ => 0.0,
     };
     let mut fastest = |&points: &usize| {
-        let perturbation = perturbation_on(run, &problem, points)?;
-        let found =
-            fastest_mode(&problem, &perturbation).map_err(|error| locate(&case.material, error))?;
+        let perturbation = create_perturbation_on_grid(run, &problem, points)?;
+        let found = compare_fastest_mode(&problem, &perturbation)
+            .map_err(|error| locate_agreement_error(&case.material, error))?;
         grid_is_done()?;
         Ok(found)
     };
     let grids = grids.iter().map(&mut fastest).collect::<Result<_, Error>>()?;
-    let own = Refinement { verdict_order, grids, shear_rate: problem.flow.shear_rate };
+    let own = GridRefinement { verdict_order, grids, shear_rate: problem.flow.shear_rate };
     let grid = |grid: &FastestMode| FastestModeCheck {
         points: grid.points,
         mode: grid.mode,
-        number: grid.number,
-        predicted: grid.predicted,
-        measured: grid.measured,
-        agrees: own.grid_agrees(grid),
+        wave_number: grid.wave_number,
+        predicted: grid.predicted_growth,
+        measured: grid.measured_growth,
+        agrees: own.is_grid_within_tolerance(grid),
     };
     Ok(RefinementCheck {
         model: case.material.kind.name(),
-        lost_noncoaxiality_deg,
-        limit_of_the_order: verdict_order,
-        orders: own.orders().map(|[predicted, measured]| Orders { predicted, measured }),
+        replaced_noncoaxiality_deg: lost_noncoaxiality_deg,
+        verdict_order,
+        orders: own.fit_orders().map(|[predicted, measured]| GrowthOrders { predicted, measured }),
         grids: own.grids.iter().map(grid).collect(),
-        agrees: own.agrees(),
-        grows: own.grows(),
+        agrees: own.is_within_tolerance(),
+        is_growing: own.is_growing(),
         title: case.material.kind.title(),
         shear_rate: own.shear_rate,
     })

@@ -1,15 +1,17 @@
 //! Checks of solids: predicted, expected and measured branches of all waves.
 
-use super::greatest;
-use crate::case::{Material, Wave};
-use crate::setup::check::locate;
+use super::max_or_nan;
+use crate::case::{Material, WaveNumbers};
+use crate::setup::check::locate_agreement_error;
 use crate::setup::check::solid::{MediumPlan, WavePlan};
-use crate::study::OnProgress;
+use crate::study::ProgressCallback;
 use crate::study::dispersion::WaveVector;
 use crate::{Error, setup};
 use agreement::fit::Rate;
-use agreement::solids::{BandGap, BranchResult, GridResult, Response, band_gaps, branch_results};
-use analysis::solids::{BranchGroup, branches};
+use agreement::solids::{
+    BandGap, BranchResult, GridResult, WaveResponse, compare_band_gaps, compare_branches,
+};
+use analysis::solids::{BranchGroup, group_branches};
 use models::elastoplastic::Solid;
 use serde::{Serialize, Serializer};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,7 +27,8 @@ pub struct SolidCheck {
 #[derive(Clone, Debug, Serialize)]
 pub struct MediumCheck {
     /// Position in the case; empty if everywhere.
-    pub place: String,
+    #[serde(rename = "place")]
+    pub region_key: String,
     /// Description of the medium.
     pub model: String,
     /// Whether all measurements agree; `None` without any.
@@ -39,15 +42,15 @@ pub struct MediumCheck {
     pub solid: Solid,
     /// Predicted branches in the direction of the first wave, by response.
     #[serde(skip)]
-    pub branches: Vec<(Response, Vec<BranchGroup>)>,
+    pub branches: Vec<(WaveResponse, Vec<BranchGroup>)>,
 }
 
 /// Check of a branch at one wave vector.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BranchCheck {
     /// Elastic, loading or unloading response.
-    #[serde(serialize_with = "name")]
-    pub response: Response,
+    #[serde(serialize_with = "serialize_response_name")]
+    pub response: WaveResponse,
     /// Name of the branch.
     pub branch: String,
     /// Wave vector.
@@ -59,7 +62,8 @@ pub struct BranchCheck {
     /// Measurements by grid, coarsest first.
     pub grids: Vec<GridCheck>,
     /// Reason why there is no measurement.
-    pub not_measurable: Option<String>,
+    #[serde(rename = "not_measurable")]
+    pub unmeasured_reason: Option<String>,
     /// Order of convergence in the cell size; `None` if the error is rounding.
     pub order: Option<f64>,
     /// Whether the measured rate agrees on every grid and in the limit; `None` without measurement.
@@ -85,7 +89,8 @@ pub struct ComplexFrequency {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GridCheck {
     /// Cells per period along each axis; `None` in the limit of zero cell size.
-    pub cells: Option<usize>,
+    #[serde(rename = "cells")]
+    pub cells_per_period: Option<usize>,
     /// Measured angular frequency ω, rad/s.
     pub frequency: f64,
     /// Measured growth rate γ, 1/s.
@@ -108,21 +113,30 @@ pub struct ForbiddenBandCheck {
     /// Polarisation of the waves.
     pub polarisation: &'static str,
     /// Lower edge of the band, rad/s.
-    pub from: f64,
+    #[serde(rename = "from")]
+    pub lower_edge: f64,
     /// Upper edge of the band, rad/s.
-    pub to: f64,
+    #[serde(rename = "to")]
+    pub upper_edge: f64,
     /// Nearest measured frequencies below and above the band, rad/s.
-    pub nearest: [Option<f64>; 2],
+    #[serde(rename = "nearest")]
+    pub nearest_frequencies: [Option<f64>; 2],
     /// Whether no frequency was measured inside the band.
     pub agrees: bool,
 }
 
-fn name<S: Serializer>(response: &Response, serializer: S) -> Result<S::Ok, S::Error> {
+fn serialize_response_name<S: Serializer>(
+    response: &WaveResponse,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(response.name())
 }
 
 /// Checks all media of a solid.
-pub(super) fn check(media: Vec<MediumPlan>, on_progress: OnProgress) -> Result<SolidCheck, Error> {
+pub(super) fn check_solid(
+    media: Vec<MediumPlan>,
+    on_progress: ProgressCallback,
+) -> Result<SolidCheck, Error> {
     let (mut checked, mut before) = (Vec::new(), 0);
     let mut left = media.len();
     for medium in media {
@@ -144,17 +158,18 @@ pub(super) fn check(media: Vec<MediumPlan>, on_progress: OnProgress) -> Result<S
 ///
 /// # Errors
 /// A material is invalid, the solver does not support it, or the study was cancelled.
-pub fn rows(
+pub fn compute_branch_results(
     predicted: &Material,
     measured: &Material,
     plan: &WavePlan,
-    on_progress: OnProgress,
+    on_progress: ProgressCallback,
 ) -> Result<Vec<BranchResult>, Error> {
-    let solid = setup::solid::solid(predicted).map_err(|error| predicted.locate(error))?;
-    let medium =
-        setup::solid::medium(measured, solid.dimensions).map_err(|error| measured.locate(error))?;
-    branch_results(&solid, &medium, &plan.plane_waves(), &plan.settings, on_progress)
-        .map_err(|error| locate(predicted, error))
+    let solid =
+        setup::solid::create_solid(predicted).map_err(|error| predicted.locate_error(error))?;
+    let medium = setup::solid::create_medium(measured, solid.dimensions)
+        .map_err(|error| measured.locate_error(error))?;
+    compare_branches(&solid, &medium, &plan.plane_waves(), &plan.settings, on_progress)
+        .map_err(|error| locate_agreement_error(predicted, error))
 }
 
 impl SolidCheck {
@@ -165,7 +180,7 @@ impl SolidCheck {
     }
 
     /// Returns the number of branches and forbidden bands, and the number that disagree.
-    pub fn counts(&self) -> [usize; 2] {
+    pub fn row_counts(&self) -> [usize; 2] {
         let rows = || self.media.iter().flat_map(|own| &own.rows);
         let bands = || self.media.iter().flat_map(|own| &own.forbidden_bands);
         let failed = rows().filter(|row| row.agrees == Some(false)).count()
@@ -175,33 +190,36 @@ impl SolidCheck {
 }
 
 impl MediumCheck {
-    fn new(medium: MediumPlan, on_progress: OnProgress) -> Result<Self, Error> {
-        let MediumPlan { place, material, waves: plan } = medium;
-        let results = rows(&material, &material, &plan, on_progress)?;
-        let solid = setup::solid::solid(&material).map_err(|error| material.locate(error))?;
-        let bands = band_gaps(&solid, &plan.plane_waves(), &results)
-            .map_err(|error| locate(&material, error))?;
+    fn new(medium: MediumPlan, on_progress: ProgressCallback) -> Result<Self, Error> {
+        let MediumPlan { region_key, material, waves: plan } = medium;
+        let results = compute_branch_results(&material, &material, &plan, on_progress)?;
+        let solid =
+            setup::solid::create_solid(&material).map_err(|error| material.locate_error(error))?;
+        let bands = compare_band_gaps(&solid, &plan.plane_waves(), &results)
+            .map_err(|error| locate_agreement_error(&material, error))?;
         let rows: Vec<BranchCheck> = results
             .iter()
-            .map(|result| BranchCheck::new(plan.waves[result.wave], result))
+            .map(|result| BranchCheck::new(plan.waves[result.wave_index], result))
             .collect();
-        let first = results.first().map_or(material.numbers.wave, |result| plan.waves[result.wave]);
-        let greatest = rows.iter().map(|row| row.wave.number).fold(0.0, f64::max);
-        let responses: &[(Response, bool)] = match solid.plastic {
-            None => &[(Response::Elastic, true)],
-            Some(_) => &[(Response::Unloading, true), (Response::Loading, false)],
+        let first =
+            results.first().map_or(material.numbers.wave, |result| plan.waves[result.wave_index]);
+        let greatest = rows.iter().map(|row| row.wave.wave_number).fold(0.0, f64::max);
+        let responses: &[(WaveResponse, bool)] = match solid.plastic_state {
+            None => &[(WaveResponse::Elastic, true)],
+            Some(_) => &[(WaveResponse::Unloading, true), (WaveResponse::Loading, false)],
         };
         let mut predicted = Vec::new();
         for &(response, stays_elastic) in responses {
-            let groups = branches(&solid, setup::solid::normal(&first), greatest, stays_elastic)
-                .map_err(|error| setup::locate(&material, error.into()))?;
+            let groups =
+                group_branches(&solid, setup::solid::wave_normal(&first), greatest, stays_elastic)
+                    .map_err(|error| setup::locate_state_error(&material, error.into()))?;
             predicted.push((response, groups));
         }
         let measured: Vec<bool> = rows.iter().filter_map(|row| row.agrees).collect();
         let all_agree =
-            bands.iter().all(|band| band.agrees) && measured.iter().all(|agrees| *agrees);
+            bands.iter().all(|band| band.is_confirmed) && measured.iter().all(|agrees| *agrees);
         Ok(Self {
-            place,
+            region_key,
             model: material.medium().title(),
             agrees: (!measured.is_empty()).then_some(all_agree),
             rows,
@@ -212,38 +230,38 @@ impl MediumCheck {
     }
 
     /// Returns the number of rows without measurement.
-    pub fn unmeasured(&self) -> usize {
-        self.rows.iter().filter(|row| row.not_measurable.is_some()).count()
+    pub fn unmeasured_count(&self) -> usize {
+        self.rows.iter().filter(|row| row.unmeasured_reason.is_some()).count()
     }
 
-    /// Returns the greatest difference of a measured rate in the limit of zero cell size, relative to the predicted
+    /// Returns the largest difference of a measured rate in the limit of zero cell size, relative to the predicted
     /// frequency; `None` without measurement.
-    pub fn greatest_difference(&self) -> Option<f64> {
-        greatest(self.differences())
+    pub fn max_relative_difference(&self) -> Option<f64> {
+        max_or_nan(self.relative_differences())
     }
 
     /// Returns the differences of measured rates, relative to the predicted frequencies.
-    pub(super) fn differences(&self) -> impl Iterator<Item = f64> {
+    pub(super) fn relative_differences(&self) -> impl Iterator<Item = f64> {
         self.rows.iter().filter_map(|row| Some(row.difference?.max_norm()))
     }
 }
 
 impl BranchCheck {
-    fn new(wave: Wave, result: &BranchResult) -> Self {
-        let measured = result.measured.as_ref().ok();
+    fn new(wave: WaveNumbers, result: &BranchResult) -> Self {
+        let measured = result.measurement.as_ref().ok();
         let limit = measured.map(|own| GridCheck::new(result, &own.limit));
         let grids = measured.iter().flat_map(|own| &own.grids);
         Self {
             response: result.response,
-            branch: result.branch.clone(),
+            branch: result.branch_label.clone(),
             wave: wave.into(),
-            predicted: ComplexFrequency { frequency: result.predicted, growth_rate: 0.0 },
-            limit: limit.map(|limit| GridCheck { cells: None, ..limit }),
+            predicted: ComplexFrequency { frequency: result.predicted_frequency, growth_rate: 0.0 },
+            limit: limit.map(|limit| GridCheck { cells_per_period: None, ..limit }),
             grids: grids.map(|grid| GridCheck::new(result, grid)).collect(),
-            not_measurable: result.measured.as_ref().err().map(ToString::to_string),
-            order: result.order(),
-            agrees: result.agrees(),
-            difference: result.difference(),
+            unmeasured_reason: result.measurement.as_ref().err().map(ToString::to_string),
+            order: result.convergence_order(),
+            agrees: result.is_within_tolerance(),
+            difference: result.measured_difference(),
             expected_difference: result.expected_difference(),
         }
     }
@@ -252,21 +270,26 @@ impl BranchCheck {
 impl GridCheck {
     fn new(row: &BranchResult, grid: &GridResult) -> Self {
         Self {
-            cells: Some(grid.cells),
-            frequency: grid.measured.frequency,
-            growth_rate: grid.measured.growth,
-            expected_frequency: grid.expected.frequency,
-            expected_growth_rate: grid.expected.growth,
-            difference: row.relative(grid.measured).frequency,
+            cells_per_period: Some(grid.cells),
+            frequency: grid.measured_rate.frequency,
+            growth_rate: grid.measured_rate.growth_rate,
+            expected_frequency: grid.expected_rate.frequency,
+            expected_growth_rate: grid.expected_rate.growth_rate,
+            difference: row.relative_difference(grid.measured_rate).frequency,
             tolerance: grid.tolerance,
-            agrees: grid.agrees(),
+            agrees: grid.is_within_tolerance(),
         }
     }
 }
 
 impl From<&BandGap> for ForbiddenBandCheck {
     fn from(gap: &BandGap) -> Self {
-        let BandGap { polarisation, from, to, nearest, agrees } = *gap;
-        Self { polarisation: polarisation.name(), from, to, nearest, agrees }
+        Self {
+            polarisation: gap.polarisation.name(),
+            lower_edge: gap.lower_frequency,
+            upper_edge: gap.upper_frequency,
+            nearest_frequencies: gap.nearest_frequencies,
+            agrees: gap.is_confirmed,
+        }
     }
 }

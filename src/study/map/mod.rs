@@ -1,51 +1,54 @@
 //! Map: the verdict over two parameters of a case.
 
-mod judge;
+mod point_assessor;
 pub mod summary;
 
-pub use judge::{MapPoint, PointSpeeds, PointStatus};
+pub use point_assessor::{MapPoint, PointSpeeds, PointStatus};
 pub use summary::MapResult;
 
-use super::available::Available;
+use super::available_memory::AvailableMemory;
 use super::simulate::Bytes;
-use super::{OnProgress, report_progress};
-use crate::case::{Case, Map, Sweep};
+use super::{ProgressCallback, report_progress};
+use crate::case::{Case, MapAxes, ParameterSweep};
 use crate::{Error, setup};
 use analysis::solids::AcousticTensorCache;
-use judge::Judge;
 use models::InputError;
+use point_assessor::PointAssessor;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Memory of a map besides its points, bytes: program and picture.
-const PROGRAM: f64 = 60.0 * 1048576.0;
+const PROGRAM_MEMORY: f64 = 60.0 * 1048576.0;
 
 /// Number of points that a thread assesses between progress reports.
-const BLOCK: usize = 64;
+const POINTS_PER_BLOCK: usize = 64;
 
 /// Quantities to be computed on a map besides the verdicts. Growth rates need the dispersion polynomial of every state;
 /// with them no verdict is by closed form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MapOptions {
     /// Whether to compute the supremum of the growth rate over all waves at well-posed points.
-    pub bound: bool,
+    #[serde(rename = "bound")]
+    pub computes_bound: bool,
     /// Whether to compute the growth rate at the wave of the case; always done if the map sweeps the wave.
-    pub growth_rate: bool,
+    #[serde(rename = "growth_rate")]
+    pub computes_growth_rate: bool,
     /// Whether to derive every verdict from the linearised equations, none by closed form.
-    pub model_blind: bool,
+    #[serde(rename = "model_blind")]
+    pub is_model_blind: bool,
 }
 
 impl MapOptions {
     /// Returns the options with growth rates if the map sweeps the wave.
-    fn for_map(self, map: &Map) -> Self {
+    fn with_swept_wave(self, map: &MapAxes) -> Self {
         let sweeps_wave =
             [map.x, map.y].iter().any(|sweep| sweep.parameter.key().name.starts_with("wave."));
-        Self { growth_rate: self.growth_rate || sweeps_wave, ..self }
+        Self { computes_growth_rate: self.computes_growth_rate || sweeps_wave, ..self }
     }
 
     fn admits_closed_forms(self) -> bool {
-        !(self.bound || self.growth_rate || self.model_blind)
+        !(self.computes_bound || self.computes_growth_rate || self.is_model_blind)
     }
 }
 
@@ -59,7 +62,7 @@ impl MapOptions {
 /// Harris–Grekova without rotational strength is well-posed up to a non-coaxiality of 45°:
 /// ```
 /// use wellposed::case::Case;
-/// use wellposed::study::{MapOptions, unwatched};
+/// use wellposed::study::{MapOptions, ignore_progress};
 ///
 /// let case = Case::parse(
 ///     "
@@ -82,37 +85,45 @@ impl MapOptions {
 ///     "map.toml",
 ///     &[],
 /// )?;
-/// let found = wellposed::map(&case, MapOptions::default(), &unwatched)?;
+/// let found = wellposed::compute_map(&case, MapOptions::default(), &ignore_progress)?;
 /// assert_eq!(found.points.len(), 20);
 /// let well_posed = &found.well_posed_intervals[0];
 /// assert_eq!((well_posed.y, well_posed.x.as_slice()), (500.0, &[[0.0, 40.0]][..]));
 /// # Ok::<(), wellposed::Error>(())
 /// ```
-pub fn map(case: &Case, options: MapOptions, progress: OnProgress) -> Result<MapResult, Error> {
-    let map = case.required_map()?;
+pub fn compute_map(
+    case: &Case,
+    options: MapOptions,
+    progress: ProgressCallback,
+) -> Result<MapResult, Error> {
+    let map = case.require_map()?;
     check_memory(case, map)?;
-    let options = options.for_map(map);
-    let points = sweep(case, map, options, progress)?;
+    let options = options.with_swept_wave(map);
+    let points = assess_points(case, map, options, progress)?;
     Ok(MapResult::new(case, map, options, points))
 }
 
 /// Checks that memory suffices for the points of a map and one table column.
-fn check_memory(case: &Case, map: &Map) -> Result<(), Error> {
-    let points = map.x.points as f64 * map.y.points as f64;
+fn check_memory(case: &Case, map: &MapAxes) -> Result<(), Error> {
+    let points = map.x.point_count as f64 * map.y.point_count as f64;
     let of_point = size_of::<MapPoint>() * if is_transposed(case, map) { 2 } else { 1 };
-    let needed = Bytes(PROGRAM + points * (of_point + size_of::<f64>()) as f64);
-    let Some(available) = Available::too_little_for(needed) else { return Ok(()) };
+    let needed = Bytes(PROGRAM_MEMORY + points * (of_point + size_of::<f64>()) as f64);
+    let Some(available) = AvailableMemory::find_shortage(needed) else { return Ok(()) };
     let found = format!("found {points} points, memory {needed}, more than {available}");
     Err(case
-        .locate(InputError { input: "map.x.points", found, allowed: "fewer points".into() })
+        .locate_error(InputError {
+            input: "map.x.points",
+            rejected_value: found,
+            allowed_values: "fewer points".into(),
+        })
         .into())
 }
 
 /// Returns whether points are assessed column by column, so that the acoustic tensors of elastic moduli swept along x
 /// are reused.
-fn is_transposed(case: &Case, map: &Map) -> bool {
-    let is_modulus = |sweep: &Sweep| sweep.parameter.name().starts_with("model.");
-    is_modulus(&map.x) && !is_modulus(&map.y) && case.material.yields.is_some()
+fn is_transposed(case: &Case, map: &MapAxes) -> bool {
+    let is_modulus = |sweep: &ParameterSweep| sweep.parameter.name().starts_with("model.");
+    is_modulus(&map.x) && !is_modulus(&map.y) && case.material.yield_set.is_some()
 }
 
 /// Checks that at least one state of the map can be assessed; states are assessed until one can. Progress counts
@@ -120,15 +131,15 @@ fn is_transposed(case: &Case, map: &Map) -> bool {
 ///
 /// # Errors
 /// The case has no map, or is invalid at all of its points; [`Error::Cancelled`].
-pub fn check_map(case: &Case, on_progress: OnProgress) -> Result<(), Error> {
-    let map = case.required_map()?;
+pub fn check_map(case: &Case, on_progress: ProgressCallback) -> Result<(), Error> {
+    let map = case.require_map()?;
     check_memory(case, map)?;
     let cache = AcousticTensorCache::default();
-    let mut judge = Judge::new(case, map, MapOptions::default(), &cache);
-    let (nx, ny) = (map.x.points, map.y.points);
+    let mut assessor = PointAssessor::new(case, map, MapOptions::default(), &cache);
+    let (nx, ny) = (map.x.point_count, map.y.point_count);
     let mut first_error = None;
     for index in 0..nx * ny {
-        match judge.point(index % nx, index / nx) {
+        match assessor.assess_point(index % nx, index / nx) {
             Ok(_) => return Ok(()),
             Err(error) => _ = first_error.get_or_insert(error),
         }
@@ -141,39 +152,39 @@ pub fn check_map(case: &Case, on_progress: OnProgress) -> Result<(), Error> {
 }
 
 /// Assesses all points, x fastest.
-fn sweep(
+fn assess_points(
     case: &Case,
-    map: &Map,
+    map: &MapAxes,
     options: MapOptions,
-    progress: OnProgress,
+    progress: ProgressCallback,
 ) -> Result<Vec<MapPoint>, Error> {
-    let (nx, ny) = (map.x.points, map.y.points);
+    let (nx, ny) = (map.x.point_count, map.y.point_count);
     let mut points: Vec<MapPoint> = Vec::new();
     points.try_reserve_exact(nx * ny).map_err(|_| Error::Memory { points: nx * ny })?;
-    points.resize(nx * ny, MapPoint::empty(PointStatus::OutsideModel));
+    points.resize(nx * ny, MapPoint::with_status(PointStatus::OutsideModel));
 
     let is_transposed = is_transposed(case, map);
-    let place = |index: usize| match is_transposed {
+    let grid_indices = |index: usize| match is_transposed {
         true => [index / ny, index % ny],
         false => [index % nx, index / nx],
     };
     let cache = AcousticTensorCache::default();
     let (done, is_cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
     let first_error = points
-        .par_chunks_mut(BLOCK)
+        .par_chunks_mut(POINTS_PER_BLOCK)
         .enumerate()
         .map_init(
-            || Judge::new(case, map, options, &cache),
-            |judge, (chunk, block)| {
+            || PointAssessor::new(case, map, options, &cache),
+            |assessor, (chunk, block)| {
                 let mut first_error = None;
                 if is_cancelled.load(Ordering::Relaxed) {
                     return first_error;
                 }
                 for (offset, point) in block.iter_mut().enumerate() {
-                    let index = chunk * BLOCK + offset;
-                    let [x, y] = place(index);
-                    match judge.point(x, y) {
-                        Ok(judged) => *point = judged,
+                    let index = chunk * POINTS_PER_BLOCK + offset;
+                    let [x, y] = grid_indices(index);
+                    match assessor.assess_point(x, y) {
+                        Ok(assessed) => *point = assessed,
                         Err(error) => {
                             first_error.get_or_insert((index, error));
                         }
@@ -194,7 +205,7 @@ fn sweep(
     if is_transposed {
         let by_column = points.clone();
         for (index, point) in by_column.into_iter().enumerate() {
-            let [x, y] = place(index);
+            let [x, y] = grid_indices(index);
             points[y * nx + x] = point;
         }
     }

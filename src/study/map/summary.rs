@@ -1,7 +1,7 @@
 //! Summary of a map.
 
 use super::{MapOptions, MapPoint, PointStatus};
-use crate::case::{Case, Kind, Map, Sweep};
+use crate::case::{Case, MapAxes, ModelKind, ParameterSweep};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 use serde::{Serialize, Serializer};
@@ -18,22 +18,23 @@ pub struct MapResult {
     /// Parameter of the vertical axis.
     pub y: MapAxis,
     /// Number of points by the name of their [`PointStatus`], in the order of [`PointStatus::ALL`].
-    #[serde(rename = "points", serialize_with = "as_object")]
-    pub counts: [(&'static str, usize); 7],
+    #[serde(rename = "points", serialize_with = "serialize_as_object")]
+    pub status_counts: [(&'static str, usize); 7],
     /// Number of ill-posed points without order: growth is unbounded at finite wave numbers.
     pub unbounded_at_finite_wave_number: usize,
     /// Fraction of the states that are well-posed; `None` without states.
     pub well_posed_share: Option<f64>,
     /// Well-posed intervals of x at up to five values of y.
     pub well_posed_intervals: Vec<WellPosedIntervals>,
-    /// Point of the worst growth: highest order, then greatest coefficient.
-    pub worst: Option<WorstPoint>,
+    /// Point of the worst growth: highest order, then largest coefficient.
+    #[serde(rename = "worst")]
+    pub worst_point: Option<WorstPoint>,
     /// Number of verdicts by the name of their [`Route`], in the order of [`Route::ALL`].
-    #[serde(rename = "route", serialize_with = "as_object")]
-    pub routes: [(&'static str, usize); 2],
+    #[serde(rename = "route", serialize_with = "serialize_as_object")]
+    pub route_counts: [(&'static str, usize); 2],
     /// Quantities of solids only.
     #[serde(flatten)]
-    pub solid: Option<SolidMap>,
+    pub solid: Option<SolidMapSummary>,
     /// All points, x fastest.
     #[serde(skip)]
     pub points: Vec<MapPoint>,
@@ -43,7 +44,7 @@ pub struct MapResult {
 }
 
 /// Serialises pairs of names and values as an object.
-fn as_object<S: Serializer>(
+fn serialize_as_object<S: Serializer>(
     pairs: &[(&'static str, usize)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
@@ -58,9 +59,11 @@ pub struct MapAxis {
     /// Unit of the parameter.
     pub unit: &'static str,
     /// First value.
-    pub from: f64,
+    #[serde(rename = "from")]
+    pub first_value: f64,
     /// Last value.
-    pub to: f64,
+    #[serde(rename = "to")]
+    pub last_value: f64,
     /// Number of values.
     pub points: usize,
     /// Axis label: quantity and symbol.
@@ -71,17 +74,17 @@ pub struct MapAxis {
     pub values: Vec<f64>,
 }
 
-impl From<&Sweep> for MapAxis {
-    fn from(sweep: &Sweep) -> Self {
-        let Sweep { parameter, from, to, points } = *sweep;
+impl From<&ParameterSweep> for MapAxis {
+    fn from(sweep: &ParameterSweep) -> Self {
+        let ParameterSweep { parameter, first_value, last_value, point_count: points } = *sweep;
         Self {
             parameter: parameter.name(),
             unit: parameter.unit(),
-            from,
-            to,
+            first_value,
+            last_value,
             points,
             label: parameter.label(),
-            values: (0..points).map(|index| sweep.value(index)).collect(),
+            values: (0..points).map(|index| sweep.sweep_value(index)).collect(),
         }
     }
 }
@@ -115,38 +118,44 @@ pub struct WorstPoint {
 
 /// Summary of a map of solids.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SolidMap {
+pub struct SolidMapSummary {
     /// Name of the yield set.
     #[serde(rename = "yield")]
     pub yield_set: Option<&'static str>,
     /// Number of states by the name of their [`Hyperbolicity`], in the order of [`Hyperbolicity::ALL`].
-    #[serde(serialize_with = "as_object")]
+    #[serde(serialize_with = "serialize_as_object")]
     pub hyperbolicity: [(&'static str, usize); 4],
 }
 
 impl MapResult {
-    pub(super) fn new(case: &Case, map: &Map, options: MapOptions, points: Vec<MapPoint>) -> Self {
+    pub(super) fn new(
+        case: &Case,
+        map: &MapAxes,
+        options: MapOptions,
+        points: Vec<MapPoint>,
+    ) -> Self {
         let count = |is: &dyn Fn(&MapPoint) -> bool| points.iter().filter(|p| is(p)).count();
         let counts = PointStatus::ALL.map(|status| (status, count(&|p| p.status == status)));
         let states: usize =
-            counts.iter().filter(|(status, _)| status.is_state()).map(|(_, count)| count).sum();
+            counts.iter().filter(|(status, _)| status.has_state()).map(|(_, count)| count).sum();
         let well_posed = counts[PointStatus::WellPosed as usize].1;
-        let is_solid = matches!(case.material.kind, Kind::Solid(_));
+        let is_solid = matches!(case.material.kind, ModelKind::Solid(_));
         Self {
             title: case.title.clone(),
             model: case.material.kind.name(),
             x: MapAxis::from(&map.x),
             y: MapAxis::from(&map.y),
-            counts: counts.map(|(status, count)| (status.name(), count)),
+            status_counts: counts.map(|(status, count)| (status.name(), count)),
             unbounded_at_finite_wave_number: count(&|p| {
                 p.status == PointStatus::IllPosed && p.order.is_nan()
             }),
             well_posed_share: (states > 0).then(|| well_posed as f64 / states as f64),
-            well_posed_intervals: intervals(map, &points),
-            worst: worst(map, &points, is_solid),
-            routes: Route::ALL.map(|route| (route.name(), count(&|p| p.route == Some(route)))),
-            solid: is_solid.then(|| SolidMap {
-                yield_set: case.material.yields.map(|set| set.name),
+            well_posed_intervals: sample_intervals(map, &points),
+            worst_point: find_worst_point(map, &points, is_solid),
+            route_counts: Route::ALL
+                .map(|route| (route.name(), count(&|p| p.route == Some(route)))),
+            solid: is_solid.then(|| SolidMapSummary {
+                yield_set: case.material.yield_set.map(|set| set.name),
                 hyperbolicity: Hyperbolicity::ALL.map(|h| {
                     (h.name(), count(&|p| p.speeds.is_some_and(|s| s.hyperbolicity == h)))
                 }),
@@ -157,7 +166,7 @@ impl MapResult {
     }
 }
 
-fn worst(map: &Map, points: &[MapPoint], is_solid: bool) -> Option<WorstPoint> {
+fn find_worst_point(map: &MapAxes, points: &[MapPoint], is_solid: bool) -> Option<WorstPoint> {
     let mut worst: Option<(usize, &MapPoint)> = None;
     for (index, point) in points.iter().enumerate() {
         let key = |p: &MapPoint| (p.order, p.coefficient);
@@ -167,8 +176,8 @@ fn worst(map: &Map, points: &[MapPoint], is_solid: bool) -> Option<WorstPoint> {
     }
     let (index, point) = worst?;
     Some(WorstPoint {
-        x: map.x.value(index % map.x.points),
-        y: map.y.value(index / map.x.points),
+        x: map.x.sweep_value(index % map.x.point_count),
+        y: map.y.sweep_value(index / map.x.point_count),
         order: point.order,
         coefficient: point.coefficient,
         direction_deg: point.direction_deg,
@@ -176,26 +185,29 @@ fn worst(map: &Map, points: &[MapPoint], is_solid: bool) -> Option<WorstPoint> {
     })
 }
 
-fn intervals(map: &Map, points: &[MapPoint]) -> Vec<WellPosedIntervals> {
-    let last = map.y.points - 1;
+fn sample_intervals(map: &MapAxes, points: &[MapPoint]) -> Vec<WellPosedIntervals> {
+    let last = map.y.point_count - 1;
     let mut rows = vec![0, last / 4, last / 2, 3 * last / 4, last];
     rows.dedup();
     let intervals = rows.into_iter().map(|row| {
-        let along_x = &points[row * map.x.points..][..map.x.points];
-        WellPosedIntervals { y: map.y.value(row), x: well_posed_intervals(&map.x, along_x) }
+        let along_x = &points[row * map.x.point_count..][..map.x.point_count];
+        WellPosedIntervals {
+            y: map.y.sweep_value(row),
+            x: find_well_posed_intervals(&map.x, along_x),
+        }
     });
     intervals.collect()
 }
 
 /// Returns the first and last value of x of each run of adjacent well-posed points.
-fn well_posed_intervals(x: &Sweep, row: &[MapPoint]) -> Vec<[f64; 2]> {
+fn find_well_posed_intervals(x: &ParameterSweep, row: &[MapPoint]) -> Vec<[f64; 2]> {
     let mut intervals: Vec<[f64; 2]> = Vec::new();
     let mut was_well = false;
     for (i, point) in row.iter().enumerate() {
         let is_well = point.status == PointStatus::WellPosed;
         match intervals.last_mut() {
-            Some(last) if is_well && was_well => last[1] = x.value(i),
-            _ if is_well => intervals.push([x.value(i); 2]),
+            Some(last) if is_well && was_well => last[1] = x.sweep_value(i),
+            _ if is_well => intervals.push([x.sweep_value(i); 2]),
             _ => {}
         }
         was_well = is_well;

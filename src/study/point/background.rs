@@ -1,23 +1,7 @@
-//! Background and stress of a flow, and the wave at which it is analysed.
+//! Background and stress of a flow.
 
-use crate::case::Wave;
-use models::flow::state::{Flow, PlanarStress};
+use models::flow::state::{DeformingFlow, PlanarStress};
 use serde::Serialize;
-
-/// Plane wave in the plane of the flow.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PlaneWave {
-    /// Wave number k, 1/m.
-    pub number: f64,
-    /// Direction of the wave vector from x₁, degrees.
-    pub direction_deg: f64,
-}
-
-impl From<&Wave> for PlaneWave {
-    fn from(wave: &Wave) -> Self {
-        Self { number: wave.number, direction_deg: wave.direction_deg }
-    }
-}
 
 /// Background of a flow, given and derived quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -44,8 +28,8 @@ pub struct FlowBackground {
     pub stress_angle_rate_deg: Option<f64>,
 }
 
-impl From<&Flow> for FlowBackground {
-    fn from(flow: &Flow) -> Self {
+impl From<&DeformingFlow> for FlowBackground {
+    fn from(flow: &DeformingFlow) -> Self {
         Self {
             density: flow.density,
             shear_rate: flow.shear_rate,
@@ -82,9 +66,9 @@ impl From<&PlanarStress> for FlowStress {
         Self {
             pressure: stress.pressure,
             deviatoric_stress: stress.deviator.value,
-            rotational_stress: stress.rotational,
+            rotational_stress: stress.rotational_stress,
             stress_angle_deg: stress.angle.to_degrees(),
-            tensor: stress.tensor(),
+            tensor: stress.to_tensor(),
         }
     }
 }

@@ -1,16 +1,17 @@
 //! Analysis of a fully deforming state of a flow in one model.
 
-use super::background::{FlowBackground, FlowStress, PlaneWave};
+use super::background::{FlowBackground, FlowStress};
 use super::order_and_coefficient;
-use crate::study::words::evidence;
-use analysis::bound::{self, Place, Supremum};
-use analysis::characteristics::{self, Characteristics, Type};
+use crate::setup::check::flow::FlowWave;
+use crate::study::format::describe_evidence;
+use analysis::bound::{self, Supremum, SupremumWaveNumber};
+use analysis::characteristics::{self, Characteristics, EquationType};
 use analysis::flows::FLOW_ROUTE;
-use analysis::flows::growth_curves::AtWaveNumber;
+use analysis::flows::growth_curves::GrowthPoint;
 use analysis::growth::{Assessment, Verdict};
-use analysis::pencil::Roots;
+use analysis::pencil::PencilRoots;
 use models::flow::Model;
-use models::flow::state::{Flow, Region};
+use models::flow::state::{DeformingFlow, YieldRegion};
 use num_complex::Complex64;
 use serde::Serialize;
 
@@ -25,14 +26,16 @@ pub struct YieldingState {
     pub coefficient: Option<f64>,
     /// If ill-posed, direction of the wave vector of the fastest growth, degrees.
     pub direction_deg: Option<f64>,
-    /// Order fitted to the greatest growth rate over all directions.
+    /// Order fitted to the largest growth rate over all directions.
     pub fitted_order: Option<f64>,
-    /// Least and greatest wave number of the fit, 1/m.
+    /// Smallest and largest wave number of the fit, 1/m.
     pub fitted_wave_numbers: Option<[f64; 2]>,
     /// Supremum of Re ς over all waves, 1/s; `None` if it is not known to be finite.
-    pub bound: Option<f64>,
+    #[serde(rename = "bound")]
+    pub growth_bound: Option<f64>,
     /// Wave vector at which the supremum is attained or approached.
-    pub bound_at: Option<SupremumPlace>,
+    #[serde(rename = "bound_at")]
+    pub supremum_place: Option<SupremumPlace>,
     /// Relative tolerance of the supremum.
     pub bound_tolerance: Option<f64>,
     /// Closed-form bound of the model on |Δ| for the leading order of growth, degrees.
@@ -42,13 +45,14 @@ pub struct YieldingState {
     /// Internal power, W/m³.
     pub power: f64,
     /// Wave of the case.
-    pub wave: PlaneWave,
+    pub wave: FlowWave,
     /// Finite roots at that wave, Re ς and Im ς, 1/s; `None` if every ς is a root.
     pub roots: Option<Vec<[f64; 2]>>,
     /// Number of infinite roots, due to algebraic equations.
-    pub infinite_roots: Option<usize>,
+    #[serde(rename = "infinite_roots")]
+    pub infinite_root_count: Option<usize>,
     /// Real characteristics of the steady equations; `None` if the equations do not determine their unknowns.
-    pub characteristics: Option<Vec<Characteristic>>,
+    pub characteristics: Option<Vec<CharacteristicDirection>>,
     /// Complex characteristics.
     pub complex_characteristics: Option<Vec<ComplexCharacteristic>>,
     /// Families of fields for which every direction is characteristic.
@@ -65,25 +69,30 @@ pub struct YieldingState {
     pub gradient_wave_number: f64,
     /// Background with rounding bounds.
     #[serde(skip)]
-    pub flow: Flow,
+    pub flow: DeformingFlow,
     /// Verdict with rounding bounds.
     #[serde(skip)]
     pub assessment: Assessment,
     /// Rank of the equations if every ς is a root.
     #[serde(skip)]
     pub rank: Option<usize>,
-    /// Greatest Re ς of all roots at the wave number of the case by direction: degrees, 1/s; empty if every ς is a
+    /// Largest Re ς of all roots at the wave number of the case by direction: degrees, 1/s; empty if every ς is a
     /// root.
     #[serde(skip)]
-    pub by_direction: Vec<[f64; 2]>,
+    pub growth_by_direction: Vec<[f64; 2]>,
     /// Growth rates by wave number.
     #[serde(skip)]
-    pub by_wave_number: Vec<AtWaveNumber>,
+    pub growth_by_wave_number: Vec<GrowthPoint>,
 }
 
 impl YieldingState {
     /// Creates the state from model, background and verdict.
-    pub(super) fn new(wave: PlaneWave, model: &Model, flow: Flow, assessment: Assessment) -> Self {
+    pub(super) fn new(
+        wave: FlowWave,
+        model: &Model,
+        flow: DeformingFlow,
+        assessment: Assessment,
+    ) -> Self {
         let [order, coefficient] = order_and_coefficient(&assessment.verdict);
         let direction_deg = match assessment.verdict {
             Verdict::IllPosed { direction, .. } => Some(direction.to_degrees()),
@@ -96,15 +105,15 @@ impl YieldingState {
             direction_deg,
             fitted_order: None,
             fitted_wave_numbers: None,
-            bound: None,
-            bound_at: None,
+            growth_bound: None,
+            supremum_place: None,
             bound_tolerance: None,
             noncoaxiality_bound_deg: model.noncoaxiality_bound().map(f64::to_degrees),
-            region: Region::FullyDeforming.name(),
-            power: flow.power,
+            region: YieldRegion::FullyDeforming.name(),
+            power: flow.internal_power,
             wave,
             roots: None,
-            infinite_roots: None,
+            infinite_root_count: None,
             characteristics: None,
             complex_characteristics: None,
             arbitrary_characteristics: None,
@@ -116,34 +125,42 @@ impl YieldingState {
             flow,
             assessment,
             rank: None,
-            by_direction: Vec::new(),
-            by_wave_number: Vec::new(),
+            growth_by_direction: Vec::new(),
+            growth_by_wave_number: Vec::new(),
         }
     }
 
     /// Adds the roots at the wave vector of the case.
-    pub(super) fn with_roots(self, roots: &Roots) -> Self {
+    pub(super) fn with_roots(self, roots: &PencilRoots) -> Self {
         match roots {
-            Roots::Regular { finite, infinite } => Self {
-                roots: Some(finite.iter().map(pair).collect()),
-                infinite_roots: Some(*infinite),
+            PencilRoots::Regular { finite, infinite } => Self {
+                roots: Some(finite.iter().map(to_pair).collect()),
+                infinite_root_count: Some(*infinite),
                 ..self
             },
-            Roots::Singular { rank } => Self { rank: Some(*rank), ..self },
+            PencilRoots::Singular { rank } => Self { rank: Some(*rank), ..self },
         }
     }
 
     /// Adds the characteristics of the steady equations.
     pub(super) fn with_characteristics(self, found: Option<Characteristics>) -> Self {
-        let Some(Characteristics { real, complex, arbitrary, kind }) = found else { return self };
+        let Some(Characteristics {
+            real,
+            complex,
+            arbitrary_families: arbitrary,
+            equation_type: kind,
+        }) = found
+        else {
+            return self;
+        };
         let complex = complex
             .into_iter()
-            .map(|(tangent, family)| ComplexCharacteristic { tangent: pair(&tangent), family });
+            .map(|(tangent, family)| ComplexCharacteristic { tangent: to_pair(&tangent), family });
         Self {
-            characteristics: Some(real.into_iter().map(Characteristic::from).collect()),
+            characteristics: Some(real.into_iter().map(CharacteristicDirection::from).collect()),
             complex_characteristics: Some(complex.collect()),
             arbitrary_characteristics: Some(arbitrary),
-            steady_type: kind.map(type_name),
+            steady_type: kind.map(equation_type_name),
             ..self
         }
     }
@@ -151,23 +168,23 @@ impl YieldingState {
     /// Adds the supremum of the growth rate.
     pub(super) fn with_supremum(self, supremum: Option<Supremum>) -> Self {
         Self {
-            bound: supremum.map(|supremum| supremum.rate),
-            bound_at: supremum.map(SupremumPlace::from),
-            bound_tolerance: supremum.map(|_| bound::TOLERANCE),
+            growth_bound: supremum.map(|supremum| supremum.growth_rate),
+            supremum_place: supremum.map(SupremumPlace::from),
+            bound_tolerance: supremum.map(|_| bound::SUPREMUM_TOLERANCE),
             ..self
         }
     }
 }
 
-fn pair(z: &Complex64) -> [f64; 2] {
+fn to_pair(z: &Complex64) -> [f64; 2] {
     [z.re, z.im]
 }
 
-fn type_name(kind: Type) -> &'static str {
+fn equation_type_name(kind: EquationType) -> &'static str {
     match kind {
-        Type::Hyperbolic => "hyperbolic",
-        Type::Mixed => "mixed",
-        Type::Elliptic => "elliptic",
+        EquationType::Hyperbolic => "hyperbolic",
+        EquationType::Mixed => "mixed",
+        EquationType::Elliptic => "elliptic",
     }
 }
 
@@ -175,7 +192,8 @@ fn type_name(kind: Type) -> &'static str {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SupremumPlace {
     /// Wave number at which the supremum is attained, 1/m; `None` if it is only approached.
-    pub number: Option<f64>,
+    #[serde(rename = "number")]
+    pub wave_number: Option<f64>,
     /// Direction of the wave vector, degrees.
     pub direction_deg: f64,
     /// Limit in which the supremum is approached; `None` if it is attained.
@@ -195,18 +213,18 @@ pub enum WaveLimit {
 
 impl From<Supremum> for SupremumPlace {
     fn from(supremum: Supremum) -> Self {
-        let (number, limit) = match supremum.place {
-            Place::At(number) => (Some(number), None),
-            Place::LongWaves => (None, Some(WaveLimit::LongWaves)),
-            Place::ShortWaves => (None, Some(WaveLimit::ShortWaves)),
+        let (number, limit) = match supremum.wave_number {
+            SupremumWaveNumber::Attained(number) => (Some(number), None),
+            SupremumWaveNumber::LongWaves => (None, Some(WaveLimit::LongWaves)),
+            SupremumWaveNumber::ShortWaves => (None, Some(WaveLimit::ShortWaves)),
         };
-        Self { number, direction_deg: supremum.direction.to_degrees(), limit }
+        Self { wave_number: number, direction_deg: supremum.direction.to_degrees(), limit }
     }
 }
 
 /// Real characteristic direction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Characteristic {
+pub struct CharacteristicDirection {
     /// Angle of the characteristic curve from x₁, degrees, in \[0, 180).
     pub angle_deg: f64,
     /// Multiplicity as a root of the full determinant.
@@ -215,9 +233,9 @@ pub struct Characteristic {
     pub family: String,
 }
 
-impl From<characteristics::Characteristic> for Characteristic {
-    fn from(found: characteristics::Characteristic) -> Self {
-        let characteristics::Characteristic { angle, multiplicity, family, .. } = found;
+impl From<characteristics::RealCharacteristic> for CharacteristicDirection {
+    fn from(found: characteristics::RealCharacteristic) -> Self {
+        let characteristics::RealCharacteristic { angle, multiplicity, family, .. } = found;
         Self { angle_deg: angle.to_degrees(), multiplicity, family }
     }
 }
@@ -235,7 +253,8 @@ pub struct ComplexCharacteristic {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evidence {
     /// Description of the evidence.
-    pub words: String,
+    #[serde(rename = "words")]
+    pub description: String,
     /// Unbounded roots in a general direction, highest order first.
     pub orders: Vec<OrderCount>,
     /// Directions of the wave vector in which a leading coefficient vanishes, degrees.
@@ -250,17 +269,18 @@ pub struct OrderCount {
     /// Order in k.
     pub order: f64,
     /// Number of roots.
-    pub roots: usize,
+    #[serde(rename = "roots")]
+    pub root_count: usize,
 }
 
 impl From<&Assessment> for Evidence {
     fn from(assessment: &Assessment) -> Self {
         let orders = assessment.orders.iter();
-        let degenerate = assessment.degenerate.iter();
+        let degenerate = assessment.degenerate_directions.iter();
         Self {
-            words: evidence(&assessment.verdict),
+            description: describe_evidence(&assessment.verdict),
             orders: orders
-                .map(|&(order, roots)| OrderCount { order: order.value(), roots })
+                .map(|&(order, roots)| OrderCount { order: order.to_f64(), root_count: roots })
                 .collect(),
             degenerate_directions_deg: degenerate.map(|d| d.angle.to_degrees()).collect(),
             route: FLOW_ROUTE,

@@ -9,9 +9,9 @@ pub use flow::{FlowAnalysis, FlowPoint, FlowState};
 pub use flow_state::YieldingState;
 pub use solid::SolidPoint;
 
-use super::OnProgress;
+use super::ProgressCallback;
 use crate::Error;
-use crate::case::{Case, Kind};
+use crate::case::{Case, ModelKind};
 use analysis::growth::Verdict;
 use serde::Serialize;
 
@@ -29,7 +29,9 @@ impl PointResult {
     /// Returns the verdict on the model of the case; `None` if the state is not fully deforming.
     pub fn verdict(&self) -> Option<&Verdict> {
         match self {
-            Self::Flow(flow) => flow.own.yielding().map(|state| &state.assessment.verdict),
+            Self::Flow(flow) => {
+                flow.analysis.yielding_state().map(|state| &state.assessment.verdict)
+            }
             Self::Solid(solid) => Some(&solid.assessment.verdict),
         }
     }
@@ -44,7 +46,7 @@ impl PointResult {
 /// Perturbations in double shearing grow in proportion to the wave number:
 /// ```
 /// use wellposed::case::Case;
-/// use wellposed::study::{PointResult, unwatched};
+/// use wellposed::study::{PointResult, ignore_progress};
 ///
 /// let case = Case::parse(
 ///     "
@@ -63,19 +65,21 @@ impl PointResult {
 ///     "state.toml",
 ///     &[],
 /// )?;
-/// let found = wellposed::point(&case, &unwatched)?;
+/// let found = wellposed::analyse_point(&case, &ignore_progress)?;
 /// assert_eq!(found.verdict().map(|verdict| verdict.name()), Some("ill-posed"));
 ///
 /// let PointResult::Flow(flow) = &found else { unreachable!("double shearing is a flow") };
-/// let state = flow.own.yielding().expect("a fully deforming state");
+/// let state = flow.analysis.yielding_state().expect("a fully deforming state");
 /// assert_eq!(state.order, Some(1.0));
 /// println!("Re ς ≈ {:?} k at {:?}°", state.coefficient, state.direction_deg);
 /// # Ok::<(), wellposed::Error>(())
 /// ```
-pub fn point(case: &Case, on_progress: OnProgress) -> Result<PointResult, Error> {
+pub fn analyse_point(case: &Case, on_progress: ProgressCallback) -> Result<PointResult, Error> {
     match case.material.kind {
-        Kind::Flow(_) => Ok(PointResult::Flow(flow::flow(case, on_progress)?)),
-        Kind::Solid(_) => Ok(PointResult::Solid(Box::new(solid::solid(case, on_progress)?))),
+        ModelKind::Flow(_) => Ok(PointResult::Flow(flow::analyse_flow(case, on_progress)?)),
+        ModelKind::Solid(_) => {
+            Ok(PointResult::Solid(Box::new(solid::analyse_solid(case, on_progress)?)))
+        }
     }
 }
 
@@ -84,7 +88,7 @@ pub fn point(case: &Case, on_progress: OnProgress) -> Result<PointResult, Error>
 fn order_and_coefficient(verdict: &Verdict) -> [Option<f64>; 2] {
     match verdict {
         Verdict::IllPosed { growth: Some(growth), .. } => {
-            [Some(growth.order.value()), Some(growth.coefficient)]
+            [Some(growth.order.to_f64()), Some(growth.coefficient)]
         }
         _ => [None; 2],
     }

@@ -1,16 +1,16 @@
 //! Analysis of the state of a solid.
 
 use super::order_and_coefficient;
-use crate::case::{Case, Wave};
-use crate::setup::solid::normal;
+use crate::case::{Case, WaveNumbers};
+use crate::setup::solid::wave_normal;
 use crate::study::dispersion::WaveVector;
 use crate::study::extremes::{FlutterWave, SlowestWave};
-use crate::study::{OnProgress, report_progress};
+use crate::study::{ProgressCallback, report_progress};
 use crate::{Error, setup};
 use analysis::bound;
 use analysis::energy;
 use analysis::solids::{self, AcousticTensorCache, SolidAssessment, SolidAssessor};
-use analysis::waves::Waves;
+use analysis::waves::DirectionalWaves;
 use models::InputError;
 use models::common::elementary::Elementary;
 use models::elastoplastic::Solid;
@@ -20,9 +20,9 @@ use num_complex::Complex64;
 use serde::Serialize;
 
 /// Number of intervals of direction, over 180°.
-const DIRECTIONS: usize = 720;
+const DIRECTION_INTERVALS: usize = 720;
 /// Wave numbers per decade in the curves by wave number; [`DECADES`] decades below and above that of the case.
-const PER_DECADE: i32 = 12;
+const WAVE_NUMBERS_PER_DECADE: i32 = 12;
 const DECADES: i32 = 4;
 
 /// Analysis of the state of a solid.
@@ -46,7 +46,8 @@ pub struct SolidPoint {
     /// Elevation of that direction above the plane, degrees.
     pub elevation_deg: Option<f64>,
     /// Supremum of Re ς, 1/s; `None` if it is not known to be finite.
-    pub bound: Option<f64>,
+    #[serde(rename = "bound")]
+    pub growth_bound: Option<f64>,
     /// Type of the characteristic speeds over all directions.
     pub hyperbolicity: &'static str,
     /// Strongest flutter; `None` without complex speeds.
@@ -54,9 +55,11 @@ pub struct SolidPoint {
     /// Slowest wave.
     pub slowest: SlowestWave,
     /// Whether plastic flow is associated; true for elastic solids.
-    pub associated: bool,
+    #[serde(rename = "associated")]
+    pub is_associated: bool,
     /// Names of the active conditions of the yield set.
-    pub active: Option<Vec<&'static str>>,
+    #[serde(rename = "active")]
+    pub active_conditions: Option<Vec<&'static str>>,
     /// Stress at yield.
     pub stress: Option<YieldStress>,
     /// Wave vector of the case.
@@ -68,11 +71,13 @@ pub struct SolidPoint {
     /// Squared speeds c² of the elastic response, m²/s².
     pub elastic_squared_speeds: Vec<[f64; 2]>,
     /// Defects of energy conservation.
-    pub energy: Energy,
+    pub energy: EnergyDefects,
     /// Number of unknowns of the rate equations.
-    pub unknowns: usize,
+    #[serde(rename = "unknowns")]
+    pub unknown_count: usize,
     /// Number of roots that vanish at every wave number.
-    pub zero_roots: usize,
+    #[serde(rename = "zero_roots")]
+    pub zero_root_count: usize,
     /// Method of the verdict.
     pub route: &'static str,
     /// Solid with its yield state.
@@ -81,16 +86,16 @@ pub struct SolidPoint {
     /// Verdict with rounding bounds.
     #[serde(skip)]
     pub assessment: SolidAssessment,
-    /// Greatest Re ς at the wave number of the case by direction: degrees, 1/s.
+    /// Largest Re ς at the wave number of the case by direction: degrees, 1/s.
     #[serde(skip)]
-    pub by_direction: Vec<[f64; 2]>,
-    /// Greatest Re ς in the direction of the case by wave number: 1/m, 1/s.
+    pub growth_by_direction: Vec<[f64; 2]>,
+    /// Largest Re ς in the direction of the case by wave number: 1/m, 1/s.
     #[serde(skip)]
-    pub by_wave_number: Vec<[f64; 2]>,
-    /// Greatest Re ς in the direction of fastest growth of short waves by wave number: 1/m, 1/s; empty unless
+    pub growth_by_wave_number: Vec<[f64; 2]>,
+    /// Largest Re ς in the direction of fastest growth of short waves by wave number: 1/m, 1/s; empty unless
     /// ill-posed.
     #[serde(skip)]
-    pub in_worst_direction: Vec<[f64; 2]>,
+    pub growth_in_worst_direction: Vec<[f64; 2]>,
 }
 
 /// Stress on the yield surface.
@@ -108,104 +113,118 @@ impl From<Stress> for YieldStress {
     }
 }
 
-/// Defects of energy conservation, each relative to the greatest of the compared numbers.
+/// Defects of energy conservation, each relative to the largest of the compared numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Energy {
-    /// Least eigenvalue of the symmetriser of the elastic equations, scaled to unit diagonal.
+pub struct EnergyDefects {
+    /// Smallest eigenvalue of the symmetriser of the elastic equations, scaled to unit diagonal.
     pub definiteness: f64,
     /// Greater of ‖A − Aᵀ‖ of the symmetriser A and ‖B − Bᵀ‖ of the symmetrised elastic flux matrices B, relative.
     pub asymmetry: f64,
     /// Relative ‖Q + Qᵀ‖ of the symmetrised elastic zero-order matrix Q.
-    pub antisymmetry: f64,
-    /// Greatest |Re ς|/|ς| of elastic waves of many wavelengths and directions.
+    #[serde(rename = "antisymmetry")]
+    pub antisymmetry_defect: f64,
+    /// Largest |Re ς|/|ς| of elastic waves of many wavelengths and directions.
     pub elastic_growth: f64,
-    /// Greatest |Re ς|/|ς| of waves of the yielding response.
-    pub growth: f64,
+    /// Largest |Re ς|/|ς| of waves of the yielding response.
+    #[serde(rename = "growth")]
+    pub yielding_growth: f64,
 }
 
-impl From<&energy::Energy> for Energy {
-    fn from(found: &energy::Energy) -> Self {
-        let energy::Energy {
-            definiteness, asymmetry, antisymmetry, elastic_growth, growth, ..
+impl From<&energy::EnergyConservation> for EnergyDefects {
+    fn from(found: &energy::EnergyConservation) -> Self {
+        let energy::EnergyConservation {
+            definiteness,
+            asymmetry,
+            antisymmetry_defect,
+            elastic_growth,
+            yielding_growth,
+            ..
         } = *found;
-        Self { definiteness, asymmetry, antisymmetry, elastic_growth, growth }
+        Self { definiteness, asymmetry, antisymmetry_defect, elastic_growth, yielding_growth }
     }
 }
 
 /// Number of progress steps: verdict, curves, energy, waves.
-const PARTS: usize = 4;
+const PROGRESS_STEPS: usize = 4;
 
 /// Analyses the state of a solid.
 ///
 /// # Errors
 /// A constant is out of range, the stress does not reach yield, or the state cannot be analysed; [`Error::Cancelled`].
-pub fn solid(case: &Case, on_progress: OnProgress) -> Result<SolidPoint, Error> {
-    let part_is_done = |part: usize| report_progress(on_progress, part, PARTS);
-    let located = |error: NoResponse| setup::locate(&case.material, error.into());
+pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<SolidPoint, Error> {
+    let part_is_done = |part: usize| report_progress(on_progress, part, PROGRESS_STEPS);
+    let located = |error: NoResponse| setup::locate_state_error(&case.material, error.into());
     let wave = case.material.numbers.wave;
-    let solid = setup::solid::solid(&case.material).map_err(|error| case.locate(error))?;
+    let solid =
+        setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     let cache = AcousticTensorCache::default();
     let mut assessor = SolidAssessor::new(&cache);
-    let (assessment, of_polynomial) =
-        assessor.assess(&solid).map_err(|error| setup::locate(&case.material, error))?;
-    let supremum =
-        of_polynomial.and_then(|found| bound::supremum(&assessor.plane.pencil, &found, 0.0));
+    let (assessment, of_polynomial) = assessor
+        .assess(&solid)
+        .map_err(|error| setup::locate_state_error(&case.material, error))?;
+    let supremum = of_polynomial
+        .and_then(|found| bound::locate_supremum(&assessor.plane_workspace.pencil, &found, 0.0));
     let bound = match supremum {
-        Some(supremum) => Some(supremum.rate),
-        None => solid.keeps_energy().then_some(0.0),
+        Some(supremum) => Some(supremum.growth_rate),
+        None => solid.is_symmetric_hyperbolic().then_some(0.0),
     };
     part_is_done(1)?;
-    let curves = Curves::new(&solid, wave, &assessment).map_err(located)?;
+    let curves = GrowthCurves::new(&solid, wave, &assessment).map_err(located)?;
     part_is_done(2)?;
-    let energy = energy(&solid, wave.number).map_err(located)?;
+    let energy = compute_energy_defects(&solid, wave.wave_number).map_err(located)?;
     part_is_done(3)?;
     let squared_speeds = |elastic: bool| {
-        let waves = solids::waves(&solid, normal(&wave), elastic).map_err(located)?;
-        Ok::<_, Error>(pairs(&squared_speeds(&waves)))
+        let waves =
+            solids::directional_waves(&solid, wave_normal(&wave), elastic).map_err(located)?;
+        Ok::<_, Error>(to_pairs(&squared_speeds(&waves)))
     };
     let squared_speeds = [squared_speeds(false)?, squared_speeds(true)?];
-    let roots = pairs(&solids::roots(&solid, normal(&wave), wave.number).map_err(located)?);
-    part_is_done(PARTS)?;
-    if !are_finite(&energy, &roots, &squared_speeds) {
+    let roots = to_pairs(
+        &solids::plane_wave_roots(&solid, wave_normal(&wave), wave.wave_number).map_err(located)?,
+    );
+    part_is_done(PROGRESS_STEPS)?;
+    if !has_finite_values(&energy, &roots, &squared_speeds) {
         let error = InputError {
             input: "model",
-            found: "numbers whose energy or waves at wave.number cannot be computed".into(),
-            allowed: "moduli, inertias and wave numbers whose products and quotients are finite"
+            rejected_value: "numbers whose energy or waves at wave.number cannot be computed"
                 .into(),
+            allowed_values:
+                "moduli, inertias and wave numbers whose products and quotients are finite".into(),
         };
-        return Err(case.locate(error).into());
+        return Err(case.locate_error(error).into());
     }
     let [order, coefficient] = order_and_coefficient(&assessment.verdict);
     let normal_deg = assessment.direction_deg();
     let [squared_speeds, elastic_squared_speeds] = squared_speeds;
-    let plastic = solid.plastic.as_ref();
+    let plastic = solid.plastic_state.as_ref();
     Ok(SolidPoint {
         model: case.material.kind.name(),
-        yield_set: case.material.yields.map(|set| set.name),
+        yield_set: case.material.yield_set.map(|set| set.name),
         dimensions: solid.dimensions,
         verdict: assessment.verdict.name(),
         order,
         coefficient,
         direction_deg: normal_deg.map(|angles| angles[0]),
         elevation_deg: normal_deg.map(|angles| angles[1]),
-        bound,
+        growth_bound: bound,
         hyperbolicity: assessment.hyperbolicity.name(),
         flutter: assessment.extremes.flutter.map(FlutterWave::from),
         slowest: assessment.extremes.slowest.into(),
-        associated: solid.is_associated(),
-        active: plastic.map(|plastic| plastic.active.iter().map(|active| active.name).collect()),
+        is_associated: solid.is_associated(),
+        active_conditions: plastic
+            .map(|plastic| plastic.active_conditions.iter().map(|active| active.name).collect()),
         stress: plastic.and_then(|plastic| plastic.stress).map(YieldStress::from),
         wave: wave.into(),
         squared_speeds,
         roots,
         elastic_squared_speeds,
-        energy: Energy::from(&energy),
-        unknowns: energy.unknowns,
-        zero_roots: energy.zeros,
+        energy: EnergyDefects::from(&energy),
+        unknown_count: energy.unknown_count,
+        zero_root_count: energy.zero_root_count,
         route: assessment.route,
-        by_direction: curves.by_direction,
-        by_wave_number: curves.by_wave_number,
-        in_worst_direction: curves.in_worst_direction,
+        growth_by_direction: curves.growth_by_direction,
+        growth_by_wave_number: curves.growth_by_wave_number,
+        growth_in_worst_direction: curves.growth_in_worst_direction,
         solid,
         assessment,
     })
@@ -213,41 +232,58 @@ pub fn solid(case: &Case, on_progress: OnProgress) -> Result<SolidPoint, Error> 
 
 /// Computes the defects of energy conservation with waves around the wave number `number`, 1/m; around the
 /// characteristic wave number of the solid if roots at `number` are not finite.
-fn energy(solid: &Solid, number: f64) -> Result<energy::Energy, NoResponse> {
+fn compute_energy_defects(
+    solid: &Solid,
+    number: f64,
+) -> Result<energy::EnergyConservation, NoResponse> {
     let about = |number: f64| {
         Ok(match solid.dimensions {
-            2 => energy::energy::<2>(&solid.elastic_rates(), &solid.rates()?, number),
-            _ => energy::energy::<3>(&solid.elastic_rates(), &solid.rates()?, number),
+            2 => energy::measure_energy_conservation::<2>(
+                &solid.elastic_rates(),
+                &solid.rates()?,
+                number,
+            ),
+            _ => energy::measure_energy_conservation::<3>(
+                &solid.elastic_rates(),
+                &solid.rates()?,
+                number,
+            ),
         })
     };
     let found = about(number)?;
-    match solid.elastic.characteristic_wave_number() {
-        Some(own) if !(found.elastic_growth + found.growth).is_finite() => about(own),
+    match solid.elastic_law.characteristic_wave_number() {
+        Some(own) if !(found.elastic_growth + found.yielding_growth).is_finite() => about(own),
         _ => Ok(found),
     }
 }
 
 /// Returns whether energy defects, roots and squared speeds are finite.
-fn are_finite(
-    energy: &energy::Energy,
+fn has_finite_values(
+    energy: &energy::EnergyConservation,
     roots: &[[f64; 2]],
     squared_speeds: &[Vec<[f64; 2]>; 2],
 ) -> bool {
-    let energy::Energy { definiteness, asymmetry, antisymmetry, elastic_growth, growth, .. } =
-        *energy;
+    let energy::EnergyConservation {
+        definiteness,
+        asymmetry,
+        antisymmetry_defect,
+        elastic_growth,
+        yielding_growth,
+        ..
+    } = *energy;
     let waves = squared_speeds.iter().flatten().chain(roots).flatten().copied();
-    [definiteness, asymmetry, antisymmetry, elastic_growth, growth]
+    [definiteness, asymmetry, antisymmetry_defect, elastic_growth, yielding_growth]
         .into_iter()
         .chain(waves)
         .all(f64::is_finite)
 }
 
-fn pairs(list: &[Complex64]) -> Vec<[f64; 2]> {
+fn to_pairs(list: &[Complex64]) -> Vec<[f64; 2]> {
     list.iter().map(|z| [z.re, z.im]).collect()
 }
 
 /// Returns the squared speeds c², by descending real part; values within rounding are set to zero.
-fn squared_speeds(waves: &Waves) -> Vec<Complex64> {
+fn squared_speeds(waves: &DirectionalWaves) -> Vec<Complex64> {
     let mut all: Vec<Complex64> =
         waves.families.iter().flat_map(|family| family.squared_speeds()).collect();
     let largest = all.iter().map(|c| c.norm()).fold(0.0, f64::max);
@@ -261,36 +297,45 @@ fn squared_speeds(waves: &Waves) -> Vec<Complex64> {
 }
 
 /// Growth rate curves of a solid.
-struct Curves {
-    by_direction: Vec<[f64; 2]>,
-    by_wave_number: Vec<[f64; 2]>,
-    in_worst_direction: Vec<[f64; 2]>,
+struct GrowthCurves {
+    growth_by_direction: Vec<[f64; 2]>,
+    growth_by_wave_number: Vec<[f64; 2]>,
+    growth_in_worst_direction: Vec<[f64; 2]>,
 }
 
-impl Curves {
-    fn new(solid: &Solid, wave: Wave, assessment: &SolidAssessment) -> Result<Self, NoResponse> {
-        let rate = |wave: Wave| solids::growth_rate(solid, normal(&wave), wave.number);
-        let by_direction = (0..=DIRECTIONS)
+impl GrowthCurves {
+    fn new(
+        solid: &Solid,
+        wave: WaveNumbers,
+        assessment: &SolidAssessment,
+    ) -> Result<Self, NoResponse> {
+        let rate =
+            |wave: WaveNumbers| solids::growth_rate(solid, wave_normal(&wave), wave.wave_number);
+        let growth_by_direction = (0..=DIRECTION_INTERVALS)
             .map(|i| {
-                let direction_deg = 180.0 * i as f64 / DIRECTIONS as f64;
-                Ok([direction_deg, rate(Wave { direction_deg, ..wave })?])
+                let direction_deg = 180.0 * i as f64 / DIRECTION_INTERVALS as f64;
+                Ok([direction_deg, rate(WaveNumbers { direction_deg, ..wave })?])
             })
             .collect::<Result<_, NoResponse>>()?;
-        let along = |wave: Wave| {
-            (-DECADES * PER_DECADE..=DECADES * PER_DECADE)
+        let along = |wave: WaveNumbers| {
+            (-DECADES * WAVE_NUMBERS_PER_DECADE..=DECADES * WAVE_NUMBERS_PER_DECADE)
                 .map(|step| {
-                    let decades = f64::from(step) / f64::from(PER_DECADE);
-                    let number = wave.number * 10f64.cr_powf(decades);
-                    Ok([number, rate(Wave { number, ..wave })?])
+                    let decades = f64::from(step) / f64::from(WAVE_NUMBERS_PER_DECADE);
+                    let number = wave.wave_number * 10f64.cr_powf(decades);
+                    Ok([number, rate(WaveNumbers { wave_number: number, ..wave })?])
                 })
                 .collect::<Result<Vec<_>, NoResponse>>()
         };
-        let in_worst_direction = match assessment.direction_deg() {
+        let growth_in_worst_direction = match assessment.direction_deg() {
             Some([direction_deg, elevation_deg]) => {
-                along(Wave { direction_deg, elevation_deg, ..wave })?
+                along(WaveNumbers { direction_deg, elevation_deg, ..wave })?
             }
             None => Vec::new(),
         };
-        Ok(Self { by_direction, by_wave_number: along(wave)?, in_worst_direction })
+        Ok(Self {
+            growth_by_direction,
+            growth_by_wave_number: along(wave)?,
+            growth_in_worst_direction,
+        })
     }
 }

@@ -6,16 +6,16 @@ use crate::Error;
 use crate::case::CaseError;
 
 /// Throughput of the solid solver per thread: field values advanced by one sweep along an axis, 1/s.
-const FIELD_UPDATES: f64 = 1e9;
+const FIELD_UPDATE_RATE: f64 = 1e9;
 /// Slow-down factor of the full energy ledger.
-const FULL_LEDGER: f64 = 50.0;
+const FULL_LEDGER_SLOWDOWN: f64 = 50.0;
 /// Overhead of a time step or evaluation, s.
-const STEP: f64 = 5e-6;
+const STEP_OVERHEAD: f64 = 5e-6;
 /// Throughput of the flow solver per thread: evaluations of the right-hand side at a point, pressure iterations
 /// included, 1/s.
-const POINT_EVALUATIONS: f64 = 7e5;
+const POINT_EVALUATION_RATE: f64 = 7e5;
 /// Bytes of a number in a table.
-const CELL: f64 = 20.0;
+const BYTES_PER_TABLE_NUMBER: f64 = 20.0;
 
 /// Limit of single-thread time, s: thirty days.
 const MAX_TIME: f64 = 30.0 * 86400.0;
@@ -43,18 +43,18 @@ pub struct Cost {
 
 /// Cost above its limit, which is presumably unintended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Excess {
+pub struct CostExcess {
     /// Responsible key of the case.
     pub key: &'static str,
     /// Estimated amount.
-    pub found: Amount,
+    pub found: CostAmount,
     /// Limit.
-    pub allowed: Amount,
+    pub allowed: CostAmount,
 }
 
 /// Amount of one kind of cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Amount {
+pub enum CostAmount {
     /// Number of steps.
     Steps(f64),
     /// Single-thread time, s.
@@ -69,39 +69,48 @@ pub enum Amount {
 
 /// Output of a run to files.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Written {
+pub(super) struct OutputVolume {
     /// Number of snapshot files.
     pub(super) snapshots: f64,
     /// Numbers per snapshot.
-    pub(super) numbers: f64,
+    pub(super) numbers_per_snapshot: f64,
     /// Numbers in all tables.
-    pub(super) cells: f64,
+    pub(super) table_numbers: f64,
 }
 
 impl Cost {
-    fn new(steps: f64, time: f64, written: Written) -> Self {
-        let Written { snapshots, numbers, cells } = written;
+    fn new(steps: f64, time: f64, written: OutputVolume) -> Self {
+        let OutputVolume { snapshots, numbers_per_snapshot, table_numbers } = written;
         Self {
             steps,
             time,
             snapshots,
-            snapshot_bytes: Bytes(snapshots * numbers * size_of::<f64>() as f64),
-            table_bytes: Bytes(cells * CELL),
+            snapshot_bytes: Bytes(snapshots * numbers_per_snapshot * size_of::<f64>() as f64),
+            table_bytes: Bytes(table_numbers * BYTES_PER_TABLE_NUMBER),
         }
     }
 
     /// Estimates the cost of `steps` steps of a solid with `numbers` field values in all cells; `is_full` for the full
     /// ledger.
-    pub(super) fn of_solid(steps: f64, numbers: f64, is_full: bool, written: Written) -> Self {
-        let slower = if is_full { FULL_LEDGER } else { 1.0 };
+    pub(super) fn estimate_solid_cost(
+        steps: f64,
+        numbers: f64,
+        is_full: bool,
+        written: OutputVolume,
+    ) -> Self {
+        let slower = if is_full { FULL_LEDGER_SLOWDOWN } else { 1.0 };
         // A step has two sweeps along each axis.
-        let step = STEP + 2.0 * numbers * slower / FIELD_UPDATES;
+        let step = STEP_OVERHEAD + 2.0 * numbers * slower / FIELD_UPDATE_RATE;
         Self::new(steps, steps * step, written)
     }
 
     /// Estimates the cost of a flow by its numbers of steps, of evaluations of the right-hand side and of grid points.
-    pub(super) fn of_flow([steps, evaluations]: [f64; 2], points: f64, written: Written) -> Self {
-        Self::new(steps, evaluations * (STEP + points / POINT_EVALUATIONS), written)
+    pub(super) fn estimate_flow_cost(
+        [steps, evaluations]: [f64; 2],
+        points: f64,
+        written: OutputVolume,
+    ) -> Self {
+        Self::new(steps, evaluations * (STEP_OVERHEAD + points / POINT_EVALUATION_RATE), written)
     }
 
     /// Checks that no part of the cost exceeds its limit.
@@ -112,15 +121,15 @@ impl Cost {
         &self,
         located: impl FnOnce(&str, String, String) -> CaseError,
     ) -> Result<(), Error> {
-        self.excess().map_or(Ok(()), |Excess { key, found, allowed }| {
+        self.find_excess().map_or(Ok(()), |CostExcess { key, found, allowed }| {
             let allowed = format!("at most {allowed}; --force runs it all the same");
             Err(located(key, format!("found {found}"), allowed).into())
         })
     }
 
     /// Returns the first part of the cost that exceeds its limit.
-    pub fn excess(&self) -> Option<Excess> {
-        use Amount::{SnapshotBytes, Snapshots, Steps, TableBytes, Time};
+    pub fn find_excess(&self) -> Option<CostExcess> {
+        use CostAmount::{SnapshotBytes, Snapshots, Steps, TableBytes, Time};
         let all = [
             ("time.duration", Steps(self.steps), Steps(MAX_STEPS)),
             ("output.snapshot_interval", Snapshots(self.snapshots), Snapshots(MAX_SNAPSHOTS)),
@@ -132,15 +141,17 @@ impl Cost {
             ("output.ledger_interval", TableBytes(self.table_bytes), TableBytes(Bytes(MAX_BYTES))),
             ("time.duration", Time(self.time), Time(MAX_TIME)),
         ];
-        let excess = |(key, found, allowed): (_, Amount, Amount)| Excess { key, found, allowed };
+        let excess =
+            |(key, found, allowed): (_, CostAmount, CostAmount)| CostExcess { key, found, allowed };
         // NaN also exceeds the limit.
-        let is_too_much =
-            |own: &Excess| own.found.value().is_nan() || own.found.value() > own.allowed.value();
+        let is_too_much = |own: &CostExcess| {
+            own.found.value().is_nan() || own.found.value() > own.allowed.value()
+        };
         all.into_iter().map(excess).find(is_too_much)
     }
 }
 
-impl Amount {
+impl CostAmount {
     fn value(self) -> f64 {
         match self {
             Self::Steps(own) | Self::Time(own) | Self::Snapshots(own) => own,

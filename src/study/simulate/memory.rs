@@ -1,25 +1,28 @@
 //! Recorder that keeps the output of a simulation in memory.
 
-use super::{Column, Fields, Head, Moment, Recorder, Records, Table, TableKind};
+use super::{
+    OutputFields, RecordColumn, RecordTable, Recorder, RunProgress, RunRecords, TableHeader,
+    TableKind,
+};
 use crate::Error;
-use crate::study::OnProgress;
-use dynamics::simulation::{RegularTimes, State};
+use crate::study::ProgressCallback;
+use dynamics::simulation::{RegularTimes, SimulationState};
 
 /// Number of progress steps.
-const PARTS: usize = 1000;
+const PROGRESS_STEPS: usize = 1000;
 
 /// Recorder in memory, with a progress callback.
-pub(super) struct InMemory<'a> {
-    records: Records,
-    progress: OnProgress<'a>,
+pub(super) struct MemoryRecorder<'a> {
+    records: RunRecords,
+    on_progress: ProgressCallback<'a>,
 }
 
-impl<'a> InMemory<'a> {
-    pub(super) fn new(progress: OnProgress<'a>) -> Self {
-        Self { records: Records::default(), progress }
+impl<'a> MemoryRecorder<'a> {
+    pub(super) fn new(on_progress: ProgressCallback<'a>) -> Self {
+        Self { records: RunRecords::default(), on_progress }
     }
 
-    fn table(&mut self, kind: TableKind) -> &mut Table {
+    fn table_mut(&mut self, kind: TableKind) -> &mut RecordTable {
         match kind {
             TableKind::Receivers => self.records.receivers.get_or_insert_default(),
             TableKind::Ledger => &mut self.records.ledger,
@@ -27,50 +30,54 @@ impl<'a> InMemory<'a> {
         }
     }
 
-    fn tell(&self, done: usize) -> Result<(), Error> {
-        if (self.progress)(done, PARTS).is_break() { Err(Error::Cancelled) } else { Ok(()) }
+    fn report_step(&self, done: usize) -> Result<(), Error> {
+        if (self.on_progress)(done, PROGRESS_STEPS).is_break() {
+            Err(Error::Cancelled)
+        } else {
+            Ok(())
+        }
     }
 }
 
-impl Recorder for InMemory<'_> {
+impl Recorder for MemoryRecorder<'_> {
     fn start(
         &mut self,
-        tables: &[Head],
+        tables: &[TableHeader],
         _snapshots: Option<RegularTimes>,
-        _restore: &mut dyn FnMut(&State) -> Option<usize>,
+        _restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
     ) -> Result<(), Error> {
         for head in tables {
             let names = head.columns.iter().zip(&head.units);
-            let column = |(name, &unit): (&String, &&'static str)| Column {
+            let column = |(name, &unit): (&String, &&'static str)| RecordColumn {
                 name: name.clone(),
                 unit,
                 values: Vec::new(),
             };
-            self.table(head.kind).columns = names.map(column).collect();
+            self.table_mut(head.kind).columns = names.map(column).collect();
         }
-        self.tell(0)
+        self.report_step(0)
     }
 
-    fn row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error> {
-        let columns = self.table(table).columns.iter_mut();
+    fn record_row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error> {
+        let columns = self.table_mut(table).columns.iter_mut();
         columns.zip(row).for_each(|(column, value)| column.values.push(*value));
         Ok(())
     }
 
-    fn snapshot(&mut self, _index: usize, fields: Fields) -> Result<(), Error> {
+    fn record_snapshot(&mut self, _index: usize, fields: OutputFields) -> Result<(), Error> {
         self.records.snapshots.push(fields);
         Ok(())
     }
 
-    fn after_steps(&mut self, moment: &Moment) -> Result<(), Error> {
-        self.tell((PARTS as f64 * moment.time / moment.duration) as usize)
+    fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {
+        self.report_step((PROGRESS_STEPS as f64 * progress.time / progress.duration) as usize)
     }
 
-    fn replay(&mut self) -> Result<(), Error> {
-        self.tell(0)
+    fn begin_replay(&mut self) -> Result<(), Error> {
+        self.report_step(0)
     }
 
-    fn finish(&mut self, _moment: &Moment) -> Result<Records, Error> {
+    fn finish(&mut self, _moment: &RunProgress) -> Result<RunRecords, Error> {
         Ok(std::mem::take(&mut self.records))
     }
 }

@@ -3,14 +3,14 @@
 use super::{Bytes, Cost};
 use crate::Error;
 use crate::case::CaseError;
-use crate::study::available::Available;
+use crate::study::available_memory::AvailableMemory;
 use dynamics::simulation::StepLimit;
 
 /// Plan of a simulation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct SimulationPlan {
     /// Size of the problem, by kind.
-    pub work: Work,
+    pub size: ProblemSize,
     /// Memory required.
     pub memory: Bytes,
     /// Time, files and bytes required.
@@ -19,7 +19,7 @@ pub struct Plan {
 
 /// Size of a simulation, by kind.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Work {
+pub enum ProblemSize {
     /// Simulation of a solid.
     Solid {
         /// Cells along each axis.
@@ -29,7 +29,7 @@ pub enum Work {
         /// Number of steps.
         steps: usize,
         /// Time step Δt, s.
-        step: f64,
+        time_step: f64,
         /// Condition that limits the time step.
         limit: StepLimit,
     },
@@ -41,14 +41,14 @@ pub enum Work {
         model: &'static str,
         /// Duration, s.
         duration: f64,
-        /// Least and greatest initial wave number of the box along an axis, 1/m.
+        /// Smallest and largest initial wave number of the box along an axis, 1/m.
         wave_numbers: [f64; 2],
     },
 }
 
 /// Warning: a setting that is probably unintended.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Warning {
+pub enum SimulationWarning {
     /// A time function of a load or source changes within few steps.
     FewSteps {
         /// Entry in the case: `load[0]`.
@@ -57,9 +57,9 @@ pub enum Warning {
         steps: f64,
     },
     /// The residual of the full ledger exceeds rounding.
-    Remainder {
-        /// Residual relative to the greatest term of the ledger.
-        part: f64,
+    LedgerResidual {
+        /// Residual relative to the largest term of the ledger.
+        relative_residual: f64,
     },
     /// A load or source on one cell at a Courant number of 1.
     Sawtooth {
@@ -68,16 +68,16 @@ pub enum Warning {
     },
 }
 
-impl Plan {
+impl SimulationPlan {
     /// Checks that enough memory is available.
     ///
     /// # Errors
     /// Memory is short: the result of `refused` for the message.
-    pub(super) fn if_memory_suffices(
+    pub(super) fn check_memory(
         self,
         refused: impl FnOnce(String) -> CaseError,
     ) -> Result<Self, Error> {
-        match Available::too_little_for(self.memory) {
+        match AvailableMemory::find_shortage(self.memory) {
             Some(available) => Err(refused(format!("{self}, more than {available}")).into()),
             None => Ok(self),
         }
@@ -85,6 +85,6 @@ impl Plan {
 }
 
 /// Returns the number of snapshots at `interval` within `duration`, both in s; 0 if the interval is 0.
-pub(super) fn number_of_snapshots(interval: f64, duration: f64) -> f64 {
+pub(super) fn snapshot_count(interval: f64, duration: f64) -> f64 {
     if interval > 0.0 { (duration / interval).ceil() + 1.0 } else { 0.0 }
 }

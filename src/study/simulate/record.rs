@@ -1,9 +1,9 @@
 //! Output of a running simulation, and the interface of its recorder.
 
-use super::{Fields, Records, unit_of};
+use super::{OutputFields, RunRecords, quantity_unit};
 use crate::Error;
 use crate::case::Case;
-use dynamics::simulation::{RegularTimes, State};
+use dynamics::simulation::{RegularTimes, SimulationState};
 
 /// Table to which a simulation adds rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum TableKind {
 
 /// Table kind with names and units of its columns.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Head {
+pub struct TableHeader {
     /// Kind of the table.
     pub kind: TableKind,
     /// Names of the columns; the first is `time`.
@@ -27,7 +27,7 @@ pub struct Head {
     pub units: Vec<&'static str>,
 }
 
-impl Head {
+impl TableHeader {
     pub(super) fn new(case: &Case, kind: TableKind, columns: Vec<String>) -> Self {
         let units = columns.iter().map(|name| column_unit(case, kind, name)).collect();
         Self { kind, columns, units }
@@ -38,7 +38,9 @@ impl Head {
 pub fn column_unit(case: &Case, kind: TableKind, name: &str) -> &'static str {
     match (kind, name) {
         (_, "time") => "s",
-        (TableKind::Receivers, _) => name.rsplit_once('.').map_or("s", |(_, name)| unit_of(name)),
+        (TableKind::Receivers, _) => {
+            name.rsplit_once('.').map_or("s", |(_, name)| quantity_unit(name))
+        }
         (_, "power") => "W/m3",
         _ => energy_unit(case),
     }
@@ -46,7 +48,7 @@ pub fn column_unit(case: &Case, kind: TableKind, name: &str) -> &'static str {
 
 /// Returns the unit of energies: J; in plane problems J/m, per out-of-plane length; for flows J/m³.
 pub(super) fn energy_unit(case: &Case) -> &'static str {
-    match &case.dynamics {
+    match &case.solid_run {
         None => "J/m3",
         Some(dynamics) if dynamics.grid.dimensions() == 2 => "J/m",
         Some(_) => "J",
@@ -54,7 +56,7 @@ pub(super) fn energy_unit(case: &Case) -> &'static str {
 }
 
 /// State of progress of a simulation between two batches of steps.
-pub struct Moment<'a> {
+pub struct RunProgress<'a> {
     /// Number of steps done.
     pub steps: usize,
     /// Simulated time, s.
@@ -64,14 +66,14 @@ pub struct Moment<'a> {
     /// Whether the duration has been reached.
     pub is_finished: bool,
     /// Statistics of the time steps.
-    pub effort: Effort,
+    pub statistics: StepStatistics,
     /// Function that returns the complete state for a checkpoint.
-    pub state: &'a dyn Fn() -> State,
+    pub save_state: &'a dyn Fn() -> SimulationState,
 }
 
 /// Statistics of the time steps, by kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Effort {
+pub enum StepStatistics {
     /// Time steps of a solid.
     Solid {
         /// Energy of the state, J; in plane problems J/m.
@@ -110,28 +112,28 @@ pub trait Recorder: Send {
     /// The recorder cannot start, or the saved state does not match.
     fn start(
         &mut self,
-        tables: &[Head],
+        tables: &[TableHeader],
         snapshots: Option<RegularTimes>,
-        restore: &mut dyn FnMut(&State) -> Option<usize>,
+        restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
     ) -> Result<(), Error>;
 
     /// Records a row of a table.
     ///
     /// # Errors
     /// The output cannot be recorded.
-    fn row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error>;
+    fn record_row(&mut self, table: TableKind, row: &[f64]) -> Result<(), Error>;
 
     /// Records a snapshot with its index, from 0, and fields.
     ///
     /// # Errors
     /// The output cannot be recorded.
-    fn snapshot(&mut self, index: usize, fields: Fields) -> Result<(), Error>;
+    fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error>;
 
     /// Called before steps are repeated to find the last valid state before a fault.
     ///
     /// # Errors
     /// The run is interrupted.
-    fn replay(&mut self) -> Result<(), Error> {
+    fn begin_replay(&mut self) -> Result<(), Error> {
         Ok(())
     }
 
@@ -139,11 +141,11 @@ pub trait Recorder: Send {
     ///
     /// # Errors
     /// The run is interrupted.
-    fn after_steps(&mut self, moment: &Moment) -> Result<(), Error>;
+    fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error>;
 
     /// Ends recording after the last step and returns the records.
     ///
     /// # Errors
     /// The records cannot be completed or read.
-    fn finish(&mut self, moment: &Moment) -> Result<Records, Error>;
+    fn finish(&mut self, progress: &RunProgress) -> Result<RunRecords, Error>;
 }

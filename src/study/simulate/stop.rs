@@ -1,56 +1,56 @@
 //! Reasons for stopping or refusing a simulation.
 
 use analysis::growth::Growth;
-use dynamics::flow::Left;
-use models::solid::waves::Field;
+use dynamics::flow::LeftDomain;
+use models::solid::waves::SolidField;
 
 /// Report of a simulation stopped by its own state.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stopped {
+pub struct StopReport {
     /// Cause, with position.
     pub cause: StopCause,
     /// Simulated time of detection, s.
     pub time: f64,
     /// Time of the last valid state, s.
-    pub saved: f64,
+    pub last_valid_time: f64,
 }
 
-impl std::error::Error for Stopped {}
+impl std::error::Error for StopReport {}
 
 /// Cause of stopping a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StopCause {
     /// A field of a solid is not finite.
-    Field {
+    NonFiniteField {
         /// Field that is not finite.
-        field: Field,
+        field: SolidField,
         /// Centre of the first such cell, m.
-        place: Vec<f64>,
+        cell_centre: Vec<f64>,
     },
     /// The energy of a solid is not finite, although all fields are.
-    Energy,
+    NonFiniteEnergy,
     /// A flow has left the domain of the solver.
-    Flow {
+    FlowDomainExit {
         /// Description of the event with its values.
-        what: String,
+        description: String,
         /// Position in initial coordinates of the box, m; `None` if it is not local.
-        at: Option<[f64; 2]>,
+        position: Option<[f64; 2]>,
     },
 }
 
-impl From<&Left> for StopCause {
-    fn from(left: &Left) -> Self {
-        Self::Flow { what: left.what.clone(), at: left.at }
+impl From<&LeftDomain> for StopCause {
+    fn from(left: &LeftDomain) -> Self {
+        Self::FlowDomainExit { description: left.description.clone(), position: left.position }
     }
 }
 
 /// Ill-posedness of a flow: short waves grow without bound, so that numerical solutions depend on the grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct IllPosed {
+pub struct IllPosedness {
     /// Order and coefficient of the growth rate as k → ∞; `None` if it is unbounded at finite k.
     pub growth: Option<Growth>,
     /// Direction of the wave vector of fastest growth, degrees.
     pub direction_deg: f64,
-    /// Greatest wave number of the grid, 1/m.
-    pub number: f64,
+    /// Largest wave number of the grid, 1/m.
+    pub max_wave_number: f64,
 }

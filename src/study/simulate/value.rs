@@ -1,6 +1,6 @@
 //! Result of a simulation.
 
-use super::{Stopped, Warning};
+use super::{SimulationWarning, StopReport};
 use serde::{Serialize, Serializer};
 
 /// Result of a simulation; fields of the other kind (solid or flow) are `None`.
@@ -15,12 +15,14 @@ pub struct RunResult {
     pub cells: Vec<usize>,
     /// Initial edge lengths of the box, m; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub length: Option<[f64; 2]>,
+    #[serde(rename = "length")]
+    pub box_lengths: Option<[f64; 2]>,
     /// Number of steps done.
     pub steps: usize,
     /// Constant time step Δt, s; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub step: Option<f64>,
+    #[serde(rename = "step")]
+    pub time_step: Option<f64>,
     /// Simulated time reached, s.
     pub time: f64,
     /// Precision of the solver; solids only.
@@ -36,31 +38,37 @@ pub struct RunResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deformation: Option<[[f64; 2]; 2]>,
     /// Final fields; serialised as their names.
-    #[serde(serialize_with = "names")]
-    pub fields: Fields,
+    #[serde(serialize_with = "serialize_quantity_names")]
+    pub fields: OutputFields,
     /// Final energies and the work and dissipation until then.
     pub ledger: FinalLedger,
     /// Receivers of the simulation with their positions.
-    pub receivers: Vec<Receiver>,
+    pub receivers: Vec<RunReceiver>,
     /// Reason why the run was stopped before its duration; `None` if complete.
-    #[serde(serialize_with = "words")]
-    pub stopped: Option<Stopped>,
+    #[serde(rename = "stopped", serialize_with = "serialize_stop_report")]
+    pub stop_report: Option<StopReport>,
     /// Records of the simulation.
     #[serde(skip)]
-    pub records: Records,
+    pub records: RunRecords,
 }
 
-fn names<S: Serializer>(fields: &Fields, serializer: S) -> Result<S::Ok, S::Error> {
+fn serialize_quantity_names<S: Serializer>(
+    fields: &OutputFields,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(fields.quantities.iter().map(|own| &own.name))
 }
 
-fn words<S: Serializer>(stopped: &Option<Stopped>, serializer: S) -> Result<S::Ok, S::Error> {
-    stopped.as_ref().map(ToString::to_string).serialize(serializer)
+fn serialize_stop_report<S: Serializer>(
+    stop_report: &Option<StopReport>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    stop_report.as_ref().map(ToString::to_string).serialize(serializer)
 }
 
 /// Output fields of a state, serialised with all values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Fields {
+pub struct OutputFields {
     /// Time, s.
     pub time: f64,
     /// Coordinates along each axis, m: cell centres of a solid, or points of the initial box of a flow.
@@ -68,14 +76,14 @@ pub struct Fields {
     /// Deformation gradient F of the box of a flow, which maps initial positions y to Fy.
     pub deformation: Option<[[f64; 2]; 2]>,
     /// Fields, then time integrals, in SI units.
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<FieldQuantity>,
     /// Plastic dissipation by cell, J/m³; empty for elastic solids and flows.
     pub dissipation: Vec<f64>,
     /// Region index of each cell of a solid; empty without regions.
     pub regions: Vec<u16>,
 }
 
-impl Fields {
+impl OutputFields {
     /// Returns the values of a quantity, first axis fastest.
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         Some(&self.quantities.iter().find(|own| own.name == name)?.values)
@@ -84,7 +92,7 @@ impl Fields {
 
 /// Field or time integral.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Quantity {
+pub struct FieldQuantity {
     /// Name in files: `v1`, `sigma12`, …
     pub name: String,
     /// SI unit.
@@ -93,15 +101,15 @@ pub struct Quantity {
     pub values: Vec<f64>,
 }
 
-impl Quantity {
+impl FieldQuantity {
     /// Creates a quantity with the unit that its name determines.
     pub fn new(name: String, values: Vec<f64>) -> Self {
-        Self { unit: unit_of(&name), name, values }
+        Self { unit: quantity_unit(&name), name, values }
     }
 }
 
 /// Returns the unit of an output quantity by its name in files.
-pub fn unit_of(name: &str) -> &'static str {
+pub fn quantity_unit(name: &str) -> &'static str {
     match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
         "v" => "m/s",
         "w" => "rad/s",
@@ -126,26 +134,26 @@ pub struct FinalLedger {
 }
 
 impl FinalLedger {
-    /// Returns the residual of the full ledger of a solid relative to its greatest term; `None` for flows and for the
+    /// Returns the residual of the full ledger of a solid relative to its largest term; `None` for flows and for the
     /// light ledger, whose balance includes the numerical dissipation.
-    pub fn remainder(&self) -> Option<f64> {
-        let residual = self.get("residual")?.abs();
+    pub fn relative_residual(&self) -> Option<f64> {
+        let residual = self.term("residual")?.abs();
         let greatest = self.terms.iter().map(|own| own.1.abs()).fold(0.0, f64::max);
         Some(if greatest > 0.0 { residual / greatest } else { 0.0 })
     }
 
     /// Returns the term of that name.
-    pub fn get(&self, name: &str) -> Option<f64> {
+    pub fn term(&self, name: &str) -> Option<f64> {
         self.terms.iter().find(|term| term.0 == name).map(|term| term.1)
     }
 }
 
 impl RunResult {
     /// Returns a warning if the ledger residual exceeds rounding.
-    pub fn warning(&self) -> Option<Warning> {
+    pub fn residual_warning(&self) -> Option<SimulationWarning> {
         let rounding = if self.precision == Some("f32") { 1e-2 } else { 1e-6 };
-        let part = self.ledger.remainder().filter(|part| *part > rounding)?;
-        Some(Warning::Remainder { part })
+        let part = self.ledger.relative_residual().filter(|part| *part > rounding)?;
+        Some(SimulationWarning::LedgerResidual { relative_residual: part })
     }
 }
 
@@ -159,45 +167,48 @@ impl Serialize for FinalLedger {
 
 /// Receiver: a point at which the state was recorded.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Receiver {
+pub struct RunReceiver {
     /// Name.
     pub name: String,
     /// Requested position, m.
-    pub at: Vec<f64>,
+    #[serde(rename = "at")]
+    pub position: Vec<f64>,
     /// Centre of the cell that contains the receiver, m; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub cell: Option<Vec<f64>>,
+    #[serde(rename = "cell")]
+    pub cell_centre: Option<Vec<f64>>,
     /// Interpolation between cells; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<&'static str>,
     /// Recorded grid point of the initial box, m; flows only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub point: Option<[f64; 2]>,
+    #[serde(rename = "point")]
+    pub grid_point: Option<[f64; 2]>,
 }
 
 /// Records of a simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Records {
+pub struct RunRecords {
     /// Receiver records: `time`, then `NAME.QUANTITY`, angles in degrees; `None` without receivers.
-    pub receivers: Option<Table>,
+    pub receivers: Option<RecordTable>,
     /// Energy ledger.
-    pub ledger: Table,
+    pub ledger: RecordTable,
     /// Energy spectrum by shells of mode numbers; flows only.
-    pub spectrum: Option<Table>,
+    pub spectrum: Option<RecordTable>,
     /// Snapshots of the case, if kept in memory.
-    pub snapshots: Vec<Fields>,
+    pub snapshots: Vec<OutputFields>,
 }
 
 /// Table with columns of equal length.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Table {
+pub struct RecordTable {
     /// Columns; the first is the time.
-    pub columns: Vec<Column>,
+    pub columns: Vec<RecordColumn>,
 }
 
 /// A column of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Column {
+pub struct RecordColumn {
     /// Name.
     pub name: String,
     /// Unit.
@@ -206,7 +217,7 @@ pub struct Column {
     pub values: Vec<f64>,
 }
 
-impl Table {
+impl RecordTable {
     /// Returns the values of a column.
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         Some(&self.columns.iter().find(|column| column.name == name)?.values)

@@ -1,42 +1,42 @@
 //! Boundary conditions of a domain in the form that its sweeps use.
 
-use super::complete::ClosingBoundaries;
+use super::completion::ClosingBoundaries;
 use super::layout::Layout;
 use super::rows::RowEnds;
-use crate::simd::{Group, Real};
+use crate::simd::{LaneGroup, Real};
 use crate::solid::boundary::{Boundary, Load};
-use crate::solid::ghosts::{BoundaryFaces, GhostRule, Slot, set_time};
+use crate::solid::ghosts::{BoundaryFaces, GhostRule, LaneIndex, set_time};
 use crate::solid::problem::Problem;
 use crate::solid::region::Region;
 
 /// Faces at both ends of all axes.
-pub(super) type Faces<T, const D: usize> = [[BoundaryFaces<T>; 2]; D];
+pub(super) type BoundaryFacesByAxis<T, const D: usize> = [[BoundaryFaces<T>; 2]; D];
 
 /// Boundary conditions in the half steps of a pass.
 #[derive(Clone)]
 pub(super) struct Boundaries<T: Real, const D: usize> {
     /// Boundary faces by half step of the pass.
-    pub(super) faces: Vec<Faces<T, D>>,
+    pub(super) faces: Vec<BoundaryFacesByAxis<T, D>>,
     /// By step of the pass: boundaries of the first axis for completing the step, for alternating sweeps; else empty.
-    pub(super) closing: Vec<ClosingBoundaries<T>>,
+    pub(super) closing_boundaries: Vec<ClosingBoundaries<T>>,
     pub(super) row_ends: RowEnds<T>,
 }
 
 impl<T: Real, const D: usize> Boundaries<T, D> {
-    /// Creates the boundary conditions of the problem of a region, for passes of at most `most_steps` steps.
+    /// Creates the boundary conditions of the problem of a region, for passes of at most `max_pass_steps` steps.
     pub(super) fn new(
         problem: &Problem<D>,
         region: &Region<D>,
         layout: &Layout<D>,
-        most_steps: usize,
+        max_pass_steps: usize,
     ) -> Self {
-        let faces: Faces<T, D> = std::array::from_fn(|axis| {
-            std::array::from_fn(|end| faces_of(problem, (axis, end), region, layout))
+        let faces: BoundaryFacesByAxis<T, D> = std::array::from_fn(|axis| {
+            std::array::from_fn(|end| create_faces(problem, (axis, end), region, layout))
         });
-        let closing = if problem.scheme.alternates() { most_steps } else { 0 };
+        let closing = if problem.scheme.is_alternating() { max_pass_steps } else { 0 };
         Self {
-            closing: vec![ClosingBoundaries::new(&faces[0]); closing],
-            faces: vec![faces; 2 * most_steps],
+            closing_boundaries: vec![ClosingBoundaries::new(&faces[0]); closing],
+            faces: vec![faces; 2 * max_pass_steps],
             row_ends: RowEnds::new(layout.cells[0], layout.groups),
         }
     }
@@ -54,7 +54,7 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
 }
 
 /// Creates the faces at an end of an axis.
-fn faces_of<T: Real, const D: usize>(
+fn create_faces<T: Real, const D: usize>(
     problem: &Problem<D>,
     (axis, end): (usize, usize),
     region: &Region<D>,
@@ -62,13 +62,13 @@ fn faces_of<T: Real, const D: usize>(
 ) -> BoundaryFaces<T> {
     let boundary = &problem.boundaries[axis][end];
     if region.halo(axis)[end] > 0 {
-        return BoundaryFaces::Exchange;
+        return BoundaryFaces::HaloEnd;
     }
     if *boundary == Boundary::Periodic {
         return BoundaryFaces::Periodic;
     }
     let slot = |cell: usize| {
-        let (index, lane) = layout.slot(cell);
+        let (index, lane) = layout.lane_index(cell);
         (index.group, lane)
     };
     let (layers, layer) = (layout.layers(), layout.layer_cells());
@@ -87,13 +87,13 @@ fn faces_of<T: Real, const D: usize>(
         _ if axis + 1 == D => (layer, layout.layer_groups()),
         _ => (layers * of_layer, layers * layout.groups),
     };
-    let faces: Vec<(usize, Slot)> = (0..count).map(|face| (face, place(face))).collect();
-    let own = |load: &&Load| (load.axis, load.end) == (axis, end);
-    let loads: Vec<&Load> = problem.loads.iter().filter(own).collect();
+    let faces: Vec<(usize, LaneIndex)> = (0..count).map(|face| (face, place(face))).collect();
+    let is_at_end = |load: &&Load| (load.axis, load.end) == (axis, end);
+    let loads: Vec<&Load> = problem.loads.iter().filter(is_at_end).collect();
     let pairs = problem.media[0].pairs[axis].len();
     let is_loaded = !loads.is_empty();
     let slopes = problem.scheme.slopes;
     let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), is_loaded, slopes);
-    loads.into_iter().for_each(|load| rule.add(load, &faces));
+    loads.into_iter().for_each(|load| rule.add_load(load, &faces));
     BoundaryFaces::Physical(rule)
 }

@@ -1,22 +1,22 @@
 //! Construction of a domain, or of a subdomain, from a problem.
 
 use super::boundaries::Boundaries;
-use super::curvilinear::{GeometricRotation, RowSpacing};
+use super::buffers::{Buffers, allocate_zeros};
+use super::curvilinear::{CurvatureRotations, RowConstants};
 use super::diagnostics::Diagnostics;
-use super::interfaces::Interfaces;
-use super::law::{LocalLaws, needs_whole_state, rotated_fields};
-use super::layout::{Layout, groups_of_rows, pitch};
+use super::interlayer_faces::LaneInterlayers;
+use super::layout::{Layout, groups_per_row, pitch};
+use super::local_laws::{LocalLaws, has_coupled_fields, rotated_field_offsets};
 use super::materials::Materials;
-use super::memory::{Buffer, zeros};
-use super::schedule::{CHUNK, Schedule, TileSizes};
+use super::schedule::{CHUNK_SIZE, Schedule, TileSizes};
 use super::sources::{CellSource, Sources};
 use super::{Domain, SolverReal};
-use crate::simd::{Group, Instructions, Real};
+use crate::simd::{InstructionSet, LaneGroup, Real};
 use crate::solid::boundary::Boundary;
 use crate::solid::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::region::Region;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use std::ops::Range;
 
 impl<const D: usize> Layout<D> {
@@ -27,7 +27,7 @@ impl<const D: usize> Layout<D> {
             let [front, behind] = region.halo(axis);
             front..cells[axis] - behind
         });
-        let groups = groups_of_rows::<T, D>(problem, cells[0]);
+        let groups = groups_per_row::<T, D>(problem, cells[0]);
         let lanes = |group: usize| {
             let is_own = |lane: usize| own[0].contains(&(lane * groups + group));
             (0..T::Lanes::COUNT).map(|lane| u16::from(is_own(lane)) << lane).sum()
@@ -35,10 +35,11 @@ impl<const D: usize> Layout<D> {
         let pitch = pitch(groups);
         Self {
             cells,
-            own_lanes: (0..groups).map(lanes).collect(),
-            own,
-            periodic_in_place: region.halo(D - 1) != [0, 0] && region.is_cut(D - 1) == [false; 2],
-            fields: problem.fields().len(),
+            owned_lanes: (0..groups).map(lanes).collect(),
+            owned: own,
+            is_periodic_in_place: region.halo(D - 1) != [0, 0]
+                && region.is_cut(D - 1) == [false; 2],
+            field_count: problem.fields().len(),
             groups,
             pitch,
             rows: cells[1..D - 1].iter().product(),
@@ -51,23 +52,24 @@ impl<const D: usize> Layout<D> {
 ///
 /// In a pass of one step these are the fields that the second sweep along the last axis reads, and the fields that are
 /// rotated with them. All fields are exchanged in the plane, where a pass may have two steps, for alternating sweeps,
-/// and if a local law couples all fields ([`needs_whole_state`]).
+/// and if a local law couples all fields ([`has_coupled_fields`]).
 fn exchanged_fields<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<usize>> {
     let Problem { media, scheme, .. } = problem;
     let fields = &problem.fields();
-    let whole_state = D == 2 || scheme.alternates() || needs_whole_state(problem);
-    let place = |field: Field| fields.iter().position(|own| *own == field).map(|own| own * pitch);
-    let read = |of: &usize| {
+    let whole_state = D == 2 || scheme.is_alternating() || has_coupled_fields(problem);
+    let place =
+        |field: SolidField| fields.iter().position(|own| *own == field).map(|own| own * pitch);
+    let is_read = |of: &usize| {
         let mut pairs = media[0].pairs[D - 1].iter();
         pairs
             .any(|pair| [pair.velocity, pair.stress].into_iter().any(|own| place(own) == Some(*of)))
     };
-    let rotated = rotated_fields(fields, pitch);
-    let rotated_with =
-        |of: &usize| rotated.iter().any(|triple| triple.contains(of) && triple.iter().any(read));
+    let rotated = rotated_field_offsets(fields, pitch);
+    let is_rotated_with_read =
+        |of: &usize| rotated.iter().any(|triple| triple.contains(of) && triple.iter().any(is_read));
     let mut exchanged: Vec<Range<usize>> = Vec::new();
     for place in (0..fields.len()).map(|index| index * pitch) {
-        if whole_state || read(&place) || rotated_with(&place) {
+        if whole_state || is_read(&place) || is_rotated_with_read(&place) {
             match exchanged.last_mut() {
                 Some(last) if last.end == place => last.end += pitch,
                 _ => exchanged.push(place..place + pitch),
@@ -79,21 +81,25 @@ fn exchanged_fields<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<R
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Creates a subdomain at rest: the domain of `region`, from the problem restricted to that region
-    /// ([`Problem::restricted`]), for passes of at most `most_steps` steps.
+    /// ([`Problem::restrict_to`]), for passes of at most `max_pass_steps` steps.
     ///
     /// # Errors
     /// See [`DomainError`].
-    pub fn part(
+    pub fn new_subdomain(
         problem: &Problem<D>,
         region: &Region<D>,
-        most_steps: usize,
+        max_pass_steps: usize,
     ) -> Result<Self, DomainError> {
-        problem.check_in(region)?;
-        Ok(Self::of_region(problem, region, most_steps))
+        problem.validate_in_region(region)?;
+        Ok(Self::new_unchecked(problem, region, max_pass_steps))
     }
 
-    /// Creates a subdomain as [`Self::part`] does, from a problem that has been checked.
-    pub(crate) fn of_region(problem: &Problem<D>, region: &Region<D>, most_steps: usize) -> Self {
+    /// Creates a subdomain as [`Self::new_subdomain`] does, from a problem that has been checked.
+    pub(crate) fn new_unchecked(
+        problem: &Problem<D>,
+        region: &Region<D>,
+        max_pass_steps: usize,
+    ) -> Self {
         // `SolverReal` compiles the kernels for these dimensions alone.
         const { assert!(D == 2 || D == 3) }
         let layout = Layout::new::<T>(problem, region);
@@ -103,7 +109,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let (mut materials, patterns) = Materials::new(problem, &layout, is_periodic(0));
         let layers = region.coordinates(D - 1);
         let along_rows = (&*materials.waves[0], &materials.table);
-        materials.row_spacing = RowSpacing::new(problem, along_rows, &patterns, &layers);
+        materials.row_constants = RowConstants::new(problem, along_rows, &patterns, &layers);
         let fields = &materials.fields;
         let whole = problem.initial_stress.as_ref().map_or(&[][..], |own| &own.1);
         let initial_stress = problem.initial_stress.as_ref().map(|(axis, stress)| {
@@ -118,31 +124,34 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             (problem.step, reflects),
             (initial_stress, whole),
         );
-        law.geometry = GeometricRotation::new(problem, &patterns, layout.pitch, &layers);
-        let source = |own| CellSource::new(own, fields, &layout, 2 * most_steps);
+        law.curvature_rotations =
+            CurvatureRotations::new(problem, &patterns, layout.pitch, &layers);
+        let source = |own| CellSource::new(own, fields, &layout, 2 * max_pass_steps);
         let sources = Sources {
-            list: problem.sources.iter().map(source).collect(),
+            cell_sources: problem.sources.iter().map(source).collect(),
             acceleration: problem.acceleration,
         };
         let row = layout.row_size() * size_of::<T::Lanes>();
-        let tiles = match D {
-            3 => TileSizes::in_space(row, is_periodic(1)),
-            _ => TileSizes::ROWS,
+        let tile_sizes = match D {
+            3 => TileSizes::new_in_space(row, is_periodic(1)),
+            _ => TileSizes::PLANE_TILES,
         };
         let pairs = std::array::from_fn(|axis| materials.waves[axis].len());
         Self {
-            interfaces: Interfaces::new(problem, &layout, region),
-            grid: Grid { cells: region.own_cells(), spacing: problem.grid.spacing },
+            interfaces: LaneInterlayers::new(problem, &layout, region),
+            grid: Grid { cells: region.owned_counts(), spacing: problem.grid.spacing },
             step: problem.step,
             scheme: Scheme { slopes: problem.scheme.sweep_slopes(), ..problem.scheme },
-            instructions: Instructions::best(),
-            boundary: Boundaries::new(problem, region, &layout, most_steps),
+            instructions: InstructionSet::widest(),
+            boundaries: Boundaries::new(problem, region, &layout, max_pass_steps),
             sources,
-            schedule: Schedule::new(most_steps, tiles),
-            data: zeros((layout.layers() * layout.rows + 2 * GHOSTS * CHUNK) * layout.row_size()),
-            diagnostics: Diagnostics::new::<T, D>(&layout, problem, fields, most_steps),
-            buffer: Buffer::new(&layout, pairs, 2 * most_steps, law.needs_wide_blocks()),
-            law,
+            schedule: Schedule::new(max_pass_steps, tile_sizes),
+            field_data: allocate_zeros(
+                (layout.layers() * layout.rows + 2 * GHOSTS * CHUNK_SIZE) * layout.row_size(),
+            ),
+            diagnostics: Diagnostics::new::<T, D>(&layout, problem, fields, max_pass_steps),
+            buffers: Buffers::new(&layout, pairs, 2 * max_pass_steps, law.has_double_blocks()),
+            local_laws: law,
             layout,
             materials,
         }

@@ -6,39 +6,39 @@
 //! is filled for the row that is swept.
 
 use super::layout::RowSegment;
-use super::table::{Table, WavePair};
+use super::material_table::{MaterialTable, WavePair};
 use super::{Domain, SolverReal};
-use crate::simd::{Group, Number, Real, SimdKernel, Vector};
+use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::cell_laws::Interval;
 use crate::solid::ghosts::GhostCoefficients;
 use crate::solid::medium::Medium;
-use crate::solid::metric::{CurvatureRotation, rotated_by_curvature};
+use crate::solid::metric::{CurvatureRotation, rotate_pair_by_curvature};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use std::ops::Range;
 
 /// Pairs of waves along rows, and their constants in the current row.
 #[derive(Clone)]
-pub(super) struct RowSpacing<T: Real> {
+pub(super) struct RowConstants<T: Real> {
     /// Length of a cell along rows by layer, m.
     pub(super) spacing: Vec<f64>,
     pub(super) waves: Vec<WavePair>,
-    pub(super) table: Table<T>,
+    pub(super) table: MaterialTable<T>,
     /// Wave constants by layer, medium and pair of waves.
-    cells: Vec<Vec<Vec<CellConstants<T>>>>,
+    cell_constants: Vec<Vec<Vec<CellConstants<T>>>>,
     /// Media in the lanes of a pattern.
     patterns: Vec<Vec<u16>>,
     /// By pattern, the layer for which the table is filled.
-    filled: Vec<usize>,
+    filled_layers: Vec<usize>,
 }
 
-impl<T: Real> RowSpacing<T> {
+impl<T: Real> RowConstants<T> {
     /// Creates the constants of `layers` of a problem (their indices in the whole grid), from the waves along rows and
     /// the table of equal layers; `None` if all layers are equal.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
-        (waves, table): (&[WavePair], &Table<T>),
+        (waves, table): (&[WavePair], &MaterialTable<T>),
         patterns: &[Vec<u16>],
         layers: &[usize],
     ) -> Option<Self> {
@@ -46,12 +46,12 @@ impl<T: Real> RowSpacing<T> {
         let spacing: Vec<f64> = layers.iter().map(|layer| metric.spacing[*layer]).collect();
         let waves = waves.iter().enumerate();
         let waves: Vec<_> =
-            waves.map(|(pair, own)| WavePair { constants: pair, ..own.clone() }).collect();
+            waves.map(|(pair, own)| WavePair { constants_index: pair, ..own.clone() }).collect();
         let cells_of = |spacing: &f64| {
             let of_medium = |medium: &Medium| {
-                let cell = |pair: &models::solid::waves::Pair| {
+                let cell = |pair: &models::solid::waves::VelocityStressPair| {
                     let courant = pair.speed() * (0.5 * problem.step / spacing);
-                    problem.scheme.slopes.cell_of(pair, courant, problem.is_mixed())
+                    problem.scheme.slopes.cell_constants(pair, courant, problem.has_interfaces())
                 };
                 medium.pairs[0].iter().map(cell).collect()
             };
@@ -59,67 +59,68 @@ impl<T: Real> RowSpacing<T> {
         };
         let count = patterns.len() * waves.len();
         Some(Self {
-            table: Table {
-                // Filled by `fill`.
-                cells: vec![table.cells[0]; count],
-                cells_of_pattern: waves.len(),
+            table: MaterialTable {
+                // Filled by `fill_table`.
+                cell_constants: vec![table.cell_constants[0]; count],
+                cells_per_pattern: waves.len(),
                 ghost_coefficients: Vec::new(),
                 ..table.clone()
             },
-            cells: spacing.iter().map(cells_of).collect(),
+            cell_constants: spacing.iter().map(cells_of).collect(),
             patterns: patterns.to_vec(),
-            filled: vec![usize::MAX; patterns.len()],
+            filled_layers: vec![usize::MAX; patterns.len()],
             waves,
             spacing,
         })
     }
 
     /// Fills the table for a layer in which these patterns occur.
-    fn fill(&mut self, layer: usize, patterns: impl Iterator<Item = u32>) {
+    fn fill_table(&mut self, layer: usize, patterns: impl Iterator<Item = u32>) {
         for pattern in patterns.map(|pattern| pattern as usize) {
-            if std::mem::replace(&mut self.filled[pattern], layer) == layer {
+            if std::mem::replace(&mut self.filled_layers[pattern], layer) == layer {
                 continue;
             }
-            let (media, cells) = (&self.patterns[pattern], &self.cells[layer]);
-            let own = self.table.cells[pattern * self.waves.len()..].iter_mut();
+            let (media, cells) = (&self.patterns[pattern], &self.cell_constants[layer]);
+            let own = self.table.cell_constants[pattern * self.waves.len()..].iter_mut();
             for (pair, lanes) in own.take(self.waves.len()).enumerate() {
                 for (lane, medium) in media.iter().enumerate() {
                     lanes.set_lane(lane, &cells[usize::from(*medium)][pair]);
                 }
             }
         }
-        if self.table.is_of_one_pattern() {
+        if self.table.has_single_pattern() {
             self.table.ghost_coefficients =
-                self.table.cells.iter().map(GhostCoefficients::new).collect();
+                self.table.cell_constants.iter().map(GhostCoefficients::new).collect();
         }
     }
 }
 
 /// Plane of the rotation by the curvature of rows, in lanes.
 #[derive(Clone)]
-struct Plane<T: Real> {
+struct RotationPlane<T: Real> {
     /// Offset of the velocity v.
     velocity: usize,
     /// Offsets of stresses, and q.
     weights: Vec<(usize, T)>,
     /// Offsets of stresses, and by pattern Cq.
     moduli: Vec<(usize, Vec<T::Lanes>)>,
-    /// Constants of the rotation by pattern, for the layer and the interval of [`GeometricRotation::filled`].
-    constants: Vec<[T::Lanes; 4]>,
+    /// Constants of the rotation by pattern, for the layer and the interval of
+    /// [`CurvatureRotations::filled_intervals`].
+    coefficients: Vec<[T::Lanes; 4]>,
     /// Constants of the rotation by layer, [`Interval`] and medium.
-    by_layer: Vec<[Vec<[T; 4]>; 2]>,
+    layer_coefficients: Vec<[Vec<[T; 4]>; 2]>,
 }
 
 /// Rotation of the state by the curvature of rows.
 #[derive(Clone)]
-pub(super) struct GeometricRotation<T: Real> {
-    planes: Vec<Plane<T>>,
+pub(super) struct CurvatureRotations<T: Real> {
+    planes: Vec<RotationPlane<T>>,
     patterns: Vec<Vec<u16>>,
     /// By pattern, the layer and the interval for which the constants are filled.
-    filled: Vec<Option<(usize, Interval)>>,
+    filled_intervals: Vec<Option<(usize, Interval)>>,
 }
 
-impl<T: Real> GeometricRotation<T> {
+impl<T: Real> CurvatureRotations<T> {
     /// Creates the rotation in `layers` of a region of a problem; `None` for straight rows. The offset of a field is
     /// its index times `pitch`.
     pub(super) fn new<const D: usize>(
@@ -129,11 +130,11 @@ impl<T: Real> GeometricRotation<T> {
         layers: &[usize],
     ) -> Option<Self> {
         let curvature = &problem.metric.as_ref().filter(|own| !own.curvature.is_empty())?.curvature;
-        let of_media: Vec<_> = problem.media.iter().map(CurvatureRotation::of_medium).collect();
+        let of_media: Vec<_> = problem.media.iter().map(CurvatureRotation::from_medium).collect();
         let plane = |index: usize| {
             let planes: Vec<&CurvatureRotation> = of_media.iter().map(|own| &own[index]).collect();
             let lanes = |pattern: &Vec<u16>, place: usize| {
-                T::Lanes::by_lane(|lane| {
+                T::Lanes::from_lanes(|lane| {
                     T::from_f64(planes[usize::from(pattern[lane])].modulus(place))
                 })
             };
@@ -146,39 +147,42 @@ impl<T: Real> GeometricRotation<T> {
             });
             let weights = planes[0].weights.iter();
             let constants = |layer: &usize| {
-                Interval::both(|part| {
+                Interval::evaluate_both(|step_fraction| {
                     let own = |plane: &&CurvatureRotation| {
-                        plane.rotation(curvature[*layer], part * problem.step).map(T::from_f64)
+                        plane
+                            .coefficients(curvature[*layer], step_fraction * problem.step)
+                            .map(T::from_f64)
                     };
                     planes.iter().map(own).collect()
                 })
             };
-            Plane {
+            RotationPlane {
                 velocity: planes[0].velocity * pitch,
                 weights: weights.map(|&(place, q)| (place * pitch, T::from_f64(q))).collect(),
                 moduli: moduli.collect(),
-                constants: vec![[T::Lanes::ZERO; 4]; patterns.len()],
-                by_layer: layers.iter().map(constants).collect(),
+                coefficients: vec![[T::Lanes::ZERO; 4]; patterns.len()],
+                layer_coefficients: layers.iter().map(constants).collect(),
             }
         };
         Some(Self {
             planes: (0..of_media[0].len()).map(plane).collect(),
             patterns: patterns.to_vec(),
-            filled: vec![None; patterns.len()],
+            filled_intervals: vec![None; patterns.len()],
         })
     }
 
     /// Fills the constants of patterns for a layer and an interval.
-    fn fill(&mut self, layer: usize, interval: Interval, patterns: &[u32]) {
+    fn fill_coefficients(&mut self, layer: usize, interval: Interval, patterns: &[u32]) {
         for pattern in patterns.iter().map(|pattern| *pattern as usize) {
             let filled = Some((layer, interval));
-            if std::mem::replace(&mut self.filled[pattern], filled) == filled {
+            if std::mem::replace(&mut self.filled_intervals[pattern], filled) == filled {
                 continue;
             }
             for plane in &mut self.planes {
                 for (lane, medium) in self.patterns[pattern].iter().enumerate() {
-                    let own = plane.by_layer[layer][interval as usize][usize::from(*medium)];
-                    for (lanes, value) in plane.constants[pattern].iter_mut().zip(own) {
+                    let own =
+                        plane.layer_coefficients[layer][interval as usize][usize::from(*medium)];
+                    for (lanes, value) in plane.coefficients[pattern].iter_mut().zip(own) {
                         lanes.lanes_mut()[lane] = value;
                     }
                 }
@@ -188,27 +192,27 @@ impl<T: Real> GeometricRotation<T> {
 }
 
 /// Kernel: rotation by the curvature of rows in adjacent groups of a row.
-struct RotateByCurvature<'a, T: Real> {
+struct CurvatureKernel<'a, T: Real> {
     /// Data from the first of the groups on.
-    data: &'a mut [T::Lanes],
+    field_data: &'a mut [T::Lanes],
     patterns: &'a [u32],
-    planes: &'a [Plane<T>],
+    planes: &'a [RotationPlane<T>],
 }
 
-impl<T: Real> SimdKernel<T> for RotateByCurvature<'_, T> {
+impl<T: Real> SimdKernel<T> for CurvatureKernel<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         for (index, &pattern) in self.patterns.iter().enumerate() {
-            let (group, pattern) = (&mut self.data[index..], pattern as usize);
+            let (group, pattern) = (&mut self.field_data[index..], pattern as usize);
             for plane in self.planes {
-                let [cos, a, b, c] = &plane.constants[pattern];
+                let [cos, a, b, c] = &plane.coefficients[pattern];
                 let constants = [V::load(cos), V::load(a), V::load(b), V::load(c)];
                 let mut y = V::ZERO;
                 for (place, weight) in &plane.weights {
-                    y = y + <V as Vector<T>>::all(*weight) * V::load(&group[*place]);
+                    y = y + <V as Vector<T>>::splat(*weight) * V::load(&group[*place]);
                 }
                 let v = V::load(&group[plane.velocity]);
-                let [v, strain] = rotated_by_curvature(constants, v, y);
+                let [v, strain] = rotate_pair_by_curvature(constants, v, y);
                 v.store(&mut group[plane.velocity]);
                 for (place, moduli) in &plane.moduli {
                     let own = V::load(&group[*place]);
@@ -227,13 +231,13 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         tile: &RowSegment,
         interval: Interval,
     ) {
-        let Some(rotation) = &mut self.law.geometry else { return };
+        let Some(rotation) = &mut self.local_laws.curvature_rotations else { return };
         for layer in layers.clone() {
-            let (first, groups) = self.layout.groups_of(layer, tile);
+            let (first, groups) = self.layout.segment_groups(layer, tile);
             let patterns = &self.materials.patterns[groups];
-            rotation.fill(layer, interval, patterns);
-            self.instructions.run::<T>(RotateByCurvature {
-                data: &mut self.data[first..],
+            rotation.fill_coefficients(layer, interval, patterns);
+            self.instructions.run_kernel::<T>(CurvatureKernel {
+                field_data: &mut self.field_data[first..],
                 patterns,
                 planes: &rotation.planes,
             });
@@ -242,12 +246,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Fills the wave constants for the sweep of a row.
     pub(super) fn fill_row_constants(&mut self, row: usize) {
-        let Some(spacing) = &mut self.materials.row_spacing else { return };
+        let Some(spacing) = &mut self.materials.row_constants else { return };
         let groups = row * self.layout.groups..(row + 1) * self.layout.groups;
         let own = self.materials.patterns[groups].iter().copied();
         let ghosts = self.materials.row_patterns.get(row).copied().unwrap_or([0; 2 * GHOSTS]);
         // With one lane pattern `row_patterns` is empty, and the row has that pattern.
         let ghosts = ghosts.into_iter().filter(|_| !self.materials.row_patterns.is_empty());
-        spacing.fill(row, own.chain(ghosts));
+        spacing.fill_table(row, own.chain(ghosts));
     }
 }

@@ -1,23 +1,23 @@
 //! Diagnostics of a domain: energy ledger, sums over time by cell, and output of watched cells.
 
+use super::buffers::allocate_zeros;
 use super::layout::Layout;
-use super::memory::zeros;
-use crate::simd::{Group, Real};
+use crate::simd::{LaneGroup, Real};
 use crate::solid::ledger::{CellDissipation, WorkSums};
 use crate::solid::problem::Problem;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// Sums and records. Sums over cells are exact: they depend neither on the tiling nor on the number of subdomains.
 #[derive(Clone)]
 pub(super) struct Diagnostics {
-    /// Work over own cells and faces.
+    /// Work over owned cells and faces.
     pub(super) work: WorkSums,
     /// Dissipation by group and lane.
     pub(super) dissipation: CellDissipation,
     /// Offsets of velocities and spins, and by cell Δt times the sum of their values, the first one halved.
-    pub(super) integrals: Vec<(usize, Vec<f64>)>,
+    pub(super) time_integrals: Vec<(usize, Vec<f64>)>,
     /// Own cells that are recorded after each step, in ascending order.
-    pub(super) watched: Vec<usize>,
+    pub(super) watched_cells: Vec<usize>,
     /// By step of the pass, the output of all watched cells.
     pub(super) records: Vec<Vec<f64>>,
 }
@@ -27,19 +27,19 @@ impl Diagnostics {
     pub(super) fn new<T: Real, const D: usize>(
         layout: &Layout<D>,
         problem: &Problem<D>,
-        fields: &[Field],
-        most_steps: usize,
+        fields: &[SolidField],
+        max_pass_steps: usize,
     ) -> Self {
         let cells = layout.layers() * layout.layer_cells();
         let lanes = layout.layers() * layout.layer_groups() * T::Lanes::COUNT;
         let place = |field| Some(fields.iter().position(|own| *own == field)? * layout.pitch);
-        let integrals = problem.integrals.iter().filter_map(|&field| place(field));
+        let integrals = problem.integrated_fields.iter().filter_map(|&field| place(field));
         Self {
             work: WorkSums::default(),
-            dissipation: CellDissipation::new(problem, || zeros(lanes)),
-            integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
-            watched: Vec::new(),
-            records: vec![Vec::new(); most_steps],
+            dissipation: CellDissipation::new(problem, || allocate_zeros(lanes)),
+            time_integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
+            watched_cells: Vec::new(),
+            records: vec![Vec::new(); max_pass_steps],
         }
     }
 }

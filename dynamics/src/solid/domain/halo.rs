@@ -5,8 +5,8 @@
 //! halos along lower axes, so that edges and corners are filled by two or three successive exchanges.
 
 use super::{Domain, SolverReal};
-use crate::simd::{Group, Number};
-use crate::solid::interlayers::MEMORY;
+use crate::simd::{LaneGroup, Number};
+use crate::solid::interlayers::HISTORY_VARIABLES;
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -14,8 +14,8 @@ use std::ops::Range;
 /// axes.
 ///
 /// At each end a domain sends as many messages as it receives, and they arrive in the order in which the neighbour
-/// sends them at its opposite end. A neighbour may be up to [`Domain::messages_ahead`] messages ahead: `send` may block
-/// beyond that number, and `receive` blocks until the message arrives. With channels of that capacity there is no
+/// sends them at its opposite end. A neighbour may be up to [`Domain::message_capacity`] messages ahead: `send` may
+/// block beyond that number, and `receive` blocks until the message arrives. With channels of that capacity there is no
 /// deadlock: a pass sends all that its neighbours need for a block of rows before it receives their layers of the same
 /// block.
 pub trait HaloExchange<T> {
@@ -31,7 +31,7 @@ pub trait HaloExchange<T> {
         axis: usize,
         end: usize,
         data: &[T],
-        pieces: impl Iterator<Item = Range<usize>>,
+        ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Self::Error>;
 
     /// Receives the next message of that neighbour into ranges of the data.
@@ -43,7 +43,7 @@ pub trait HaloExchange<T> {
         axis: usize,
         end: usize,
         data: &mut [T],
-        pieces: impl Iterator<Item = Range<usize>>,
+        ranges: impl Iterator<Item = Range<usize>>,
     ) -> Result<(), Self::Error>;
 }
 
@@ -75,9 +75,9 @@ impl<T> HaloExchange<T> for () {
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the number of messages that a neighbour at an end of an axis may send before this domain receives the
     /// first of them.
-    pub fn messages_ahead(&self, axis: usize) -> usize {
+    pub fn message_capacity(&self, axis: usize) -> usize {
         // Along the last axis interlayers have separate messages.
-        let kinds = if self.interfaces.is_any() { 2 } else { 1 };
+        let kinds = if self.interfaces.has_interlayers() { 2 } else { 1 };
         match axis + 1 == D {
             // A neighbour may be one block of rows ahead.
             true => kinds * 2 * self.layout.halo(axis).into_iter().max().unwrap_or(0),
@@ -85,18 +85,18 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Applies the first x and y sweeps to a block of rows in the own layers that neighbours along the last axis need,
-    /// then sends the rows whose sweeps are complete. The first step of the pass does not sweep these layers again.
-    /// Nothing is sent if the own layers are the halo of each other (periodic in place).
+    /// Applies the first x and y sweeps to a block of rows in the owned layers that neighbours along the last axis
+    /// need, then sends the rows whose sweeps are complete. The first step of the pass does not sweep these layers
+    /// again. Nothing is sent if the owned layers are the halo of each other (periodic in place).
     pub(super) fn sweep_and_send<H: HaloExchange<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
         ready: &Range<usize>,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
-        let own = self.layout.own_layers();
+        let own = self.layout.owned_layers();
         for layer in own.clone() {
-            if !self.layout.is_in_a_halo(layer) {
+            if !self.layout.is_in_any_halo(layer) {
                 continue;
             }
             let mut loaded = block.start;
@@ -108,10 +108,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let depths = [layer - own.start, own.end - 1 - layer];
             let halo = self.layout.halo(D - 1);
             for end in (0..2).filter(|end| depths[*end] < halo[*end]) {
-                neighbours.send(D - 1, end, &self.data, self.layout.pieces(layer, ready))?;
-                if self.interfaces.is_any() {
-                    let pieces = self.interfaces.pieces(&self.layout, layer, ready);
-                    neighbours.send(D - 1, end, &self.interfaces.memory, pieces)?;
+                neighbours.send(
+                    D - 1,
+                    end,
+                    &self.field_data,
+                    self.layout.exchanged_ranges(layer, ready),
+                )?;
+                if self.interfaces.has_interlayers() {
+                    let ranges = self.interfaces.exchanged_ranges(&self.layout, layer, ready);
+                    neighbours.send(D - 1, end, &self.interfaces.history, ranges)?;
                 }
             }
         }
@@ -125,35 +130,35 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         rows: &Range<usize>,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
-        let first = [0, self.layout.own_layers().end][end];
+        let first = [0, self.layout.owned_layers().end][end];
         for layer in first..first + self.layout.halo(D - 1)[end] {
-            let pieces = self.layout.pieces(layer, rows);
-            neighbours.receive(D - 1, end, &mut self.data, pieces)?;
-            if self.interfaces.is_any() {
-                let pieces = self.interfaces.pieces(&self.layout, layer, rows);
-                neighbours.receive(D - 1, end, &mut self.interfaces.memory, pieces)?;
+            let ranges = self.layout.exchanged_ranges(layer, rows);
+            neighbours.receive(D - 1, end, &mut self.field_data, ranges)?;
+            if self.interfaces.has_interlayers() {
+                let ranges = self.interfaces.exchanged_ranges(&self.layout, layer, rows);
+                neighbours.receive(D - 1, end, &mut self.interfaces.history, ranges)?;
             }
         }
         Ok(())
     }
 
-    /// Fills rows of the halo along the last axis with the periodic images of the own layers.
-    pub(super) fn fill_own_halo(&mut self, rows: &Range<usize>) {
-        let (own, layers) = (self.layout.own_layers(), self.layout.layers());
+    /// Fills rows of the halo along the last axis with the periodic images of the owned layers.
+    pub(super) fn fill_periodic_halo(&mut self, rows: &Range<usize>) {
+        let (own, layers) = (self.layout.owned_layers(), self.layout.layers());
         for index in (0..own.start).chain(own.end..layers) {
             let source = own.start + (index + own.len() * own.start - own.start) % own.len();
-            let [from, to] = [source, index].map(|layer| self.layout.stored(layer, rows));
-            self.data.copy_within(from, to.start);
-            let [from, to] =
-                [source, index].map(|layer| self.interfaces.pieces(&self.layout, layer, rows));
+            let [from, to] = [source, index].map(|layer| self.layout.data_range(layer, rows));
+            self.field_data.copy_within(from, to.start);
+            let [from, to] = [source, index]
+                .map(|layer| self.interfaces.exchanged_ranges(&self.layout, layer, rows));
             for (from, to) in from.zip(to) {
-                self.interfaces.memory.copy_within(from, to.start);
+                self.interfaces.history.copy_within(from, to.start);
             }
         }
     }
 
     /// Exchanges the halo along all axes but the last one.
-    pub(super) fn exchange<H: HaloExchange<T::Lanes>>(
+    pub(super) fn exchange_halo<H: HaloExchange<T::Lanes>>(
         &mut self,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
@@ -161,37 +166,40 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let halo = self.layout.halo(axis);
             let ends = || (0..2).filter(|end| halo[*end] > 0);
             for end in ends() {
-                self.pack(&self.layout.strip(axis, end, true), |buffer| {
+                self.pack(&self.layout.halo_box(axis, end, true), |buffer| {
                     neighbours.send(axis, end, buffer, std::iter::once(0..buffer.len()))
                 })?;
             }
             for end in ends() {
-                self.unpack(&self.layout.strip(axis, end, false), |buffer| {
+                self.unpack(&self.layout.halo_box(axis, end, false), |buffer| {
                     let all = 0..buffer.len();
                     neighbours.receive(axis, end, buffer, std::iter::once(all))
                 })?;
             }
         }
-        if self.interfaces.is_any() && (0..D - 1).any(|axis| self.layout.halo(axis) != [0, 0]) {
-            self.interfaces.copy_to_other_places(&self.layout);
+        if self.interfaces.has_interlayers()
+            && (0..D - 1).any(|axis| self.layout.halo(axis) != [0, 0])
+        {
+            self.interfaces.synchronise_copies(&self.layout);
         }
         Ok(())
     }
 
     /// Returns the count of the values of the cells in a box: fields, then the histories of the interlayers at their
     /// lower faces.
-    fn numbers_in(&self, cells: &[Range<usize>; D]) -> usize {
+    fn value_count(&self, cells: &[Range<usize>; D]) -> usize {
         let count: usize = cells.iter().map(ExactSizeIterator::len).product();
-        count * self.fields().len() + MEMORY * self.interfaces.sites_in(&self.layout, cells).len()
+        count * self.fields().len()
+            + HISTORY_VARIABLES * self.interfaces.sites_in_box(&self.layout, cells).len()
     }
 
-    /// Packs the values of the cells in a box into a buffer, lane by lane, and passes it to `hand_over`.
+    /// Packs the values of the cells in a box into a buffer, lane by lane, and passes it to `send_buffer`.
     fn pack<E>(
         &self,
         cells: &[Range<usize>; D],
-        hand_over: impl FnOnce(&[T::Lanes]) -> Result<(), E>,
+        send_buffer: impl FnOnce(&[T::Lanes]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let groups = self.numbers_in(cells).div_ceil(T::Lanes::COUNT);
+        let groups = self.value_count(cells).div_ceil(T::Lanes::COUNT);
         let mut buffer = vec![T::Lanes::ZERO; groups];
         let mut to = buffer.iter_mut().flat_map(|group| group.lanes_mut());
         let mut put = |value: T| {
@@ -199,16 +207,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 *to = value;
             }
         };
-        for cell in self.layout.cells_in(cells) {
-            let (index, lane) = self.layout.slot(cell);
-            for place in 0..self.layout.fields {
-                put(self.data[index.data + place * self.layout.pitch].lanes()[lane]);
+        for cell in self.layout.cells_in_box(cells) {
+            let (index, lane) = self.layout.lane_index(cell);
+            for place in 0..self.layout.field_count {
+                put(self.field_data[index.start + place * self.layout.pitch].lanes()[lane]);
             }
         }
-        for site in self.interfaces.sites_in(&self.layout, cells) {
-            self.interfaces.get(&site).into_iter().for_each(&mut put);
+        for site in self.interfaces.sites_in_box(&self.layout, cells) {
+            self.interfaces.history(&site).into_iter().for_each(&mut put);
         }
-        hand_over(&buffer)
+        send_buffer(&buffer)
     }
 
     /// Unpacks a buffer, filled by `fill`, into the cells in a box.
@@ -217,20 +225,20 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         cells: &[Range<usize>; D],
         fill: impl FnOnce(&mut [T::Lanes]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let groups = self.numbers_in(cells).div_ceil(T::Lanes::COUNT);
+        let groups = self.value_count(cells).div_ceil(T::Lanes::COUNT);
         let mut buffer = vec![T::Lanes::ZERO; groups];
         fill(&mut buffer)?;
         let mut from = buffer.iter().flat_map(|group| group.lanes()).copied();
-        for cell in self.layout.cells_in(cells) {
-            let (index, lane) = self.layout.slot(cell);
-            let places = (0..self.layout.fields).map(|place| place * self.layout.pitch);
+        for cell in self.layout.cells_in_box(cells) {
+            let (index, lane) = self.layout.lane_index(cell);
+            let places = (0..self.layout.field_count).map(|place| place * self.layout.pitch);
             for (place, value) in places.zip(&mut from) {
-                self.data[index.data + place].lanes_mut()[lane] = value;
+                self.field_data[index.start + place].lanes_mut()[lane] = value;
             }
         }
-        for site in self.interfaces.sites_in(&self.layout, cells) {
+        for site in self.interfaces.sites_in_box(&self.layout, cells) {
             let mut next = || from.next().unwrap_or(T::ZERO);
-            self.interfaces.set(&site, [next(), next()]);
+            self.interfaces.set_history(&site, [next(), next()]);
         }
         Ok(())
     }

@@ -8,85 +8,85 @@
 pub(super) mod interlayers;
 
 use super::layout::GroupIndex;
+use super::material_table::{MaterialTable, WavePair};
 use super::rows::Rows;
-use super::table::{Table, WavePair};
-use crate::simd::{Instructions, Number, Real, SimdKernel, Vector};
+use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::reconstruction::{GHOSTS, Slopes};
-use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, updated};
+use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
 use std::ops::Range;
 
 /// Number of fields prefetched for each pair of waves: 24 by 6 pairs in a Cosserat solid in space, 12 by 3 in the
 /// plane. Viscous strains, which sweeps do not read, are left to the hardware prefetcher.
-pub(crate) const MAX_SHARE: usize = 4;
+pub(crate) const MAX_PREFETCH_FIELDS: usize = 4;
 
-/// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `soon`, else into L2.
+/// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `into_l1`, else into L2.
 #[inline(always)]
-fn prefetch<N>(from: &[N], distance: usize, soon: bool) {
+fn prefetch<N>(from: &[N], distance: usize, into_l1: bool) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: the address is not dereferenced; prefetching an invalid address has no effect.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
         let address = from.as_ptr().wrapping_add(distance).cast::<i8>();
         for line in (0..size_of::<N>()).step_by(64) {
-            match soon {
+            match into_l1 {
                 true => _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(line)),
                 false => _mm_prefetch::<_MM_HINT_T1>(address.wrapping_add(line)),
             }
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = (from, distance, soon);
+    let _ = (from, distance, into_l1);
 }
 
 /// State that a sweep carries from a group to the next one of a line, for one pair of waves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Carried<N> {
+pub(crate) struct CarriedState<N> {
     /// Stencil data of the previous groups for the next face; see [`Slopes::face_values`].
-    known: RiemannInvariants<N>,
+    stencil_data: RiemannInvariants<N>,
     /// Interface state at the lower face of the group that is updated next, scaled by its impedance.
     lower_face: InterfaceState<N>,
 }
 
-impl<V: Number> Carried<V> {
+impl<V: Number> CarriedState<V> {
     /// Returns the carried state of the first face of a line: zero.
-    pub(crate) fn empty() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
-            known: RiemannInvariants::ZERO,
+            stencil_data: RiemannInvariants::ZERO,
             lower_face: InterfaceState::riemann_equal_impedance([V::ZERO, V::ZERO]),
         }
     }
 
     #[inline(always)]
-    fn load<T: Real>(from: &Carried<T::Lanes>) -> Self
+    fn load<T: Real>(from: &CarriedState<T::Lanes>) -> Self
     where
         V: Vector<T>,
     {
         Self {
-            known: RiemannInvariants::load(&from.known),
+            stencil_data: RiemannInvariants::load(&from.stencil_data),
             lower_face: InterfaceState::load(&from.lower_face),
         }
     }
 
     #[inline(always)]
-    fn store<T: Real>(self, to: &mut Carried<T::Lanes>)
+    fn store<T: Real>(self, to: &mut CarriedState<T::Lanes>)
     where
         V: Vector<T>,
     {
-        self.known.store(&mut to.known);
+        self.stencil_data.store(&mut to.stencil_data);
         self.lower_face.store(&mut to.lower_face);
     }
 }
 
 /// Adjacent lines, and the section of their path that is swept now.
-pub(crate) struct Lines<'a, T: Real> {
+pub(crate) struct SweepLines<'a, T: Real> {
     /// Data by row, field and group.
-    pub(crate) data: &'a mut [T::Lanes],
+    pub(crate) field_data: &'a mut [T::Lanes],
     /// Number of fields of a group.
-    pub(crate) fields: usize,
+    pub(crate) field_count: usize,
     /// Distance between two fields of a group.
     pub(crate) pitch: usize,
-    pub(crate) table: &'a Table<T>,
+    pub(crate) table: &'a MaterialTable<T>,
     pub(crate) waves: &'a [WavePair],
     pub(crate) slopes: Slopes,
     /// By group, the number of its lane pattern.
@@ -96,97 +96,101 @@ pub(crate) struct Lines<'a, T: Real> {
     pub(crate) run_lengths: &'a [u8],
     /// Groups of the first line in the order of the sweep: each one except the first and the last is current once,
     /// while the previous one is written and the next one is read. The groups of the other lines are offset from these
-    /// by multiples of `across`.
+    /// by multiples of `line_stride`.
     pub(crate) path: &'a [GroupIndex],
     /// Group of the first line before the path; the first group of the path if there is none.
     pub(crate) previous_group: GroupIndex,
     /// Distance between two lines.
-    pub(crate) across: GroupIndex,
+    pub(crate) line_stride: GroupIndex,
     /// Whether the path begins with the ghosts at the lower end, where no state is carried yet. The sweep overwrites
     /// ghosts like all groups: they must be filled again before another sweep.
-    pub(crate) begins: bool,
-    /// L1 prefetch distance, in groups: a few lines in sweeps across rows, one row in sweeps along rows, which are too far
-    /// apart for the hardware prefetcher.
-    pub(crate) next: usize,
-    /// L2 prefetch distance, and which of the [`MAX_SHARE`] fields of each pair are prefetched.
-    pub(crate) later: (usize, Range<usize>),
+    pub(crate) is_line_start: bool,
+    /// L1 prefetch distance, in groups: a few lines in sweeps across rows, one row in sweeps along rows, which are too
+    /// far apart for the hardware prefetcher.
+    pub(crate) prefetch_l1_distance: usize,
+    /// L2 prefetch distance, and which of the [`MAX_PREFETCH_FIELDS`] fields of each pair are prefetched.
+    pub(crate) prefetch_l2_fields: (usize, Range<usize>),
     /// Carried state by line and pair of waves.
-    pub(crate) carried: &'a mut [Carried<T::Lanes>],
+    pub(crate) carried: &'a mut [CarriedState<T::Lanes>],
     /// Ends of the lines, if lines are rows.
     pub(crate) rows: Option<Rows<'a, T>>,
 }
 
 /// Sweep of adjacent lines, each of one and the same pattern, or `MIXED`: compiled separately to limit register
 /// pressure.
-struct Advance<'a, 'b, T: Real, const MIXED: bool> {
-    all: &'a mut Lines<'b, T>,
+struct SweepKernel<'a, 'b, T: Real, const MIXED: bool> {
+    sweep: &'a mut SweepLines<'b, T>,
     lines: Range<usize>,
     /// Pattern of all lines, unless they are mixed.
     pattern: u32,
 }
 
-impl<T: Real, const MIXED: bool> SimdKernel<T> for Advance<'_, '_, T, MIXED> {
+impl<T: Real, const MIXED: bool> SimdKernel<T> for SweepKernel<'_, '_, T, MIXED> {
     /// Selects the loop that is compiled for the reconstruction.
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        let Self { all, lines, pattern } = self;
-        match all.slopes {
-            Slopes::Limited => all.advance_lines::<V, MIXED>(lines, pattern, Slopes::Limited),
+        let Self { sweep, lines, pattern } = self;
+        match sweep.slopes {
+            Slopes::Limited => sweep.advance_lines::<V, MIXED>(lines, pattern, Slopes::Limited),
             // For first order the weights in the cell constants are zero.
             Slopes::Godunov | Slopes::FourthOrder => {
-                all.advance_lines::<V, MIXED>(lines, pattern, Slopes::FourthOrder);
+                sweep.advance_lines::<V, MIXED>(lines, pattern, Slopes::FourthOrder);
             }
         }
     }
 }
 
-impl<T: Real> Lines<'_, T> {
+impl<T: Real> SweepLines<'_, T> {
     /// Sweeps the lines with an instruction set: consecutive lines of one and the same pattern together, and
     /// consecutive lines of several patterns together.
-    pub(super) fn walk(mut self, instructions: Instructions) {
+    pub(super) fn sweep_path(mut self, instructions: InstructionSet) {
         let lines = self.carried.len() / self.waves.len().max(1);
         // A single pattern: skip the lookup and its memory traffic.
-        let own = |lines: &Self, line: usize| match lines.table.is_of_one_pattern() {
+        let line_pattern = |lines: &Self, line: usize| match lines.table.has_single_pattern() {
             true => Some(0),
-            false => lines.own_pattern(line),
+            false => lines.uniform_pattern(line),
         };
         let mut start = 0;
-        let mut next = (lines > 0).then(|| own(&self, 0));
+        let mut next = (lines > 0).then(|| line_pattern(&self, 0));
         while let Some(pattern) = next {
             let mut end = start;
             while next == Some(pattern) {
                 end += 1;
-                next = (end < lines).then(|| own(&self, end));
+                next = (end < lines).then(|| line_pattern(&self, end));
             }
-            let (all, lines) = (&mut self, start..end);
+            let (sweep, lines) = (&mut self, start..end);
             match pattern {
-                Some(pattern) => instructions.run(Advance::<T, false> { all, lines, pattern }),
-                None => instructions.run(Advance::<T, true> { all, lines, pattern: 0 }),
+                Some(pattern) => {
+                    instructions.run_kernel(SweepKernel::<T, false> { sweep, lines, pattern })
+                }
+                None => {
+                    instructions.run_kernel(SweepKernel::<T, true> { sweep, lines, pattern: 0 })
+                }
             }
             start = end;
         }
     }
 
     /// Returns the pattern of a line that has the same pattern everywhere, ghosts included; else `None`.
-    fn own_pattern(&self, line: usize) -> Option<u32> {
-        let offset = line * self.across.group;
+    fn uniform_pattern(&self, line: usize) -> Option<u32> {
+        let offset = line * self.line_stride.group;
         let pattern = |place: usize| self.patterns[self.path[place].group + offset];
-        let own = pattern(0);
-        if self.patterns[self.previous_group.group + offset] != own {
+        let first_pattern = pattern(0);
+        if self.patterns[self.previous_group.group + offset] != first_pattern {
             return None;
         }
         // The last groups may be ghosts, which `run_lengths` does not cover.
-        if (1..=GHOSTS).any(|behind| pattern(self.path.len() - behind) != own) {
+        if (1..=GHOSTS).any(|depth| pattern(self.path.len() - depth) != first_pattern) {
             return None;
         }
         let mut place = 0;
         while place + 2 < self.path.len() {
-            if pattern(place + 1) != own {
+            if pattern(place + 1) != first_pattern {
                 return None;
             }
             place += usize::from(self.run_lengths[self.path[place].group + offset]).max(1);
         }
-        Some(own)
+        Some(first_pattern)
     }
 
     /// Sweeps adjacent lines of one and the same pattern, or `MIXED`.
@@ -199,15 +203,15 @@ impl<T: Real> Lines<'_, T> {
     ) {
         for index in 0..self.waves.len() {
             if let Some(rows) = &self.rows {
-                rows.fill::<V>(self.data, &self.waves[index], index, lines.clone());
+                rows.fill_ghosts::<V>(self.field_data, &self.waves[index], index, lines.clone());
             }
             // One compiled loop for each number of passive stresses, of which Hooke's law has at most two.
             let lines = lines.clone();
             debug_assert!(self.waves[index].passive_stresses.len() <= 2);
             match self.waves[index].passive_stresses.len() {
-                0 => self.advance::<V, 0, MIXED>(lines, index, pattern, slopes),
-                1 => self.advance::<V, 1, MIXED>(lines, index, pattern, slopes),
-                _ => self.advance::<V, 2, MIXED>(lines, index, pattern, slopes),
+                0 => self.sweep_pair::<V, 0, MIXED>(lines, index, pattern, slopes),
+                1 => self.sweep_pair::<V, 1, MIXED>(lines, index, pattern, slopes),
+                _ => self.sweep_pair::<V, 2, MIXED>(lines, index, pattern, slopes),
             }
         }
     }
@@ -215,14 +219,14 @@ impl<T: Real> Lines<'_, T> {
     /// Returns the range of distances, from a group of the path, of the fields that a pair of waves prefetches into L2.
     #[inline(always)]
     fn prefetch_l2_range(&self, index: usize) -> Range<usize> {
-        let (behind, Range { start, end }) = self.later;
-        let first = index * self.fields.div_ceil(self.waves.len());
-        behind + (first + start) * self.pitch..behind + (first + end) * self.pitch
+        let (distance, Range { start, end }) = self.prefetch_l2_fields;
+        let first = index * self.field_count.div_ceil(self.waves.len());
+        distance + (first + start) * self.pitch..distance + (first + end) * self.pitch
     }
 
     /// Loads the coupling ratios of the passive stresses of a pair of waves.
     #[inline(always)]
-    fn ratios<V: Vector<T>, const PASSIVE: usize>(
+    fn load_ratios<V: Vector<T>, const PASSIVE: usize>(
         &self,
         pattern: u32,
         wave: &WavePair,
@@ -230,24 +234,27 @@ impl<T: Real> Lines<'_, T> {
         // No closure: closures are not inlined into the target-feature function and lose its SIMD instructions.
         let mut ratios = [V::ZERO; PASSIVE];
         for (passive, ratio) in ratios.iter_mut().enumerate() {
-            *ratio = V::load(self.table.ratio(pattern, wave, passive));
+            *ratio = V::load(self.table.coupling_ratio(pattern, wave, passive));
         }
         ratios
     }
 
     #[inline(always)]
-    fn read<V: Vector<T>, const PASSIVE: usize>(
+    fn load_state<V: Vector<T>, const PASSIVE: usize>(
         &self,
-        places: &Places<PASSIVE>,
-        data: usize,
+        offsets: &FieldOffsets<PASSIVE>,
+        start: usize,
     ) -> State<V> {
-        let group = &self.data[data..][..places.extent];
-        State { velocity: V::load(&group[places.velocity]), stress: V::load(&group[places.stress]) }
+        let group = &self.field_data[start..][..offsets.extent];
+        State {
+            velocity: V::load(&group[offsets.velocity]),
+            stress: V::load(&group[offsets.stress]),
+        }
     }
 
     /// Sweeps a pair of waves along lines, of one pattern or `MIXED`.
     #[inline(always)]
-    fn advance<V: Vector<T>, const PASSIVE: usize, const MIXED: bool>(
+    fn sweep_pair<V: Vector<T>, const PASSIVE: usize, const MIXED: bool>(
         &mut self,
         lines: Range<usize>,
         index: usize,
@@ -255,80 +262,82 @@ impl<T: Real> Lines<'_, T> {
         slopes: Slopes,
     ) {
         let wave = &self.waves[index];
-        let extent = (self.fields - 1) * self.pitch + 1;
-        let places = Places {
+        let extent = (self.field_count - 1) * self.pitch + 1;
+        let offsets = FieldOffsets {
             velocity: wave.velocity,
             stress: wave.stress,
             passive_stresses: std::array::from_fn(|index| wave.passive_stresses[index]),
             extent,
-            later: self.prefetch_l2_range(index),
+            prefetch_l2_fields: self.prefetch_l2_range(index),
         };
         // Checks the offsets once, not in every group.
-        assert!(places.velocity < extent && places.stress < extent);
-        assert!(places.passive_stresses.iter().all(|place| *place < extent));
+        assert!(offsets.velocity < extent && offsets.stress < extent);
+        assert!(offsets.passive_stresses.iter().all(|place| *place < extent));
         let (path, patterns, steps) = (self.path, self.patterns, self.path.len() - 2);
-        let mut cell: CellConstants<V> = CellConstants::load(self.table.cell(pattern, wave));
+        let mut cell: CellConstants<V> = CellConstants::load(self.table.constants(pattern, wave));
         for line in lines {
             let slot = line * self.waves.len() + index;
-            let offset = GroupIndex { group: 0, data: 0 }.of_line(line, self.across);
-            if !self.begins {
-                prefetch(self.carried, slot + self.next * self.waves.len(), true);
+            let offset = GroupIndex { group: 0, start: 0 }.shift_to_line(line, self.line_stride);
+            if !self.is_line_start {
+                prefetch(self.carried, slot + self.prefetch_l1_distance * self.waves.len(), true);
             }
-            for stop in &path[..2] {
-                let group = &self.data[stop.data + offset.data..][..extent];
-                prefetch(group, self.next + places.velocity, true);
-                prefetch(group, self.next + places.stress, true);
+            for group_index in &path[..2] {
+                let group = &self.field_data[group_index.start + offset.start..][..extent];
+                prefetch(group, self.prefetch_l1_distance + offsets.velocity, true);
+                prefetch(group, self.prefetch_l1_distance + offsets.stress, true);
             }
-            let mut farther = pattern;
+            let mut outer_pattern = pattern;
             if MIXED {
-                farther = patterns[self.previous_group.group + offset.group];
+                outer_pattern = patterns[self.previous_group.group + offset.group];
                 pattern = patterns[path[0].group + offset.group];
-                cell = CellConstants::load(self.table.cell(pattern, wave));
+                cell = CellConstants::load(self.table.constants(pattern, wave));
             }
-            let last: State<V> = self.read(&places, path[0].data + offset.data);
-            let here: State<V> = self.read(&places, path[1].data + offset.data);
-            let carried = match self.begins {
-                true => Carried::empty(),
-                false => Carried::load(&self.carried[slot]),
+            let previous: State<V> = self.load_state(&offsets, path[0].start + offset.start);
+            let current: State<V> = self.load_state(&offsets, path[1].start + offset.start);
+            let carried = match self.is_line_start {
+                true => CarriedState::new(),
+                false => CarriedState::load(&self.carried[slot]),
             };
-            let mut stencil = StencilState::of([last, here], &cell, carried, slopes);
+            let mut stencil = StencilState::new([previous, current], &cell, carried, slopes);
             let mut place = 0;
             loop {
-                let ratios: [V; PASSIVE] = self.ratios(pattern, wave);
+                let ratios: [V; PASSIVE] = self.load_ratios(pattern, wave);
                 while place < steps
                     && (!MIXED
-                        || (farther == pattern
+                        || (outer_pattern == pattern
                             && patterns[path[place + 1].group + offset.group] == pattern
                             && patterns[path[place + 2].group + offset.group] == pattern))
                 {
-                    let stops =
-                        [path[place].data + offset.data, path[place + 2].data + offset.data];
-                    let media = Media::Same(&cell, &ratios);
-                    self.advance_group(&places, &mut stencil, stops, media, slopes);
+                    let group_starts =
+                        [path[place].start + offset.start, path[place + 2].start + offset.start];
+                    let media = StencilMedia::Uniform(&cell, &ratios);
+                    self.advance_group(&offsets, &mut stencil, group_starts, media, slopes);
                     place += 1;
                 }
                 // The following code is not compiled for lines of one pattern.
                 if !MIXED || place == steps {
                     break;
                 }
-                let stops = [path[place].data + offset.data, path[place + 2].data + offset.data];
-                let first: CellConstants<V> = CellConstants::load(self.table.cell(farther, wave));
+                let group_starts =
+                    [path[place].start + offset.start, path[place + 2].start + offset.start];
+                let first: CellConstants<V> =
+                    CellConstants::load(self.table.constants(outer_pattern, wave));
                 let (cell_behind, pattern_behind) = (cell, pattern);
-                farther = pattern;
+                outer_pattern = pattern;
                 pattern = patterns[path[place + 1].group + offset.group];
-                cell = CellConstants::load(self.table.cell(pattern, wave));
+                cell = CellConstants::load(self.table.constants(pattern, wave));
                 let next = patterns[path[place + 2].group + offset.group];
-                let next: CellConstants<V> = CellConstants::load(self.table.cell(next, wave));
+                let next: CellConstants<V> = CellConstants::load(self.table.constants(next, wave));
                 let media =
-                    Media::Other([&first, &cell_behind, &cell, &next], pattern_behind, wave);
-                self.advance_group(&places, &mut stencil, stops, media, slopes);
+                    StencilMedia::Mixed([&first, &cell_behind, &cell, &next], pattern_behind, wave);
+                self.advance_group(&offsets, &mut stencil, group_starts, media, slopes);
                 place += 1;
             }
             if let Some(rows) = &self.rows {
-                rows.clear(self.data, places.velocity, line);
-                rows.clear(self.data, places.stress, line);
-                for place in places.passive_stresses {
-                    rows.clear(self.data, place, line);
+                rows.clear_padding(self.field_data, offsets.velocity, line);
+                rows.clear_padding(self.field_data, offsets.stress, line);
+                for place in offsets.passive_stresses {
+                    rows.clear_padding(self.field_data, place, line);
                 }
             } else {
                 stencil.carried.store(&mut self.carried[slot]);
@@ -340,114 +349,130 @@ impl<T: Real> Lines<'_, T> {
     #[inline(always)]
     fn advance_group<V: Vector<T>, const PASSIVE: usize>(
         &mut self,
-        places: &Places<PASSIVE>,
+        offsets: &FieldOffsets<PASSIVE>,
         stencil: &mut StencilState<V>,
-        [behind, next]: [usize; 2],
-        media: Media<'_, V, PASSIVE>,
+        [previous_data, next_data]: [usize; 2],
+        media: StencilMedia<'_, V, PASSIVE>,
         slopes: Slopes,
     ) {
-        let &Places { velocity, stress, passive_stresses, extent, ref later } = places;
-        let group = &self.data[next..][..extent];
-        prefetch(group, self.next + velocity, true);
-        prefetch(group, self.next + stress, true);
-        let mut place = later.start;
-        while place < later.end {
+        let &FieldOffsets { velocity, stress, passive_stresses, extent, ref prefetch_l2_fields } =
+            offsets;
+        let group = &self.field_data[next_data..][..extent];
+        prefetch(group, self.prefetch_l1_distance + velocity, true);
+        prefetch(group, self.prefetch_l1_distance + stress, true);
+        let mut place = prefetch_l2_fields.start;
+        while place < prefetch_l2_fields.end {
             prefetch(group, place, false);
             place += self.pitch;
         }
-        let next: State<V> = self.read(places, next);
+        let next: State<V> = self.load_state(offsets, next_data);
         let [cell_behind, cell] = match media {
-            Media::Same(cell, _) => [cell; 2],
-            Media::Other([_, behind, cell, _], ..) => [behind, cell],
+            StencilMedia::Uniform(cell, _) => [cell; 2],
+            StencilMedia::Mixed([_, lower_stencil, cell, _], ..) => [lower_stencil, cell],
         };
-        let waves = RiemannInvariants::of(next, cell);
-        let StencilState { carried, last, here, own, behind: waves_behind } = *stencil;
-        let ahead = slopes.ahead(own, waves);
-        let (reach, known) = match media {
-            Media::Same(..) => slopes.face_values(carried.known, own, [waves_behind, ahead], cell),
-            Media::Other(cells, ..) => {
-                slopes.face_values_between_media(carried.known, [last, here, next], cells)
-            }
+        let waves = RiemannInvariants::from_state(next, cell);
+        let StencilState { carried, previous, current, invariants, lower_stencil: waves_behind } =
+            *stencil;
+        let upper_stencil = slopes.upper_stencil(invariants, waves);
+        let (reach, stencil_data) = match media {
+            StencilMedia::Uniform(..) => slopes.face_values(
+                carried.stencil_data,
+                invariants,
+                [waves_behind, upper_stencil],
+                cell,
+            ),
+            StencilMedia::Mixed(cells, ..) => slopes.face_values_in_mixed_media(
+                carried.stencil_data,
+                [previous, current, next],
+                cells,
+            ),
         };
         let [lower_face, beyond] = match media {
-            Media::Same(..) => [InterfaceState::riemann_equal_impedance(reach); 2],
-            Media::Other(..) => {
+            StencilMedia::Uniform(..) => [InterfaceState::riemann_equal_impedance(reach); 2],
+            StencilMedia::Mixed(..) => {
                 InterfaceState::riemann([cell_behind.impedance, cell.impedance], reach)
             }
         };
-        let moved = updated(last, [carried.lower_face, lower_face], cell_behind);
-        let group = &mut self.data[behind..][..extent];
+        let moved = update_cell(previous, [carried.lower_face, lower_face], cell_behind);
+        let group = &mut self.field_data[previous_data..][..extent];
         for place in passive_stresses {
-            prefetch(group, self.next + place, true);
+            prefetch(group, self.prefetch_l1_distance + place, true);
         }
         moved.velocity.store(&mut group[velocity]);
         moved.stress.store(&mut group[stress]);
         if PASSIVE > 0 {
-            let change = moved.stress - last.stress;
+            let change = moved.stress - previous.stress;
             for (passive, place) in passive_stresses.into_iter().enumerate() {
                 let ratio = match media {
-                    Media::Same(_, ratios) => ratios[passive],
-                    Media::Other(_, pattern, wave) => {
-                        V::load(self.table.ratio(pattern, wave, passive))
+                    StencilMedia::Uniform(_, ratios) => ratios[passive],
+                    StencilMedia::Mixed(_, pattern, wave) => {
+                        V::load(self.table.coupling_ratio(pattern, wave, passive))
                     }
                 };
                 (V::load(&group[place]) + ratio * change).store(&mut group[place]);
             }
         }
-        let carried = Carried { known, lower_face: beyond };
+        let carried = CarriedState { stencil_data, lower_face: beyond };
         *stencil = match media {
-            Media::Same(..) => {
-                let behind = slopes.behind(own, waves);
-                StencilState { carried, last: here, here: next, own: waves, behind }
+            StencilMedia::Uniform(..) => {
+                let lower_stencil = slopes.lower_stencil(invariants, waves);
+                StencilState {
+                    carried,
+                    previous: current,
+                    current: next,
+                    invariants: waves,
+                    lower_stencil,
+                }
             }
-            Media::Other(..) => StencilState::of([here, next], cell, carried, slopes),
+            StencilMedia::Mixed(..) => StencilState::new([current, next], cell, carried, slopes),
         };
     }
 }
 
 /// Materials of the stencil: of the current group and of the previous and next groups of the line.
 #[derive(Clone, Copy)]
-enum Media<'a, V, const PASSIVE: usize> {
+enum StencilMedia<'a, V, const PASSIVE: usize> {
     /// One medium: its constants, and the coupling ratios of the passive stresses.
-    Same(&'a CellConstants<V>, &'a [V; PASSIVE]),
+    Uniform(&'a CellConstants<V>, &'a [V; PASSIVE]),
     /// Several media: constants of groups i − 2, i − 1, i (current) and i + 1. Coupling ratios are loaded on demand
     /// from the pattern of group i − 1 and the wave, to save registers.
-    Other([&'a CellConstants<V>; 4], u32, &'a WavePair),
+    Mixed([&'a CellConstants<V>; 4], u32, &'a WavePair),
 }
 
 /// Offsets of the fields of a pair of waves in a group.
-struct Places<const PASSIVE: usize> {
+struct FieldOffsets<const PASSIVE: usize> {
     velocity: usize,
     stress: usize,
     passive_stresses: [usize; PASSIVE],
     /// Upper bound of the offsets.
     extent: usize,
     /// Offsets of the fields that are prefetched into L2.
-    later: Range<usize>,
+    prefetch_l2_fields: Range<usize>,
 }
 
 /// State of the stencil: of the current and the previous group.
 #[derive(Clone, Copy)]
 struct StencilState<V> {
-    carried: Carried<V>,
-    last: State<V>,
-    here: State<V>,
+    carried: CarriedState<V>,
+    previous: State<V>,
+    current: State<V>,
     /// Invariants of the current group.
-    own: RiemannInvariants<V>,
-    /// Stencil data of the previous group: see [`Slopes::behind`].
-    behind: RiemannInvariants<V>,
+    invariants: RiemannInvariants<V>,
+    /// Stencil data of the previous group: see [`Slopes::lower_stencil`].
+    lower_stencil: RiemannInvariants<V>,
 }
 
 impl<V: Number> StencilState<V> {
     #[inline(always)]
-    fn of(
-        [last, here]: [State<V>; 2],
+    fn new(
+        [previous, current]: [State<V>; 2],
         cell: &CellConstants<V>,
-        carried: Carried<V>,
+        carried: CarriedState<V>,
         slopes: Slopes,
     ) -> Self {
-        let own = RiemannInvariants::of(here, cell);
-        let behind = slopes.behind(RiemannInvariants::of(last, cell), own);
-        Self { carried, last, here, own, behind }
+        let invariants = RiemannInvariants::from_state(current, cell);
+        let lower_stencil =
+            slopes.lower_stencil(RiemannInvariants::from_state(previous, cell), invariants);
+        Self { carried, previous, current, invariants, lower_stencil }
     }
 }

@@ -7,16 +7,16 @@
 //!
 //! If a domain is cut along an axis, or periodic along the last one, it has a halo of
 //! [`HALO`](crate::solid::line::HALO) cells for each step of a pass, and [`GHOSTS`] more along the first axis for
-//! alternating sweeps. Cell indices count all cells, halo included, unless they are called own cells.
+//! alternating sweeps. Cell indices count all cells, halo included, unless they are called owned cells.
 
-use crate::simd::{Group, Real};
+use crate::simd::{LaneGroup, Real};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use std::cmp::Ordering;
 use std::ops::Range;
 
 /// Largest number of groups of a row that pass the middle of a step together, so that their layers stay in the cache.
-const SEGMENT: usize = 32;
+const MAX_SEGMENT_GROUPS: usize = 32;
 
 /// Adjacent groups of a row, the same in all layers.
 pub(super) struct RowSegment {
@@ -26,8 +26,8 @@ pub(super) struct RowSegment {
 
 impl RowSegment {
     /// Splits a row of `groups` groups into segments of nearly equal length.
-    pub(super) fn of_row(row: usize, groups: usize) -> impl Iterator<Item = Self> {
-        let length = groups.div_ceil(groups.div_ceil(SEGMENT));
+    pub(super) fn split_row(row: usize, groups: usize) -> impl Iterator<Item = Self> {
+        let length = groups.div_ceil(groups.div_ceil(MAX_SEGMENT_GROUPS));
         let starts = (0..groups).step_by(length);
         starts.map(move |start| Self { row, groups: start..groups.min(start + length) })
     }
@@ -39,14 +39,17 @@ pub(crate) struct GroupIndex {
     /// Index of the group among all groups.
     pub(crate) group: usize,
     /// Index of its first field in the data; the other fields follow at multiples of the pitch.
-    pub(crate) data: usize,
+    pub(crate) start: usize,
 }
 
 impl GroupIndex {
-    /// Returns the same group of the line number `line`, where lines are `across` apart.
+    /// Returns the same group of the line number `line`, where lines are `line_stride` apart.
     #[inline(always)]
-    pub(crate) fn of_line(self, line: usize, across: Self) -> Self {
-        Self { group: self.group + line * across.group, data: self.data + line * across.data }
+    pub(crate) fn shift_to_line(self, line: usize, line_stride: Self) -> Self {
+        Self {
+            group: self.group + line * line_stride.group,
+            start: self.start + line * line_stride.start,
+        }
     }
 }
 
@@ -56,13 +59,13 @@ pub(super) struct Layout<const D: usize> {
     /// Number of cells along each axis, halo included.
     pub(super) cells: [usize; D],
     /// Own cells along each axis, as ranges of the cells with the halo.
-    pub(super) own: [Range<usize>; D],
-    /// By group of a row, mask of the lanes that hold own cells along the first axis.
-    pub(super) own_lanes: Vec<u16>,
-    /// Whether the halo along the last axis is filled from the own layers (periodic, not cut).
-    pub(super) periodic_in_place: bool,
+    pub(super) owned: [Range<usize>; D],
+    /// By group of a row, mask of the lanes that hold owned cells along the first axis.
+    pub(super) owned_lanes: Vec<u16>,
+    /// Whether the halo along the last axis is filled from the owned layers (periodic, not cut).
+    pub(super) is_periodic_in_place: bool,
     /// Number of fields.
-    pub(super) fields: usize,
+    pub(super) field_count: usize,
     /// Number of groups of a row.
     pub(super) groups: usize,
     /// Distance between two fields of a row, in groups: the offset of a field is its index times this pitch.
@@ -89,150 +92,156 @@ impl<const D: usize> Layout<D> {
         self.cells[D - 1]
     }
 
-    /// Returns the own layers as a range of all layers.
-    pub(super) fn own_layers(&self) -> Range<usize> {
-        self.own[D - 1].clone()
+    /// Returns the owned layers as a range of all layers.
+    pub(super) fn owned_layers(&self) -> Range<usize> {
+        self.owned[D - 1].clone()
     }
 
     /// Returns the widths of the lower and the upper halo along an axis, in cells.
     pub(super) fn halo(&self, axis: usize) -> [usize; 2] {
-        [self.own[axis].start, self.cells[axis] - self.own[axis].end]
+        [self.owned[axis].start, self.cells[axis] - self.owned[axis].end]
     }
 
     /// Returns the cells in a box, first axis fastest.
-    pub(super) fn cells_in(&self, ranges: &[Range<usize>; D]) -> impl Iterator<Item = usize> {
+    pub(super) fn cells_in_box(&self, ranges: &[Range<usize>; D]) -> impl Iterator<Item = usize> {
         let counts = ranges.each_ref().map(ExactSizeIterator::len);
         let (first, cells) = (ranges.each_ref().map(|range| range.start), self.cells);
-        (0..counts.iter().product()).map(move |index| box_cell(index, &counts, &first, &cells))
+        (0..counts.iter().product()).map(move |index| cell_in_box(index, &counts, &first, &cells))
     }
 
-    /// Returns the own cells as indices of all cells, first axis fastest.
-    pub(super) fn own_cells(&self) -> impl Iterator<Item = usize> {
-        self.cells_in(&self.own)
+    /// Returns the owned cells as indices of all cells, first axis fastest.
+    pub(super) fn owned_cells(&self) -> impl Iterator<Item = usize> {
+        self.cells_in_box(&self.owned)
     }
 
     /// Returns the box of cells that are sent at an end of an axis, or of those that are received: all cells along
-    /// lower axes, own cells along higher axes, so that edges and corners are filled by successive exchanges.
-    pub(super) fn strip(&self, axis: usize, end: usize, is_sent: bool) -> [Range<usize>; D] {
-        let (own, width) = (self.own[axis].clone(), self.halo(axis)[end]);
+    /// lower axes, owned cells along higher axes, so that edges and corners are filled by successive exchanges.
+    pub(super) fn halo_box(&self, axis: usize, end: usize, is_sent: bool) -> [Range<usize>; D] {
+        let (owned, width) = (self.owned[axis].clone(), self.halo(axis)[end]);
         let along = match (end, is_sent) {
-            (0, true) => own.start..own.start + width,
-            (0, false) => own.start - width..own.start,
-            (_, true) => own.end - width..own.end,
-            (_, false) => own.end..own.end + width,
+            (0, true) => owned.start..owned.start + width,
+            (0, false) => owned.start - width..owned.start,
+            (_, true) => owned.end - width..owned.end,
+            (_, false) => owned.end..owned.end + width,
         };
         std::array::from_fn(|other| match other.cmp(&axis) {
             Ordering::Less => 0..self.cells[other],
             Ordering::Equal => along.clone(),
-            Ordering::Greater => self.own[other].clone(),
+            Ordering::Greater => self.owned[other].clone(),
         })
     }
 
-    /// Converts the index of an own cell to its index among all cells.
-    pub(super) fn own_cell(&self, number: usize) -> usize {
-        let counts = self.own.each_ref().map(ExactSizeIterator::len);
-        box_cell(number, &counts, &self.own.each_ref().map(|range| range.start), &self.cells)
+    /// Converts the index of an owned cell to its index among all cells.
+    pub(super) fn local_cell(&self, owned_index: usize) -> usize {
+        let counts = self.owned.each_ref().map(ExactSizeIterator::len);
+        cell_in_box(
+            owned_index,
+            &counts,
+            &self.owned.each_ref().map(|range| range.start),
+            &self.cells,
+        )
     }
 
-    /// Converts the index of a cell among all cells to that among own cells; `None` for a cell of the halo.
-    pub(super) fn own_number(&self, cell: usize) -> Option<usize> {
-        let (mut rest, mut number, mut stride) = (cell, 0, 1);
-        for (own, count) in self.own.iter().zip(self.cells) {
-            let place = rest % count;
-            if !own.contains(&place) {
+    /// Converts the index of a cell among all cells to that among owned cells; `None` for a cell of the halo.
+    pub(super) fn owned_index(&self, cell: usize) -> Option<usize> {
+        let (mut rest, mut owned_index, mut stride) = (cell, 0, 1);
+        for (owned, count) in self.owned.iter().zip(self.cells) {
+            let position = rest % count;
+            if !owned.contains(&position) {
                 return None;
             }
-            number += (place - own.start) * stride;
-            (rest, stride) = (rest / count, stride * own.len());
+            owned_index += (position - owned.start) * stride;
+            (rest, stride) = (rest / count, stride * owned.len());
         }
-        Some(number)
+        Some(owned_index)
     }
 
-    /// Returns the rows, counted over all layers, that have own cells.
-    pub(super) fn own_rows(&self) -> impl Iterator<Item = usize> {
-        let rows = if D == 2 { 0..1 } else { self.own[1].clone() };
+    /// Returns the rows, counted over all layers, that have owned cells.
+    pub(super) fn owned_rows(&self) -> impl Iterator<Item = usize> {
+        let rows = if D == 2 { 0..1 } else { self.owned[1].clone() };
         let of_layer = move |layer: usize| rows.clone().map(move |row| layer * self.rows + row);
-        self.own_layers().flat_map(of_layer)
+        self.owned_layers().flat_map(of_layer)
     }
 
-    /// Whether a row of a layer has own cells.
-    pub(super) fn is_own_row(&self, layer: usize, row: usize) -> bool {
-        self.own_layers().contains(&layer) && (D == 2 || self.own[1].contains(&row))
+    /// Whether a row of a layer has owned cells.
+    pub(super) fn is_owned_row(&self, layer: usize, row: usize) -> bool {
+        self.owned_layers().contains(&layer) && (D == 2 || self.owned[1].contains(&row))
     }
 
     /// Returns the distance between two rows in the data, in groups.
     #[inline(always)]
     pub(super) fn row_size(&self) -> usize {
-        self.fields * self.pitch
+        self.field_count * self.pitch
     }
 
     /// Returns the index of a group of a row.
     #[inline(always)]
-    pub(super) fn index(&self, row: usize, group: usize) -> GroupIndex {
-        GroupIndex { group: row * self.groups + group, data: row * self.row_size() + group }
+    pub(super) fn group_index(&self, row: usize, group: usize) -> GroupIndex {
+        GroupIndex { group: row * self.groups + group, start: row * self.row_size() + group }
     }
 
     /// Returns group and lane of a cell.
     #[inline(always)]
-    pub(super) fn slot(&self, cell: usize) -> (GroupIndex, usize) {
+    pub(super) fn lane_index(&self, cell: usize) -> (GroupIndex, usize) {
         let length = self.cells[0];
         let (row, x) = (cell / length, cell % length);
-        (self.index(row, x % self.groups), x / self.groups)
+        (self.group_index(row, x % self.groups), x / self.groups)
     }
 
     /// Returns the index of a cell among the lanes of all groups.
-    pub(super) fn lane_of<T: Real>(&self, cell: usize) -> usize {
-        let (index, lane) = self.slot(cell);
+    pub(super) fn flat_lane_index<T: Real>(&self, cell: usize) -> usize {
+        let (index, lane) = self.lane_index(cell);
         index.group * T::Lanes::COUNT + lane
     }
 
     /// Returns the cell in a lane of a group; `None` for a ghost or padding lane.
     #[inline(always)]
-    pub(super) fn cell_of(&self, group: usize, lane: usize) -> Option<usize> {
-        let (row, place) = (group / self.groups, group % self.groups);
-        let x = lane * self.groups + place;
+    pub(super) fn cell_in_lane(&self, group: usize, lane: usize) -> Option<usize> {
+        let (row, position) = (group / self.groups, group % self.groups);
+        let x = lane * self.groups + position;
         (x < self.cells[0]).then(|| row * self.cells[0] + x)
     }
 
     /// Returns the data index of the first group of a segment in a layer, and the indices of its groups.
-    pub(super) fn groups_of(&self, layer: usize, tile: &RowSegment) -> (usize, Range<usize>) {
-        let first = self.index(layer * self.rows + tile.row, tile.groups.start);
-        (first.data, first.group..first.group + tile.groups.len())
+    pub(super) fn segment_groups(&self, layer: usize, tile: &RowSegment) -> (usize, Range<usize>) {
+        let first = self.group_index(layer * self.rows + tile.row, tile.groups.start);
+        (first.start, first.group..first.group + tile.groups.len())
     }
 
     /// Returns the segment that is a whole row.
-    pub(super) fn whole_row(&self, row: usize) -> RowSegment {
+    pub(super) fn row_segment(&self, row: usize) -> RowSegment {
         RowSegment { row, groups: 0..self.groups }
     }
 
     /// Returns the data range of the fields of rows of a layer.
-    pub(super) fn stored(&self, layer: usize, rows: &Range<usize>) -> Range<usize> {
+    pub(super) fn data_range(&self, layer: usize, rows: &Range<usize>) -> Range<usize> {
         let first = layer * self.rows;
         (first + rows.start) * self.row_size()..(first + rows.end) * self.row_size()
     }
 
     /// Whether a layer is in the halo of this domain, or may be in the halo of a neighbour along the last axis.
-    pub(super) fn is_in_a_halo(&self, layer: usize) -> bool {
+    pub(super) fn is_in_any_halo(&self, layer: usize) -> bool {
         let [front, behind] = self.halo(D - 1);
         layer < 2 * front || layer + 2 * behind >= self.layers()
     }
 
     /// Returns the data ranges of the exchanged fields of rows of a layer.
-    pub(super) fn pieces(
+    pub(super) fn exchanged_ranges(
         &self,
         layer: usize,
         rows: &Range<usize>,
     ) -> impl Iterator<Item = Range<usize>> {
         let rows = layer * self.rows + rows.start..layer * self.rows + rows.end;
         let firsts = rows.map(|row| row * self.row_size());
-        let pieces =
-            |first| self.exchanged_fields.iter().map(move |own| first + own.start..first + own.end);
+        let pieces = |first| {
+            self.exchanged_fields.iter().map(move |range| first + range.start..first + range.end)
+        };
         firsts.flat_map(pieces)
     }
 }
 
 /// Converts an index in a box, given by its first cell and its counts, to the index among all cells.
-fn box_cell<const D: usize>(
+fn cell_in_box<const D: usize>(
     mut index: usize,
     counts: &[usize; D],
     first: &[usize; D],
@@ -249,16 +258,16 @@ fn box_cell<const D: usize>(
 
 /// Returns the number of groups of a row of `cells` cells and the ghosts after them: at least [`GHOSTS`], so that a
 /// stencil reaches the adjacent lanes only.
-fn groups<T: Real>(cells: usize) -> usize {
+fn min_groups<T: Real>(cells: usize) -> usize {
     (cells + GHOSTS).div_ceil(T::Lanes::COUNT).max(GHOSTS)
 }
 
 /// Returns the number of groups of a row of `cells` cells. With interlayers at regular distances along rows it is a
 /// multiple of that distance, so that all lanes of a group have an interlayer or none, unless rows became longer by
 /// more than a quarter.
-pub(super) fn groups_of_rows<T: Real, const D: usize>(problem: &Problem<D>, cells: usize) -> usize {
-    let block = problem.interlayers_across(0).map_or(1, |own| own.every);
-    let groups = groups::<T>(cells);
+pub(super) fn groups_per_row<T: Real, const D: usize>(problem: &Problem<D>, cells: usize) -> usize {
+    let block = problem.interlayers_across(0).map_or(1, |interlayers| interlayers.block_cells);
+    let groups = min_groups::<T>(cells);
     let multiple = groups.next_multiple_of(block);
     if multiple <= groups + groups / 4 { multiple } else { groups }
 }
@@ -270,10 +279,10 @@ pub(super) fn pitch(groups: usize) -> usize {
 }
 
 /// Returns the memory of the fields and the material indices of a domain, bytes.
-pub fn memory<T: Real>(cells: &[usize], fields: usize) -> f64 {
+pub fn memory_bytes<T: Real>(cells: &[usize], fields: usize) -> f64 {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();
-    let groups = groups::<T>(length);
+    let groups = min_groups::<T>(length);
     let per_row = pitch(groups) * fields * size_of::<T::Lanes>() + groups * size_of::<u32>();
     count / length as f64 * per_row as f64 + count * size_of::<u16>() as f64
 }

@@ -5,19 +5,19 @@
 //! | `step` | **the time step**: order of sweeps, sources, rotation, relaxation, return mapping |
 //! | `schedule` | wavefront tiling: order in which rows and layers pass the stages of a step |
 //! | `layout` | memory layout of cells and fields |
-//! | `materials`, `table` | media by lane pattern, wave constants and energy coefficients |
-//! | `kernel`, `rows`, `fill` | sweep kernel for many lines in SIMD lanes; ghost cells at the ends of rows and lines |
+//! | `materials`, `material_table` | media by lane pattern, wave constants and energy coefficients |
+//! | `kernel`, `rows`, `ghost_kernels` | sweep kernel for many lines in SIMD lanes; ghosts at the ends of rows and lines |
 //! | `sweep` | sweeps by axis and the work done at boundaries |
-//! | `law`, `local`, `relaxation` | local operators between sweeps: rotation, relaxation, flush of subnormals |
-//! | `correct` | return mapping: dispatch |
+//! | `local_laws`, `local_operators`, `relaxation` | operators between sweeps: rotation, relaxation, flush of subnormals |
+//! | `stress_mapping` | return mapping: dispatch |
 //! | `plastic` | return mapping without initial stress, for one kind of yield set |
 //! | `return_mapping`, `total_stress` | Newton's method for total stresses, reflections and mixed sets; its constants |
 //! | `cell_mapping` | return mapping in lanes of a single cell, for the reference solver |
 //! | `curvilinear` | cell length along rows by layer, rotation by the curvature of rows |
 //! | `sources`, `boundaries` | sources and gravity; boundary conditions |
-//! | `interfaces`, `interlayers` | interlayers: faces and history variables; their input and output |
+//! | `interlayer_faces`, `interlayers` | interlayers: faces and history variables; their input and output |
 //! | `halo` | halo exchange with neighbouring subdomains |
-//! | `complete`, `output`, `diagnostics` | state at the time of the domain, output and records, energy ledger |
+//! | `completion`, `output`, `diagnostics` | state at the time of the domain, output and records, energy ledger |
 //! | `build` | construction of a domain from a [`Problem`] |
 //!
 //! The formulas of a sweep are those of [`crate::solid::line`], which sweeps one line at a time; here sweeps advance
@@ -32,7 +32,7 @@
 //! zero, since subnormal arithmetic is slow on many processors and the tails of waves would be subnormal. The energy
 //! removed is not in the ledger.
 //!
-//! Sums of the ledger are exact and thus independent of the order of summation; each own cell and face enters them
+//! Sums of the ledger are exact and thus independent of the order of summation; each owned cell and face enters them
 //! once.
 //!
 //! If a domain is cut along another axis than the last one, its halo there is exchanged before a pass: see `halo`. If
@@ -42,22 +42,22 @@
 //! before the first tile that includes it. After a pass the values in the halo are arbitrary.
 
 mod boundaries;
+mod buffers;
 mod build;
 mod cell_mapping;
-mod complete;
-mod correct;
+mod completion;
 mod curvilinear;
 mod diagnostics;
-mod fill;
+mod ghost_kernels;
 mod halo;
-mod interfaces;
+mod interlayer_faces;
 mod interlayers;
 mod kernel;
-mod law;
 mod layout;
-mod local;
+mod local_laws;
+mod local_operators;
+mod material_table;
 mod materials;
-mod memory;
 mod output;
 mod plastic;
 mod relaxation;
@@ -67,29 +67,29 @@ mod schedule;
 mod solver_real;
 mod sources;
 mod step;
+mod stress_mapping;
 mod sweep;
-mod table;
 mod total_stress;
 
 pub(crate) use cell_mapping::CellMapping;
-pub(crate) use complete::BOUNDARY_LAYER;
+pub(crate) use completion::{BOUNDARY_LAYER_CELLS, ClosingBoundaries};
 pub use halo::HaloExchange;
-pub use layout::memory;
-pub(crate) use schedule::most_steps;
+pub use layout::memory_bytes;
+pub(crate) use schedule::max_pass_steps;
 pub use solver_real::SolverReal;
 
-use crate::simd::{Group, Instructions, Number};
+use crate::simd::{InstructionSet, LaneGroup, Number};
 use crate::solid::cell_laws::MAX_FIELDS;
 use crate::solid::ledger::{Energy, Ledger, WorkSums};
 use crate::solid::problem::{DomainError, Grid, Problem, Scheme};
 use boundaries::Boundaries;
+use buffers::Buffers;
 use diagnostics::Diagnostics;
-use interfaces::Interfaces;
-use law::LocalLaws;
+use interlayer_faces::LaneInterlayers;
 use layout::Layout;
+use local_laws::LocalLaws;
 use materials::Materials;
-use memory::Buffer;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use schedule::Schedule;
 use sources::Sources;
 
@@ -100,18 +100,18 @@ pub struct Domain<T: SolverReal, const D: usize> {
     /// Time step Δt, s.
     step: f64,
     scheme: Scheme,
-    instructions: Instructions,
+    instructions: InstructionSet,
     layout: Layout<D>,
     schedule: Schedule,
     materials: Materials<T, D>,
-    boundary: Boundaries<T, D>,
+    boundaries: Boundaries<T, D>,
     sources: Sources<D>,
-    law: LocalLaws<T>,
+    local_laws: LocalLaws<T>,
     /// Values by row, field and group; after all rows, ghosts of the lines that are swept.
-    data: Vec<T::Lanes>,
-    interfaces: Interfaces<T, D>,
+    field_data: Vec<T::Lanes>,
+    interfaces: LaneInterlayers<T, D>,
     diagnostics: Diagnostics,
-    buffer: Buffer<T>,
+    buffers: Buffers<T>,
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
@@ -120,29 +120,29 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// # Errors
     /// See [`DomainError`].
     pub fn new(problem: &Problem<D>) -> Result<Self, DomainError> {
-        problem.check()?;
-        let region = problem.uncut_region(1);
-        Ok(Self::of_region(&problem.restricted(&region), &region, 1))
+        problem.validate()?;
+        let region = problem.whole_region(1);
+        Ok(Self::new_unchecked(&problem.restrict_to(&region), &region, 1))
     }
 
     /// Sets the instruction set, by default the widest one; results do not depend on it.
-    pub fn set_instructions(&mut self, instructions: Instructions) {
+    pub fn set_instructions(&mut self, instructions: InstructionSet) {
         self.instructions = instructions;
     }
 
     /// Selects the scalar return mapping, cell by cell, where the mapping in lanes is equal to it to the bit: with
     /// initial stress, for reflections, and for several kinds of yield sets. Results do not depend on it.
     #[doc(hidden)]
-    pub fn map_stresses_one_by_one(&mut self) {
-        self.law.maps_one_by_one = true;
+    pub fn use_scalar_mapping(&mut self) {
+        self.local_laws.uses_scalar_mapping = true;
     }
 
     /// Returns the components of the state.
-    pub fn fields(&self) -> &[Field] {
+    pub fn fields(&self) -> &[SolidField] {
         &self.materials.fields
     }
 
-    /// Returns the grid of own cells.
+    /// Returns the grid of owned cells.
     pub fn grid(&self) -> Grid<D> {
         self.grid
     }
@@ -152,79 +152,86 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.schedule.steps as f64 * self.step
     }
 
-    /// Returns the values of a field in own cells, first axis fastest; `None` if there is no such field.
-    pub fn values(&self, field: Field) -> Option<Vec<T>> {
-        let place = self.place(field)?;
-        Some(self.layout.own_cells().map(|cell| self.at(cell, place)).collect())
+    /// Returns the values of a field in owned cells, first axis fastest; `None` if there is no such field.
+    pub fn values(&self, field: SolidField) -> Option<Vec<T>> {
+        let place = self.field_offset(field)?;
+        Some(self.layout.owned_cells().map(|cell| self.value_at(cell, place)).collect())
     }
 
-    /// Sets the values of a field in own cells, first axis fastest; ignores values without a cell, and leaves cells
+    /// Sets the values of a field in owned cells, first axis fastest; ignores values without a cell, and leaves cells
     /// without a value unchanged.
-    pub fn set(&mut self, field: Field, values: &[T]) {
-        let Some(place) = self.place(field) else { return };
+    pub fn set(&mut self, field: SolidField, values: &[T]) {
+        let Some(place) = self.field_offset(field) else { return };
         let layout = self.layout.clone();
-        for (cell, &value) in layout.own_cells().zip(values) {
-            *self.at_mut(cell, place) = value;
+        for (cell, &value) in layout.owned_cells().zip(values) {
+            *self.value_at_mut(cell, place) = value;
         }
     }
 
     /// Sets the values of a field in all cells, halo included, for which `value` is `Some`.
-    pub(crate) fn set_all(&mut self, field: Field, value: impl Fn(usize) -> Option<T>) {
-        let Some(place) = self.place(field) else { return };
+    pub(crate) fn set_in_all_cells(
+        &mut self,
+        field: SolidField,
+        value: impl Fn(usize) -> Option<T>,
+    ) {
+        let Some(place) = self.field_offset(field) else { return };
         for cell in 0..self.layout.cells.iter().product() {
             if let Some(value) = value(cell) {
-                *self.at_mut(cell, place) = value;
+                *self.value_at_mut(cell, place) = value;
             }
         }
     }
 
     /// Sets all fields to zero, ghosts and padding lanes included, and the history variables of interlayers.
     pub(crate) fn clear(&mut self) {
-        self.data.fill(T::Lanes::ZERO);
-        self.interfaces.memory.fill(T::Lanes::ZERO);
+        self.field_data.fill(T::Lanes::ZERO);
+        self.interfaces.history.fill(T::Lanes::ZERO);
     }
 
-    /// Returns the value of a field in an own cell; `None` if there is no such field or cell.
-    pub fn value(&self, field: Field, cell: usize) -> Option<T> {
-        let cell = (cell < self.grid.count()).then(|| self.layout.own_cell(cell))?;
-        self.place(field).map(|place| self.at(cell, place))
+    /// Returns the value of a field in an owned cell; `None` if there is no such field or cell.
+    pub fn value(&self, field: SolidField, cell: usize) -> Option<T> {
+        let cell = (cell < self.grid.count()).then(|| self.layout.local_cell(cell))?;
+        self.field_offset(field).map(|place| self.value_at(cell, place))
     }
 
-    /// Returns field and own cell of the first value that is not finite; for an interlayer the cell at its upper side.
-    pub fn first_non_finite(&self) -> Option<(Field, usize)> {
-        let is_broken = |cell: &usize| {
-            self.places().find(|(_, place)| !self.at(*cell, *place).to_f64().is_finite())
+    /// Returns field and owned cell of the first value that is not finite; for an interlayer the cell at its upper
+    /// side.
+    pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
+        let non_finite_field = |cell: &usize| {
+            self.field_offsets()
+                .find(|(_, place)| !self.value_at(*cell, *place).to_f64().is_finite())
         };
-        let Some(cell) = self.layout.own_cells().find(|cell| is_broken(cell).is_some()) else {
+        let Some(cell) = self.layout.owned_cells().find(|cell| non_finite_field(cell).is_some())
+        else {
             return self.first_non_finite_interlayer();
         };
-        Some((is_broken(&cell)?.0, self.layout.own_number(cell)?))
+        Some((non_finite_field(&cell)?.0, self.layout.owned_index(cell)?))
     }
 
     /// Returns all fields and their offsets in a row, in groups.
-    fn places(&self) -> impl Iterator<Item = (Field, usize)> {
+    fn field_offsets(&self) -> impl Iterator<Item = (SolidField, usize)> {
         self.fields().iter().copied().zip((0..).step_by(self.layout.pitch))
     }
 
-    fn place(&self, field: Field) -> Option<usize> {
-        self.places().find(|own| own.0 == field).map(|own| own.1)
+    fn field_offset(&self, field: SolidField) -> Option<usize> {
+        self.field_offsets().find(|own| own.0 == field).map(|own| own.1)
     }
 
     #[inline(always)]
-    fn at(&self, cell: usize, place: usize) -> T {
-        let (index, lane) = self.layout.slot(cell);
-        self.data[index.data + place].lanes()[lane]
+    fn value_at(&self, cell: usize, place: usize) -> T {
+        let (index, lane) = self.layout.lane_index(cell);
+        self.field_data[index.start + place].lanes()[lane]
     }
 
     #[inline(always)]
-    fn at_mut(&mut self, cell: usize, place: usize) -> &mut T {
-        let (index, lane) = self.layout.slot(cell);
-        &mut self.data[index.data + place].lanes_mut()[lane]
+    fn value_at_mut(&mut self, cell: usize, place: usize) -> &mut T {
+        let (index, lane) = self.layout.lane_index(cell);
+        &mut self.field_data[index.start + place].lanes_mut()[lane]
     }
 
     /// Returns the energy ledger of all steps so far.
     pub fn ledger(&self) -> Ledger {
-        self.ledger_sums().ledger(self.grid.volume())
+        self.ledger_sums().to_ledger(self.grid.volume())
     }
 
     /// Returns the work over boundary faces and of sources, summed over all steps so far.
@@ -239,8 +246,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Returns the largest number of steps of a pass.
-    pub fn most_steps(&self) -> usize {
-        self.schedule.most_steps
+    pub fn max_pass_steps(&self) -> usize {
+        self.schedule.max_pass_steps
     }
 
     /// Returns the number of completed steps.
@@ -250,6 +257,6 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Returns the energy of the deviation from the initial stress.
     pub fn energy(&self) -> Energy {
-        self.energy_sums().energy(self.grid.volume())
+        self.energy_sums().to_energy(self.grid.volume())
     }
 }

@@ -1,58 +1,58 @@
 //! Output of a domain: fields of cells at the time of the domain, records of watched cells, sums by cell.
 
-use super::complete::ClosingBoundaries;
+use super::completion::ClosingBoundaries;
 use super::{Domain, SolverReal};
 
-use crate::solid::cell_laws::combined;
-use crate::solid::medium::{Medium, component};
+use crate::solid::cell_laws::add_scaled;
+use crate::solid::medium::{Medium, stress_component};
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Returns the time integrals of the problem in an own cell, m or rad.
-    pub(crate) fn integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
+    /// Returns the time integrals of the problem in an owned cell, m or rad.
+    pub(crate) fn time_integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
         // Trapezoidal rule: removes half of the last value; alternating sweeps use the midpoint rule.
-        let last = if self.scheme.alternates() { 0.0 } else { 0.5 * self.step };
-        let is_under_way = self.schedule.steps > 0;
-        let cell = self.layout.own_cell(cell);
-        self.diagnostics.integrals.iter().map(move |(place, sums)| match is_under_way {
-            true => sums[cell] - last * self.at(cell, *place).to_f64(),
+        let last = if self.scheme.is_alternating() { 0.0 } else { 0.5 * self.step };
+        let has_steps = self.schedule.steps > 0;
+        let cell = self.layout.local_cell(cell);
+        self.diagnostics.time_integrals.iter().map(move |(place, sums)| match has_steps {
+            true => sums[cell] - last * self.value_at(cell, *place).to_f64(),
             false => 0.0,
         })
     }
 
     /// Returns the number of time integrals by cell.
     pub(crate) fn integral_count(&self) -> usize {
-        self.diagnostics.integrals.len()
+        self.diagnostics.time_integrals.len()
     }
 
-    /// Returns the sums over time by own cell: the lists of [`CellDissipation`], then the time integrals.
+    /// Returns the sums over time by owned cell: the lists of [`CellDissipation`], then the time integrals.
     ///
     /// [`CellDissipation`]: crate::solid::ledger::CellDissipation
-    pub(crate) fn sums(&self) -> Vec<Vec<f64>> {
-        let dissipation = self.diagnostics.dissipation.all();
-        let dissipation = dissipation.map(|sums| self.of_own_lanes(sums).collect());
-        let integrals = self.diagnostics.integrals.iter();
+    pub(crate) fn cell_sums(&self) -> Vec<Vec<f64>> {
+        let dissipation = self.diagnostics.dissipation.lists();
+        let dissipation = dissipation.map(|sums| self.owned_lane_values(sums).collect());
+        let integrals = self.diagnostics.time_integrals.iter();
         let integrals =
-            integrals.map(|(_, sums)| self.layout.own_cells().map(|cell| sums[cell]).collect());
+            integrals.map(|(_, sums)| self.layout.owned_cells().map(|cell| sums[cell]).collect());
         dissipation.into_iter().chain(integrals).collect()
     }
 
-    /// Returns the values of own cells, in their order, from a list by group and lane; none if the list is empty.
-    fn of_own_lanes(&self, values: &[f64]) -> impl Iterator<Item = f64> {
-        let cells = self.layout.own_cells().take(if values.is_empty() { 0 } else { usize::MAX });
-        cells.map(|cell| values[self.layout.lane_of::<T>(cell)])
+    /// Returns the values of owned cells, in their order, from a list by group and lane; none if the list is empty.
+    fn owned_lane_values(&self, values: &[f64]) -> impl Iterator<Item = f64> {
+        let cells = self.layout.owned_cells().take(if values.is_empty() { 0 } else { usize::MAX });
+        cells.map(|cell| values[self.layout.flat_lane_index::<T>(cell)])
     }
 
-    /// Restores the sums that [`Self::sums`] returns.
-    pub(crate) fn set_sums(&mut self, sums: &[Vec<f64>]) {
+    /// Restores the sums that [`Self::cell_sums`] returns.
+    pub(crate) fn set_cell_sums(&mut self, sums: &[Vec<f64>]) {
         let Some((dissipation, integrals)) = sums.split_at_checked(3) else { return };
-        for (own, values) in self.diagnostics.dissipation.all_mut().into_iter().zip(dissipation) {
-            for (cell, &value) in self.layout.own_cells().zip(values) {
-                own[self.layout.lane_of::<T>(cell)] = value;
+        for (own, values) in self.diagnostics.dissipation.lists_mut().into_iter().zip(dissipation) {
+            for (cell, &value) in self.layout.owned_cells().zip(values) {
+                own[self.layout.flat_lane_index::<T>(cell)] = value;
             }
         }
-        for ((_, own), values) in self.diagnostics.integrals.iter_mut().zip(integrals) {
-            for (cell, &value) in self.layout.own_cells().zip(values) {
+        for ((_, own), values) in self.diagnostics.time_integrals.iter_mut().zip(integrals) {
+            for (cell, &value) in self.layout.owned_cells().zip(values) {
                 own[cell] = value;
             }
         }
@@ -60,18 +60,18 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Returns a copy of the domain with its stresses mapped into their yield sets, for output.
     #[must_use]
-    pub fn admissible(&self) -> Self {
-        let mut shown = self.clone();
+    pub fn to_admissible(&self) -> Self {
+        let mut mapped = self.clone();
         for row in 0..self.layout.rows {
-            let tile = self.layout.whole_row(row);
-            shown.correct(&(0..self.layout.layers()), &tile, false);
+            let tile = self.layout.row_segment(row);
+            mapped.apply_return_mapping(&(0..self.layout.layers()), &tile, false);
         }
-        shown.diagnostics.work.clone_from(&self.diagnostics.work);
-        shown.diagnostics.dissipation.clone_from(&self.diagnostics.dissipation);
-        shown
+        mapped.diagnostics.work.clone_from(&self.diagnostics.work);
+        mapped.diagnostics.dissipation.clone_from(&self.diagnostics.dissipation);
+        mapped
     }
 
-    /// Returns the first own cell whose total stress is not in its yield set.
+    /// Returns the first owned cell whose total stress is not in its yield set.
     pub(crate) fn first_beyond_yield(&self) -> Option<usize> {
         (0..self.grid.count()).find(|&cell| {
             let stress = self.total_stress(cell);
@@ -79,22 +79,22 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         })
     }
 
-    /// Sets the own cells, in ascending order, that are recorded after each step from now on.
-    pub(crate) fn watch(&mut self, cells: impl Iterator<Item = usize>) {
-        self.diagnostics.watched = cells.collect();
+    /// Sets the owned cells, in ascending order, that are recorded after each step from now on.
+    pub(crate) fn watch_cells(&mut self, cells: impl Iterator<Item = usize>) {
+        self.diagnostics.watched_cells = cells.collect();
     }
 
     /// Records the watched cells in layers that have completed a step of the pass.
-    pub(super) fn record(&mut self, layers: Range<usize>, step: usize) {
+    pub(super) fn record_watched(&mut self, layers: Range<usize>, step: usize) {
         let mut records = std::mem::take(&mut self.diagnostics.records[step]);
         let [from, to] = [layers.start, layers.end].map(|layer| {
             let is_before =
-                |cell: &usize| self.layout.own_cell(*cell) < layer * self.layout.layer_cells();
-            self.diagnostics.watched.partition_point(is_before)
+                |cell: &usize| self.layout.local_cell(*cell) < layer * self.layout.layer_cells();
+            self.diagnostics.watched_cells.partition_point(is_before)
         });
-        let sides = self.boundary.closing.get(step);
-        for &cell in &self.diagnostics.watched[from..to] {
-            self.output_cell_between(cell, sides, &mut records);
+        let boundaries = self.boundaries.closing_boundaries.get(step);
+        for &cell in &self.diagnostics.watched_cells[from..to] {
+            self.output_cell_with(cell, boundaries, &mut records);
         }
         self.diagnostics.records[step] = records;
     }
@@ -104,33 +104,33 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.records.iter_mut().for_each(|step| records.append(step));
     }
 
-    /// Appends the output of an own cell: all fields, with the total stress (initial stress included) mapped into its
+    /// Appends the output of an owned cell: all fields, with the total stress (initial stress included) mapped into its
     /// yield set, then the time integrals of the problem.
     pub fn output_cell(&self, cell: usize, values: &mut Vec<f64>) {
-        self.output_cell_between(cell, self.closing_boundaries().as_ref(), values);
+        self.output_cell_with(cell, self.closing_boundaries().as_ref(), values);
     }
 
-    /// Appends the output of an own cell as [`Self::output_cell`] does, with boundaries that
+    /// Appends the output of an owned cell as [`Self::output_cell`] does, with boundaries that
     /// [`Self::closing_boundaries`] has returned, to save time for many cells.
-    pub(crate) fn output_cell_between(
+    pub(crate) fn output_cell_with(
         &self,
         cell: usize,
-        sides: Option<&ClosingBoundaries<T>>,
+        boundaries: Option<&ClosingBoundaries<T>>,
         values: &mut Vec<f64>,
     ) {
-        let of_all = self.layout.own_cell(cell);
-        let own = self.completed(of_all, sides);
-        let stress = self.stress_of(&own);
-        let whole = combined(&stress, &self.initial_stress(of_all), 1.0);
-        let stress = self.medium(cell).project(&whole).stress;
+        let local_cell = self.layout.local_cell(cell);
+        let own = self.complete_cell(local_cell, boundaries);
+        let stress = self.stress_from_fields(&own);
+        let trial = add_scaled(&stress, &self.initial_stress(local_cell), 1.0);
+        let stress = self.medium(cell).project(&trial).stress;
         for (&field, value) in self.fields().iter().zip(own) {
-            values.push(component(field, &stress).unwrap_or_else(|| value.to_f64()));
+            values.push(stress_component(field, &stress).unwrap_or_else(|| value.to_f64()));
         }
-        values.extend(self.integrals(cell));
+        values.extend(self.time_integrals(cell));
     }
 
-    /// Returns the medium of an own cell.
+    /// Returns the medium of an owned cell.
     fn medium(&self, cell: usize) -> &Medium {
-        self.materials.of(self.layout.own_cell(cell))
+        self.materials.medium(self.layout.local_cell(cell))
     }
 }

@@ -1,42 +1,44 @@
-//! Relaxation of stress deviators, a local law with memory variables: a sweep treats the solid as unrelaxed at constant
-//! viscous strain, and between sweeps stress and viscous strain relax exactly at constant total strain.
+//! Relaxation of stress deviators, a local law with history variables: a sweep treats the solid as unrelaxed at
+//! constant viscous strain, and between sweeps stress and viscous strain relax exactly at constant total strain.
 //!
 //! Relaxation is applied where the rotation of spins is, over a whole step, or over two halves before and after the
 //! middle, so that the step remains symmetric and of second order. The two commute: relaxation changes the symmetric
 //! deviator only, the rotation the antisymmetric part only. Constants are by lane pattern; a medium without relaxation
-//! has the constants [`Relaxation::NONE`], for which its viscous strain stays zero.
+//! has the constants [`Relaxation::ELASTIC`], for which its viscous strain stays zero.
 
 use super::layout::RowSegment;
 use super::{Domain, SolverReal};
-use crate::simd::{Group, Number, Real, SimdKernel, Vector};
-use crate::solid::cell_laws::{Interval, RelaxedFields, relax, relaxation_over, relaxed_fields};
+use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
+use crate::solid::cell_laws::{
+    Interval, RelaxedFields, find_relaxed_fields, relax, relaxation_coefficients,
+};
 use crate::solid::medium::Medium;
 use models::rheology::relaxation::Relaxation;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 use std::ops::Range;
 
 /// Relaxation laws by lane pattern.
 #[derive(Clone)]
-pub(super) struct Relaxations<T: Real> {
+pub(super) struct LaneRelaxations<T: Real> {
     /// Offsets of the stresses that relax and of their viscous strains.
     fields: RelaxedFields,
     /// `None` if no lane relaxes.
-    by_pattern: Vec<Option<OfPattern<T>>>,
+    by_pattern: Vec<Option<PatternRelaxation<T>>>,
 }
 
 /// Mask of the lanes that relax, and constants over a whole step and over half a step.
-type OfPattern<T> = (u16, [Relaxation<<T as Real>::Lanes>; 2]);
+type PatternRelaxation<T> = (u16, [Relaxation<<T as Real>::Lanes>; 2]);
 
-impl<T: Real> Relaxations<T> {
+impl<T: Real> LaneRelaxations<T> {
     /// Creates the laws; `None` if no medium relaxes. The offset of a field is its index times `pitch`.
     pub(super) fn new(
         media: &[Medium],
         patterns: &[Vec<u16>],
-        fields: &[Field],
+        fields: &[SolidField],
         pitch: usize,
         step: f64,
     ) -> Option<Self> {
-        let (normal, shear) = relaxed_fields(fields)?;
+        let (normal, shear) = find_relaxed_fields(fields)?;
         let normal = normal.map(|own| own.map(|index| index * pitch));
         let shear = shear.into_iter().map(|own| own.map(|index| index * pitch)).collect();
         let by_pattern = patterns.iter().map(|pattern| {
@@ -45,9 +47,14 @@ impl<T: Real> Relaxations<T> {
             let relaxing = (0..pattern.len()).map(relaxes).sum();
             (relaxing != 0).then(|| {
                 let lanes = |value: &dyn Fn(&Medium) -> f64| {
-                    T::Lanes::by_lane(|lane| T::from_f64(value(medium(lane))))
+                    T::Lanes::from_lanes(|lane| T::from_f64(value(medium(lane))))
                 };
-                (relaxing, Interval::both(|part| relaxation_over(lanes, part, step)))
+                (
+                    relaxing,
+                    Interval::evaluate_both(|step_fraction| {
+                        relaxation_coefficients(lanes, step_fraction, step)
+                    }),
+                )
             })
         });
         Some(Self { fields: (normal, shear), by_pattern: by_pattern.collect() })
@@ -57,53 +64,53 @@ impl<T: Real> Relaxations<T> {
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Relaxes stresses over `interval` in a segment of the rows of some layers.
     pub(super) fn relax(&mut self, layers: &Range<usize>, tile: &RowSegment, interval: Interval) {
-        let Some(relaxations) = &self.law.relaxations else { return };
+        let Some(relaxations) = &self.local_laws.relaxations else { return };
         let lanes = T::Lanes::COUNT;
         for layer in layers.clone() {
-            let (first, groups) = self.layout.groups_of(layer, tile);
+            let (first, groups) = self.layout.segment_groups(layer, tile);
             let of_tile = groups.start * lanes..groups.end * lanes;
-            self.instructions.run::<T>(Relax {
-                data: &mut self.data[first..],
+            self.instructions.run_kernel::<T>(RelaxationKernel {
+                field_data: &mut self.field_data[first..],
                 patterns: &self.materials.patterns[groups],
                 relaxations,
                 interval,
-                dissipated: &mut self.diagnostics.dissipation.viscous[of_tile],
+                dissipation: &mut self.diagnostics.dissipation.viscous_dissipation[of_tile],
             });
         }
     }
 }
 
 /// Kernel: relaxation of stresses in adjacent groups of a row.
-struct Relax<'a, T: Real> {
+struct RelaxationKernel<'a, T: Real> {
     /// Data from the first of the groups on.
-    data: &'a mut [T::Lanes],
+    field_data: &'a mut [T::Lanes],
     patterns: &'a [u32],
-    relaxations: &'a Relaxations<T>,
+    relaxations: &'a LaneRelaxations<T>,
     interval: Interval,
     /// Dissipated energy by group and lane, J/m³; added to.
-    dissipated: &'a mut [f64],
+    dissipation: &'a mut [f64],
 }
 
-impl<T: Real> SimdKernel<T> for Relax<'_, T> {
+impl<T: Real> SimdKernel<T> for RelaxationKernel<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         match self.relaxations.fields.1.as_slice() {
-            [first] => self.each::<V, 1>([*first]),
-            [first, second, third] => self.each::<V, 3>([*first, *second, *third]),
+            [first] => self.relax_groups::<V, 1>([*first]),
+            [first, second, third] => self.relax_groups::<V, 3>([*first, *second, *third]),
             _ => debug_assert!(false, "one shear stress in plane strain, three in space"),
         }
     }
 }
 
-impl<T: Real> Relax<'_, T> {
+impl<T: Real> RelaxationKernel<'_, T> {
     #[inline(always)]
-    fn each<V: Vector<T>, const SHEARS: usize>(self, shear_places: [[usize; 3]; SHEARS]) {
-        let Relaxations { fields: (normal_places, _), by_pattern } = self.relaxations;
+    fn relax_groups<V: Vector<T>, const SHEARS: usize>(self, shear_places: [[usize; 3]; SHEARS]) {
+        let LaneRelaxations { fields: (normal_places, _), by_pattern } = self.relaxations;
         let count = T::Lanes::COUNT;
         for (index, &pattern) in self.patterns.iter().enumerate() {
             let Some((lanes, constants)) = &by_pattern[pattern as usize] else { continue };
-            let constants = load::<T, V>(&constants[self.interval as usize]);
-            let group = &mut self.data[index..];
+            let constants = load_relaxation::<T, V>(&constants[self.interval as usize]);
+            let group = &mut self.field_data[index..];
             let (mut normal, mut shear) = ([[V::ZERO; 2]; 3], [[V::ZERO; 3]; SHEARS]);
             for (values, &[own, viscous]) in normal.iter_mut().zip(normal_places) {
                 *values = [V::load(&group[own]), V::load(&group[viscous])];
@@ -111,19 +118,19 @@ impl<T: Real> Relax<'_, T> {
             for (values, &[one, other, viscous]) in shear.iter_mut().zip(&shear_places) {
                 *values = [V::load(&group[one]), V::load(&group[other]), V::load(&group[viscous])];
             }
-            let lost = relax(&constants, &mut normal, &mut shear);
+            let energy_loss = relax(&constants, &mut normal, &mut shear);
             for (values, &[own, viscous]) in normal.iter().zip(normal_places) {
-                put_lanes(group, own, *lanes, values[0]);
-                put_lanes(group, viscous, *lanes, values[1]);
+                store_lanes(group, own, *lanes, values[0]);
+                store_lanes(group, viscous, *lanes, values[1]);
             }
             for (values, &[one, other, viscous]) in shear.iter().zip(&shear_places) {
-                put_lanes(group, one, *lanes, values[0]);
-                put_lanes(group, other, *lanes, values[1]);
-                put_lanes(group, viscous, *lanes, values[2]);
+                store_lanes(group, one, *lanes, values[0]);
+                store_lanes(group, other, *lanes, values[1]);
+                store_lanes(group, viscous, *lanes, values[2]);
             }
             let mut of_lanes = T::Lanes::ZERO;
-            V::ZERO.with_lanes(*lanes, lost).store(&mut of_lanes);
-            let sums = &mut self.dissipated[index * count..][..count];
+            V::ZERO.blend_lanes(*lanes, energy_loss).store(&mut of_lanes);
+            let sums = &mut self.dissipation[index * count..][..count];
             for (sum, own) in sums.iter_mut().zip(of_lanes.lanes()) {
                 *sum += own.to_f64();
             }
@@ -133,17 +140,17 @@ impl<T: Real> Relax<'_, T> {
 
 /// Sets the masked lanes of a field; all others are unchanged, the sign of zeros included.
 #[inline(always)]
-fn put_lanes<T: Real, V: Vector<T>>(group: &mut [T::Lanes], place: usize, lanes: u16, value: V) {
-    V::load(&group[place]).with_lanes(lanes, value).store(&mut group[place]);
+fn store_lanes<T: Real, V: Vector<T>>(group: &mut [T::Lanes], place: usize, lanes: u16, value: V) {
+    V::load(&group[place]).blend_lanes(lanes, value).store(&mut group[place]);
 }
 
 /// Loads the constants of a group.
 #[inline(always)]
-fn load<T: Real, V: Vector<T>>(from: &Relaxation<T::Lanes>) -> Relaxation<V> {
+fn load_relaxation<T: Real, V: Vector<T>>(from: &Relaxation<T::Lanes>) -> Relaxation<V> {
     Relaxation {
         strain_per_stress: V::load(&from.strain_per_stress),
         strain_per_strain: V::load(&from.strain_per_strain),
-        share: V::load(&from.share),
+        relaxed_fraction: V::load(&from.relaxed_fraction),
         stress_per_strain: V::load(&from.stress_per_strain),
         dissipation: V::load(&from.dissipation),
     }

@@ -13,165 +13,107 @@
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors, parts and lanes")]
 
 mod batch;
+mod trial;
 
-use self::batch::{BATCH, Batch, Found, Pending};
+use self::batch::{BATCH_SIZE, Batch, PendingBlocks, YieldingBlock};
+use self::trial::{EnergyChange, TrialStress, is_symmetric_stress_inside};
 use super::total_stress::{
-    Block, InitialStress, Tensors, TotalStressSets, WIDTH, Wide, load_cone, load_moduli,
-    load_tensors, tensors,
+    BLOCK_LANES, BlockConstants, DoubleLanes, InitialStress, StressTensors, TotalStressSets,
+    load_cone, load_moduli, load_tensors, to_tensors,
 };
-use crate::simd::{Group, Instructions, Number, SimdKernel, Vector};
-use crate::solid::cell_laws::correction;
+use crate::simd::{InstructionSet, LaneGroup, Number, SimdKernel, Vector};
+use crate::solid::cell_laws::map_stress;
 use crate::solid::medium::Medium;
-use models::common::number::third;
 use models::solid::parameters::stored_energy;
-use models::solid::stress::{Shape, Stress, Tensor};
-use models::yield_set::return_mapping::{Cone, Mapped, PARTS, Parts, ROUNDING, sum_of};
+use models::solid::stress::{Stress, StressShape};
+use models::yield_set::return_mapping::{Cone, EIGENSPACE_COUNT, ReturnMappingResult};
 
 /// Kernel: return mapping of adjacent blocks of a row.
-pub(super) struct MapStresses<'a> {
-    pub(super) mapping: &'a TotalStressSets,
+pub(super) struct TotalStressKernel<'a> {
+    pub(super) yield_sets: &'a TotalStressSets,
     pub(super) media: &'a [Medium],
     /// Data from the first of the blocks on.
-    pub(super) data: &'a mut [Wide],
-    /// Distance between two fields in `data`, in blocks.
+    pub(super) field_data: &'a mut [DoubleLanes],
+    /// Distance between two fields in `field_data`, in blocks.
     pub(super) pitch: usize,
     /// Lane patterns by group.
     pub(super) patterns: &'a [u32],
     /// By pattern, whether any lane has a yield set.
-    pub(super) yields: &'a [bool],
+    pub(super) has_yield_set: &'a [bool],
     /// Blocks per group: 1 in double, 2 in single precision.
     pub(super) blocks_per_group: usize,
     /// Initial stress: empty without one, one entry for all blocks, or one entry per block of the row.
-    pub(super) initial: &'a [InitialStress],
-    pub(super) reflects: bool,
+    pub(super) initial_stress: &'a [InitialStress],
+    pub(super) is_reflection: bool,
     /// Index of the first group in its row; number of lanes that are cells in every group of the row; number of leading
     /// groups of the row with one more.
-    pub(super) row: [usize; 3],
+    pub(super) lane_occupancy: [usize; 3],
     /// Plastic dissipation by block and lane, J/m³; added to.
-    pub(super) dissipated: &'a mut [f64],
+    pub(super) dissipation: &'a mut [f64],
     /// Work of the initial stress by block and lane, J/m³; added to; empty without initial stress.
-    pub(super) released: &'a mut [f64],
-    /// By group, mask of the lanes of own cells; `None` if the row has no own cells.
-    pub(super) own_lanes: Option<&'a [u16]>,
-    /// Smallest ratio of plastic dissipation to stored energy over own cells; updated.
-    pub(super) least_plastic: &'a mut f64,
+    pub(super) initial_stress_work: &'a mut [f64],
+    /// By group, mask of the lanes of owned cells; `None` if the row has no owned cells.
+    pub(super) owned_lanes: Option<&'a [u16]>,
+    /// Smallest ratio of plastic dissipation to stored energy over owned cells; updated.
+    pub(super) min_dissipation_ratio: &'a mut f64,
     /// Set to true if any stress is mapped.
     pub(super) has_mapped: &'a mut bool,
 }
 
 /// Runs the kernel with an instruction set; compiled once, in this crate.
-pub(super) fn map_in_lanes(instructions: Instructions, work: MapStresses<'_>) {
-    instructions.run::<f64>(work);
+pub(super) fn map_in_lanes(instructions: InstructionSet, work: TotalStressKernel<'_>) {
+    instructions.run_kernel::<f64>(work);
 }
 
-impl SimdKernel<f64> for MapStresses<'_> {
+impl SimdKernel<f64> for TotalStressKernel<'_> {
     #[inline(always)]
     fn run<V: Vector<f64>>(mut self) {
-        const PLANE: Shape = Shape { is_symmetric: true, is_plane: true, has_couples: false };
-        const SPACE: Shape = Shape { is_plane: false, ..PLANE };
-        const COSSERAT_PLANE: Shape = Shape { is_plane: true, ..Shape::ANY };
-        const DEVIATOR: [bool; PARTS] = [true, false, false, false, false];
-        let seen = self.mapping.seen;
-        match self.mapping.shape {
-            PLANE => self.each::<V>(PLANE, &DEVIATOR),
-            SPACE => self.each::<V>(SPACE, &DEVIATOR),
-            COSSERAT_PLANE => self.each::<V>(COSSERAT_PLANE, &seen),
-            _ => self.each::<V>(Shape::ANY, &seen),
+        const PLANE_SHAPE: StressShape =
+            StressShape { is_symmetric: true, is_plane: true, has_couples: false };
+        const SPACE_SHAPE: StressShape = StressShape { is_plane: false, ..PLANE_SHAPE };
+        const COSSERAT_PLANE_SHAPE: StressShape =
+            StressShape { is_plane: true, ..StressShape::GENERAL };
+        const DEVIATOR_ONLY: [bool; EIGENSPACE_COUNT] = [true, false, false, false, false];
+        let active = self.yield_sets.active_eigenspaces;
+        match self.yield_sets.shape {
+            PLANE_SHAPE => self.map_blocks::<V>(PLANE_SHAPE, &DEVIATOR_ONLY),
+            SPACE_SHAPE => self.map_blocks::<V>(SPACE_SHAPE, &DEVIATOR_ONLY),
+            COSSERAT_PLANE_SHAPE => self.map_blocks::<V>(COSSERAT_PLANE_SHAPE, &active),
+            _ => self.map_blocks::<V>(StressShape::GENERAL, &active),
         }
     }
 }
 
-/// Energy changes of the return mapping in lanes, J/m³.
-struct Taken<V> {
-    dissipated: V,
-    released: V,
-    /// Ratio of dissipation to stored energy if negative, else zero.
-    shares: V,
-}
-
-impl<V: Number> Taken<V> {
-    const NONE: Self = Self { dissipated: V::ZERO, released: V::ZERO, shares: V::ZERO };
-}
-
-/// Trial stress in lanes, and its parts.
-struct Trial<V> {
-    stress: Tensors<V>,
-    parts: Parts<V>,
-    /// Weighted invariants ½p|s̄|² of the parts.
-    weighted: [V; PARTS],
-    /// Square of the equivalent shear stress τ̄, Pa².
-    square: V,
-    /// Shear capacity r.
-    room: V,
-}
-
-impl<V: Vector<f64>> Trial<V> {
+impl<'a> TotalStressKernel<'a> {
     #[inline(always)]
-    fn new(shape: Shape, seen: &[bool; PARTS], cone: &Cone<V>, stress: Tensors<V>) -> Self {
-        let parts = Parts::new(shape, &stress[0], &stress[1]);
-        let weighted = parts.weighted(cone, seen);
-        let room = cone.strength - cone.friction * parts.force.0;
-        Self { stress, parts, weighted, square: sum_of(&weighted, seen), room }
-    }
-
-    /// Whether all lanes are within the set, by a sufficient test.
-    #[inline(always)]
-    fn is_inside(&self) -> bool {
-        !self.square.any_gt(self.room * self.room) && !V::ZERO.any_gt(self.room)
-    }
-
-    /// Returns the mask of the lanes beyond the set by more than rounding, as in
-    /// [`Mises::project`](models::yield_set::parameters::Mises::project).
-    #[inline(always)]
-    fn yielding(&self, shape: Shape, cone: &Cone<V>, shear: V) -> u16 {
-        let mean = self.parts.force.0;
-        let size = shear + cone.friction * mean.max(-mean) + cone.strength;
-        let excess = shear - self.room;
-        let possible = excess.greater_lanes(V::from_f64(ROUNDING) * size);
-        // The excess is mostly far greater, so that the root in the rounding bound of the components is not needed.
-        let allowed = V::from_f64(1.0 / ROUNDING) * excess - size;
-        let [force, couple] = cone.rounding_weights;
-        let [deviator, antisymmetric, couple_deviator, couple_mean, couple_antisymmetric] =
-            self.parts.squares;
-        let three = V::from_f64(3.0);
-        let rounded = force * (deviator + antisymmetric + three * mean * mean)
-            + couple * (couple_deviator + couple_mean + couple_antisymmetric);
-        let certain = (V::from_f64(0.999) * allowed * allowed).greater_lanes(rounded)
-            & (V::from_f64(0.5 / ROUNDING) * excess).greater_lanes(size);
-        if possible & !certain == 0 {
-            return possible;
-        }
-        let [force, couple] =
-            [force * shape.square(0, &self.stress[0]), couple * shape.square(1, &self.stress[1])];
-        let rounded = (force + couple).sqrt();
-        excess.greater_lanes(V::from_f64(ROUNDING) * (size + rounded))
-    }
-
-    /// Returns the mask of the lanes that may be mapped to the apex.
-    #[inline(always)]
-    fn beyond_apex(&self) -> u16 {
-        V::ZERO.greater_lanes(self.room) | V::MIN_POSITIVE.greater_lanes(self.square)
-    }
-}
-
-impl<'a> MapStresses<'a> {
-    #[inline(always)]
-    fn each<V: Vector<f64>>(&mut self, shape: Shape, seen: &[bool; PARTS]) {
+    fn map_blocks<V: Vector<f64>>(
+        &mut self,
+        shape: StressShape,
+        active: &[bool; EIGENSPACE_COUNT],
+    ) {
         let count = self.patterns.len() * self.blocks_per_group;
         // Energy of the initial stress, and the number of the block for which it was computed.
-        let mut energy = (V::ZERO, usize::MAX);
-        let mut batch = Batch { count: 0, found: [Found::NONE; BATCH], was_found: false };
-        for first in (0..count).step_by(BATCH) {
+        let mut initial_energy = (V::ZERO, usize::MAX);
+        let mut batch =
+            Batch { count: 0, blocks: [YieldingBlock::EMPTY; BATCH_SIZE], has_last_yielded: false };
+        for first in (0..count).step_by(BATCH_SIZE) {
             batch.count = 0;
-            let mut pending = Pending { count: 0, all: [0; BATCH] };
-            for place in first..count.min(first + BATCH) {
-                if self.yields[self.patterns[place >> self.log_of_blocks_per_group()] as usize] {
-                    self.look((shape, seen), place, &mut batch, &mut pending);
+            let mut pending = PendingBlocks { count: 0, indices: [0; BATCH_SIZE] };
+            for block_index in first..count.min(first + BATCH_SIZE) {
+                if self.has_yield_set
+                    [self.patterns[block_index >> self.log2_blocks_per_group()] as usize]
+                {
+                    self.collect_yielding_block(
+                        (shape, active),
+                        block_index,
+                        &mut batch,
+                        &mut pending,
+                    );
                 }
             }
-            self.iterate(seen, &mut batch, pending);
+            self.iterate_newton(active, &mut batch, pending);
             for index in 0..batch.count {
-                self.finish((shape, seen), &batch.found[index], &mut energy);
+                self.map_block((shape, active), &batch.blocks[index], &mut initial_energy);
             }
             if batch.count > 0 {
                 *self.has_mapped = true;
@@ -181,200 +123,238 @@ impl<'a> MapStresses<'a> {
 
     /// Returns log₂ of the number of blocks per group.
     #[inline(always)]
-    const fn log_of_blocks_per_group(&self) -> u32 {
+    const fn log2_blocks_per_group(&self) -> u32 {
         self.blocks_per_group.trailing_zeros()
     }
 
     /// Returns number and constants of the block at a place of the row.
     #[inline(always)]
-    fn block(&self, place: usize) -> (usize, &'a Block) {
-        let pattern = self.patterns[place >> self.log_of_blocks_per_group()] as usize;
-        let number = pattern * self.blocks_per_group + (place & (self.blocks_per_group - 1));
-        (number, &self.mapping.blocks[number])
+    fn block_constants(&self, block_index: usize) -> (usize, &'a BlockConstants) {
+        let pattern = self.patterns[block_index >> self.log2_blocks_per_group()] as usize;
+        let number = pattern * self.blocks_per_group + (block_index & (self.blocks_per_group - 1));
+        (number, &self.yield_sets.blocks[number])
     }
 
     /// Tests a block for lanes beyond their sets, and adds it to the batch if there are any.
     #[inline(always)]
-    fn look<V: Vector<f64>>(
+    fn collect_yielding_block<V: Vector<f64>>(
         &self,
-        (shape, seen): (Shape, &[bool; PARTS]),
-        place: usize,
+        (shape, active): (StressShape, &[bool; EIGENSPACE_COUNT]),
+        block_index: usize,
         batch: &mut Batch<V>,
-        pending: &mut Pending,
+        pending: &mut PendingBlocks,
     ) {
-        let (_, block) = self.block(place);
-        let initial = self.initial_at(place);
+        let (_, block) = self.block_constants(block_index);
+        let initial_stress = self.block_initial_stress(block_index);
         let cone = load_cone::<V>(&block.cone);
-        let stress = self.stress::<V>(shape, place, initial);
-        let is_plain = block.half_spaces.is_empty() && block.others == 0;
+        let stress = self.load_stress::<V>(shape, block_index, initial_stress);
+        let is_plain = block.half_spaces.is_empty() && block.other_lanes == 0;
         // If the previous block yielded, this one probably does too: skip the cheaper test.
-        if is_plain && shape.is_symmetric && !batch.was_found && is_inside(shape, &cone, &stress[0])
+        if is_plain
+            && shape.is_symmetric
+            && !batch.has_last_yielded
+            && is_symmetric_stress_inside(shape, &cone, &stress[0])
         {
             return;
         }
-        batch.was_found = false;
-        let trial = Trial::new(shape, seen, &cone, stress);
+        batch.has_last_yielded = false;
+        let trial = TrialStress::new(shape, active, &cone, stress);
         if is_plain && trial.is_inside() {
             return;
         }
-        let cells = self.cells(place);
-        let mut alone = block.others & cells;
+        let cell_lanes = self.cell_lanes(block_index);
+        let mut scalar_lanes = block.other_lanes & cell_lanes;
         if !is_plain {
-            alone |= self.beyond_half_spaces::<V>(place, block, initial) & cells;
+            scalar_lanes |=
+                self.lanes_beyond_half_spaces::<V>(block_index, block, initial_stress) & cell_lanes;
         }
-        let shear = trial.square.max(V::MIN_POSITIVE).sqrt();
-        let yielding = trial.yielding(shape, &cone, shear) & block.cones & cells;
-        let beyond = trial.beyond_apex() & yielding;
-        let (alone, lanes) = (alone | beyond, yielding & !beyond);
-        if alone | lanes == 0 {
+        let shear = trial.squared_shear.max(V::MIN_POSITIVE).sqrt();
+        let yielding_lanes =
+            trial.yielding_lanes(shape, &cone, shear) & block.cone_lanes & cell_lanes;
+        let beyond = trial.lanes_beyond_apex() & yielding_lanes;
+        let (scalar_lanes, lanes) = (scalar_lanes | beyond, yielding_lanes & !beyond);
+        if scalar_lanes | lanes == 0 {
             return;
         }
-        let found = &mut batch.found[batch.count];
-        (found.place, found.lanes, found.alone) = (place, lanes, alone);
-        found.room = trial.room.max(V::ZERO);
-        found.at.shear = shear;
-        for part in 0..PARTS {
-            if seen[part] {
-                found.squares[part] = trial.weighted[part];
+        let yielding_block = &mut batch.blocks[batch.count];
+        (yielding_block.block_index, yielding_block.lanes, yielding_block.scalar_lanes) =
+            (block_index, lanes, scalar_lanes);
+        yielding_block.shear_capacity = trial.shear_capacity.max(V::ZERO);
+        yielding_block.iterate.shear = shear;
+        for part in 0..EIGENSPACE_COUNT {
+            if active[part] {
+                yielding_block.squares[part] = trial.weighted_invariants[part];
             }
         }
         if shape.is_symmetric {
             let (mean, deviator, _) = &trial.parts.force;
             let diagonal = [deviator[0][0], deviator[1][1], deviator[2][2]];
-            found.symmetric = (*mean, diagonal, trial.parts.squares[0]);
+            yielding_block.symmetric_parts = (*mean, diagonal, trial.parts.squares[0]);
         }
         pending.push(batch.count, lanes != 0);
-        batch.was_found = true;
+        batch.has_last_yielded = true;
         batch.count += 1;
     }
 
     /// Iterates Newton's method until all blocks have converged; converged blocks do not wait for the others.
     #[inline(always)]
-    fn iterate<V: Vector<f64>>(
+    fn iterate_newton<V: Vector<f64>>(
         &self,
-        seen: &[bool; PARTS],
+        active: &[bool; EIGENSPACE_COUNT],
         batch: &mut Batch<V>,
-        mut pending: Pending,
+        mut pending: PendingBlocks,
     ) {
-        let mut left = Pending { count: 0, all: [0; BATCH] };
-        for &index in &pending.all[..pending.count] {
-            let found = &mut batch.found[usize::from(index)];
-            let cone = load_cone::<V>(&self.block(found.place).1.cone);
-            let (equation, at) = found.equation(seen, &cone);
-            let at = equation.at(equation.first(&equation.at_zero(at.shear)));
-            found.set(seen, &at);
-            left.push(index.into(), at.excess.any_gt(V::ZERO));
+        let mut remaining = PendingBlocks { count: 0, indices: [0; BATCH_SIZE] };
+        for &index in &pending.indices[..pending.count] {
+            let yielding_block = &mut batch.blocks[usize::from(index)];
+            let cone = load_cone::<V>(&self.block_constants(yielding_block.block_index).1.cone);
+            let (equation, iterate) = yielding_block.equation(active, &cone);
+            let iterate =
+                equation.iterate_at(equation.newton_step(&equation.iterate_at_zero(iterate.shear)));
+            yielding_block.set_iterate(active, &iterate);
+            remaining.push(index.into(), iterate.residual.any_gt(V::ZERO));
         }
-        pending = left;
+        pending = remaining;
         while pending.count > 0 {
-            let mut left = Pending { count: 0, all: [0; BATCH] };
-            for &index in &pending.all[..pending.count] {
-                let found = &mut batch.found[usize::from(index)];
-                let cone = load_cone::<V>(&self.block(found.place).1.cone);
-                let (equation, at) = found.equation(seen, &cone);
-                let next = equation.next(&at);
-                if !next.any_gt(at.x) {
+            let mut remaining = PendingBlocks { count: 0, indices: [0; BATCH_SIZE] };
+            for &index in &pending.indices[..pending.count] {
+                let yielding_block = &mut batch.blocks[usize::from(index)];
+                let cone = load_cone::<V>(&self.block_constants(yielding_block.block_index).1.cone);
+                let (equation, iterate) = yielding_block.equation(active, &cone);
+                let next = equation.fast_newton_step(&iterate);
+                if !next.any_gt(iterate.x) {
                     continue;
                 }
-                let at = equation.at(next);
-                found.set(seen, &at);
-                left.push(index.into(), at.excess.any_gt(V::ZERO));
+                let iterate = equation.iterate_at(next);
+                yielding_block.set_iterate(active, &iterate);
+                remaining.push(index.into(), iterate.residual.any_gt(V::ZERO));
             }
-            pending = left;
+            pending = remaining;
         }
     }
 
     /// Maps the lanes of a block beyond their sets and accumulates their energies.
     #[inline(always)]
-    fn finish<V: Vector<f64>>(
+    fn map_block<V: Vector<f64>>(
         &mut self,
-        (shape, seen): (Shape, &[bool; PARTS]),
-        found: &Found<V>,
-        (energy, known): &mut (V, usize),
+        (shape, active): (StressShape, &[bool; EIGENSPACE_COUNT]),
+        yielding_block: &YieldingBlock<V>,
+        (initial_energy, known): &mut (V, usize),
     ) {
-        let place = found.place;
-        let (number, block) = self.block(place);
-        let initial = self.initial_at(place);
-        let mut taken = Taken::NONE;
-        let mut alone = found.alone;
-        if found.lanes != 0 {
+        let block_index = yielding_block.block_index;
+        let (number, block) = self.block_constants(block_index);
+        let initial_stress = self.block_initial_stress(block_index);
+        let mut energy_change = EnergyChange::ZERO;
+        let mut scalar_lanes = yielding_block.scalar_lanes;
+        if yielding_block.lanes != 0 {
             let moduli = load_moduli::<V>(&block.moduli);
-            if let Some(initial) = initial
-                && (*known != number || self.initial.len() > 1)
+            if let Some(initial_stress) = initial_stress
+                && (*known != number || self.initial_stress.len() > 1)
             {
-                let [force, couple] = load_tensors::<V>(&initial.0);
-                (*energy, *known) = (stored_energy(shape, &force, &couple, &moduli), number);
+                let [force, couple] = load_tensors::<V>(&initial_stress.0);
+                (*initial_energy, *known) =
+                    (stored_energy(shape, &force, &couple, &moduli), number);
             }
             let cone = load_cone::<V>(&block.cone);
-            alone |=
-                self.map((shape, seen), found, (&cone, &moduli), (initial, *energy), &mut taken);
+            scalar_lanes |= self.map_lanes(
+                (shape, active),
+                yielding_block,
+                (&cone, &moduli),
+                (initial_stress, *initial_energy),
+                &mut energy_change,
+            );
         }
-        if alone != 0 {
-            let mut own = Taken::NONE;
-            self.map_alone((place, alone), &block.media, initial, &mut own);
-            taken.dissipated = taken.dissipated.with_lanes(alone, V::load(&own.dissipated));
-            taken.released = taken.released.with_lanes(alone, V::load(&own.released));
-            taken.shares = taken.shares.with_lanes(alone, V::load(&own.shares));
+        if scalar_lanes != 0 {
+            let mut scalar_change = EnergyChange::ZERO;
+            self.map_scalar(
+                (block_index, scalar_lanes),
+                &block.media,
+                initial_stress,
+                &mut scalar_change,
+            );
+            energy_change.dissipation = energy_change
+                .dissipation
+                .blend_lanes(scalar_lanes, V::load(&scalar_change.dissipation));
+            energy_change.initial_stress_work = energy_change
+                .initial_stress_work
+                .blend_lanes(scalar_lanes, V::load(&scalar_change.initial_stress_work));
+            energy_change.dissipation_ratios = energy_change
+                .dissipation_ratios
+                .blend_lanes(scalar_lanes, V::load(&scalar_change.dissipation_ratios));
         }
-        add_lanes(&mut self.dissipated[place * WIDTH..][..WIDTH], taken.dissipated);
-        if let Some(released) = self.released.get_mut(place * WIDTH..(place + 1) * WIDTH) {
-            add_lanes(released, taken.released);
+        add_to_lanes(
+            &mut self.dissipation[block_index * BLOCK_LANES..][..BLOCK_LANES],
+            energy_change.dissipation,
+        );
+        if let Some(initial_stress_work) = self
+            .initial_stress_work
+            .get_mut(block_index * BLOCK_LANES..(block_index + 1) * BLOCK_LANES)
+        {
+            add_to_lanes(initial_stress_work, energy_change.initial_stress_work);
         }
-        if V::ZERO.any_gt(taken.shares) {
-            self.note_shares(place, taken.shares);
+        if V::ZERO.any_gt(energy_change.dissipation_ratios) {
+            self.update_min_dissipation_ratio(block_index, energy_change.dissipation_ratios);
         }
     }
 
-    /// Updates the smallest ratio of dissipation to stored energy over own cells.
+    /// Updates the smallest ratio of dissipation to stored energy over owned cells.
     #[inline(never)]
-    fn note_shares<V: Vector<f64>>(&mut self, place: usize, shares: V) {
-        let Some(own) = self.own_lanes else { return };
-        let half = place & (self.blocks_per_group - 1);
-        let own = own[place >> self.log_of_blocks_per_group()] >> (half * WIDTH);
-        let mut wide = Wide::ZERO;
-        shares.store(&mut wide);
-        for lane in (0..WIDTH).filter(|lane| own >> lane & 1 == 1) {
-            *self.least_plastic = self.least_plastic.min(wide.lanes()[lane]);
+    fn update_min_dissipation_ratio<V: Vector<f64>>(
+        &mut self,
+        block_index: usize,
+        dissipation_ratios: V,
+    ) {
+        let Some(row_lanes) = self.owned_lanes else { return };
+        let half = block_index & (self.blocks_per_group - 1);
+        let row_lanes =
+            row_lanes[block_index >> self.log2_blocks_per_group()] >> (half * BLOCK_LANES);
+        let mut lanes_value = DoubleLanes::ZERO;
+        dissipation_ratios.store(&mut lanes_value);
+        for lane in (0..BLOCK_LANES).filter(|lane| row_lanes >> lane & 1 == 1) {
+            *self.min_dissipation_ratio = self.min_dissipation_ratio.min(lanes_value.lanes()[lane]);
         }
     }
 
     /// Returns the initial stress of a block, if there is one.
     #[inline(always)]
-    fn initial_at(&self, place: usize) -> Option<&'a InitialStress> {
-        match self.initial {
+    fn block_initial_stress(&self, block_index: usize) -> Option<&'a InitialStress> {
+        match self.initial_stress {
             [] => None,
             [one] => Some(one),
-            all => all.get(self.row[0] * self.blocks_per_group + place),
+            all => all.get(self.lane_occupancy[0] * self.blocks_per_group + block_index),
         }
     }
 
     /// Returns the mask of the lanes that are cells.
     #[inline(always)]
-    fn cells(&self, place: usize) -> u16 {
-        let [first, whole, rest] = self.row;
-        let (index, half) =
-            (place >> self.log_of_blocks_per_group(), place & (self.blocks_per_group - 1));
-        let own = whole + usize::from(first + index < rest);
-        let own = own.saturating_sub(half * WIDTH).min(WIDTH);
-        (1 << own) - 1
+    fn cell_lanes(&self, block_index: usize) -> u16 {
+        let [first, whole, rest] = self.lane_occupancy;
+        let (index, half) = (
+            block_index >> self.log2_blocks_per_group(),
+            block_index & (self.blocks_per_group - 1),
+        );
+        let cell_count = whole + usize::from(first + index < rest);
+        let cell_count = cell_count.saturating_sub(half * BLOCK_LANES).min(BLOCK_LANES);
+        (1 << cell_count) - 1
     }
 
     /// Loads the total stress of a block.
     #[inline(always)]
-    fn stress<V: Vector<f64>>(
+    fn load_stress<V: Vector<f64>>(
         &self,
-        shape: Shape,
-        place: usize,
-        initial: Option<&InitialStress>,
-    ) -> Tensors<V> {
+        shape: StressShape,
+        block_index: usize,
+        initial_stress: Option<&InitialStress>,
+    ) -> StressTensors<V> {
         let mut stress = [[[V::ZERO; 3]; 3]; 2];
         for which in 0..if shape.has_couples { 2 } else { 1 } {
             for i in 0..3 {
                 for j in 0..3 {
                     if which == 0 && shape.is_symmetric && j < i {
                         stress[0][i][j] = stress[0][j][i];
-                    } else if shape.has(which, i, j) {
-                        stress[which][i][j] = self.component([which, i, j], place, initial);
+                    } else if shape.has_component(which, i, j) {
+                        stress[which][i][j] =
+                            self.load_component([which, i, j], block_index, initial_stress);
                     }
                 }
             }
@@ -384,35 +364,37 @@ impl<'a> MapStresses<'a> {
 
     /// Loads a component of the total stress of a block.
     #[inline(always)]
-    fn component<V: Vector<f64>>(
+    fn load_component<V: Vector<f64>>(
         &self,
         [which, i, j]: [usize; 3],
-        place: usize,
-        initial: Option<&InitialStress>,
+        block_index: usize,
+        initial_stress: Option<&InitialStress>,
     ) -> V {
-        let own = match self.mapping.places[which][i][j] {
-            Some(field) => V::load(&self.data[field * self.pitch + place]),
+        let loaded = match self.yield_sets.component_fields[which][i][j] {
+            Some(field) => V::load(&self.field_data[field * self.pitch + block_index]),
             None => V::ZERO,
         };
-        match initial {
-            Some(initial) => own + V::load(&initial.0[which][i][j]),
-            None => own + V::ZERO,
+        match initial_stress {
+            Some(initial_stress) => loaded + V::load(&initial_stress.0[which][i][j]),
+            None => loaded + V::ZERO,
         }
     }
 
     /// Returns the mask of the lanes beyond a half-space, even if only by rounding.
     #[inline(always)]
-    fn beyond_half_spaces<V: Vector<f64>>(
+    fn lanes_beyond_half_spaces<V: Vector<f64>>(
         &self,
-        place: usize,
-        block: &Block,
-        initial: Option<&InitialStress>,
+        block_index: usize,
+        block: &BlockConstants,
+        initial_stress: Option<&InitialStress>,
     ) -> u16 {
         let mut lanes = 0;
         for half_space in &block.half_spaces {
             let mut value = V::ZERO;
             for (component, normal) in &half_space.normal {
-                value = value + V::load(normal) * self.component(*component, place, initial);
+                value = value
+                    + V::load(normal)
+                        * self.load_component(*component, block_index, initial_stress);
             }
             lanes |= value.greater_lanes(V::load(&half_space.strength));
         }
@@ -421,100 +403,107 @@ impl<'a> MapStresses<'a> {
 
     /// Maps the given lanes of a block; returns the mask of those left to the scalar projection.
     #[inline(always)]
-    fn map<V: Vector<f64>>(
+    fn map_lanes<V: Vector<f64>>(
         &mut self,
-        (shape, seen): (Shape, &[bool; PARTS]),
-        found: &Found<V>,
+        (shape, active): (StressShape, &[bool; EIGENSPACE_COUNT]),
+        yielding_block: &YieldingBlock<V>,
         (cone, moduli): (&Cone<V>, &[[V; 3]; 2]),
-        (initial, energy): (Option<&InitialStress>, V),
-        taken: &mut Taken<V>,
+        (initial_stress, initial_energy): (Option<&InitialStress>, V),
+        energy_change: &mut EnergyChange<V>,
     ) -> u16 {
-        let Found { place, lanes, .. } = *found;
-        let (_, root) = found.equation(seen, cone);
-        let stress = self.stress::<V>(shape, place, initial);
-        let parts = found.parts(shape, &stress);
+        let YieldingBlock { block_index, lanes, .. } = *yielding_block;
+        let (_, root) = yielding_block.equation(active, cone);
+        let stress = self.load_stress::<V>(shape, block_index, initial_stress);
+        let parts = yielding_block.stress_parts(shape, &stress);
         let mean = parts.force.0;
-        let mapped =
-            Mapped::new(cone, &parts.squares, [V::ONE, root.x], root.reciprocal, root.kept, seen);
+        let mapped = ReturnMappingResult::new(
+            cone,
+            &parts.squares,
+            [V::ONE, root.x],
+            root.reciprocal,
+            root.scale_factors,
+            active,
+        );
         // Lanes whose mean is recovered from the yield condition, by the scalar function. τ̄ = 1/(1/τ̄) is rounded
         // there.
-        let least = cone.strength + root.shear * V::from_f64(1.0 - 4.0 * f64::EPSILON);
+        let capacity_bound = cone.strength + root.shear * V::from_f64(1.0 - 4.0 * f64::EPSILON);
         let size = cone.friction * (mean.max(-mean) + mapped.mean_drop);
-        let left = size.greater_lanes(least) & lanes;
-        let (force, couple) = parts.scaled(shape, &mapped.kept, mean - mapped.mean_drop);
-        let own = [force, couple];
+        let remaining_lanes = size.greater_lanes(capacity_bound) & lanes;
+        let (force, couple) =
+            parts.scale_parts(shape, &mapped.scale_factors, mean - mapped.mean_drop);
+        let mapped_stress = [force, couple];
         let mut plastic = [[[V::ZERO; 3]; 3]; 2];
-        let mut greatest = V::ZERO;
+        let mut max_change = V::ZERO;
         for which in 0..if shape.has_couples { 2 } else { 1 } {
             for i in 0..3 {
                 for j in 0..3 {
-                    if shape.has(which, i, j) {
-                        let change = stress[which][i][j] - own[which][i][j];
+                    if shape.has_component(which, i, j) {
+                        let change = stress[which][i][j] - mapped_stress[which][i][j];
                         plastic[which][i][j] = change;
-                        greatest = greatest.max(change.max(-change));
+                        max_change = max_change.max(change.max(-change));
                     }
                 }
             }
         }
-        let lanes = lanes & !left & greatest.greater_lanes(V::ZERO);
-        let of_plastic = match self.reflects || initial.is_some() {
+        let lanes = lanes & !remaining_lanes & max_change.greater_lanes(V::ZERO);
+        let plastic_energy = match self.is_reflection || initial_stress.is_some() {
             true => stored_energy(shape, &plastic[0], &plastic[1], moduli),
             false => V::ZERO,
         };
-        let times = if self.reflects { V::ONE + V::ONE } else { V::ONE };
-        let beyond = if self.reflects { of_plastic } else { V::ZERO };
-        let dissipated = times * (mapped.energy_lost - beyond);
-        taken.dissipated = V::ZERO.with_lanes(lanes, dissipated);
-        if V::ZERO.greater_lanes(dissipated) & lanes != 0 {
-            let energy = stored_energy(shape, &stress[0], &stress[1], moduli);
-            let share = dissipated / energy.max(V::MIN_POSITIVE);
-            taken.shares = V::ZERO.with_lanes(lanes, share.min(V::ZERO));
+        let factor = if self.is_reflection { V::ONE + V::ONE } else { V::ONE };
+        let beyond = if self.is_reflection { plastic_energy } else { V::ZERO };
+        let dissipation = factor * (mapped.energy_lost - beyond);
+        energy_change.dissipation = V::ZERO.blend_lanes(lanes, dissipation);
+        if V::ZERO.greater_lanes(dissipation) & lanes != 0 {
+            let initial_energy = stored_energy(shape, &stress[0], &stress[1], moduli);
+            let ratio = dissipation / initial_energy.max(V::MIN_POSITIVE);
+            energy_change.dissipation_ratios = V::ZERO.blend_lanes(lanes, ratio.min(V::ZERO));
         }
-        if let Some(initial) = initial {
-            let mut both = plastic;
+        if let Some(initial_stress) = initial_stress {
+            let mut combined = plastic;
             for which in 0..if shape.has_couples { 2 } else { 1 } {
                 for i in 0..3 {
                     for j in 0..3 {
-                        if shape.has(which, i, j) {
-                            both[which][i][j] =
-                                plastic[which][i][j] + V::load(&initial.0[which][i][j]);
+                        if shape.has_component(which, i, j) {
+                            combined[which][i][j] =
+                                plastic[which][i][j] + V::load(&initial_stress.0[which][i][j]);
                         }
                     }
                 }
             }
-            let of_both = stored_energy(shape, &both[0], &both[1], moduli);
-            let released = times * (of_both - of_plastic - energy);
-            taken.released = V::ZERO.with_lanes(lanes, released);
+            let combined_energy = stored_energy(shape, &combined[0], &combined[1], moduli);
+            let initial_stress_work = factor * (combined_energy - plastic_energy - initial_energy);
+            energy_change.initial_stress_work = V::ZERO.blend_lanes(lanes, initial_stress_work);
         }
-        self.put(shape, (place, lanes), (&own, &plastic), initial);
-        left
+        self.store_stress(shape, (block_index, lanes), (&mapped_stress, &plastic), initial_stress);
+        remaining_lanes
     }
 
     /// Stores the mapped stress, or its reflection, minus the initial stress.
     #[inline(always)]
-    fn put<V: Vector<f64>>(
+    fn store_stress<V: Vector<f64>>(
         &mut self,
-        shape: Shape,
-        (place, lanes): (usize, u16),
-        (own, plastic): (&Tensors<V>, &Tensors<V>),
-        initial: Option<&InitialStress>,
+        shape: StressShape,
+        (block_index, lanes): (usize, u16),
+        (mapped_stress, plastic): (&StressTensors<V>, &StressTensors<V>),
+        initial_stress: Option<&InitialStress>,
     ) {
         for which in 0..if shape.has_couples { 2 } else { 1 } {
             for i in 0..3 {
                 for j in 0..3 {
-                    if !shape.has(which, i, j) || (shape.is_symmetric && j < i) {
+                    if !shape.has_component(which, i, j) || (shape.is_symmetric && j < i) {
                         continue;
                     }
-                    let Some(field) = self.mapping.targets[which][i][j] else { continue };
-                    let mut moved = own[which][i][j];
-                    if self.reflects {
-                        moved = moved - plastic[which][i][j];
+                    let Some(field) = self.yield_sets.stored_fields[which][i][j] else { continue };
+                    let mut stored = mapped_stress[which][i][j];
+                    if self.is_reflection {
+                        stored = stored - plastic[which][i][j];
                     }
-                    if let Some(initial) = initial {
-                        moved = moved - V::load(&initial.0[which][i][j]);
+                    if let Some(initial_stress) = initial_stress {
+                        stored = stored - V::load(&initial_stress.0[which][i][j]);
                     }
-                    let block = &mut self.data[field * self.pitch + place];
-                    V::load(block).with_lanes(lanes, moved).store(block);
+                    let block = &mut self.field_data[field * self.pitch + block_index];
+                    V::load(block).blend_lanes(lanes, stored).store(block);
                 }
             }
         }
@@ -522,41 +511,45 @@ impl<'a> MapStresses<'a> {
 
     /// Maps lanes by the scalar function.
     #[inline(never)]
-    fn map_alone(
+    fn map_scalar(
         &mut self,
-        (place, lanes): (usize, u16),
-        media: &[u16; WIDTH],
-        initial: Option<&InitialStress>,
-        taken: &mut Taken<Wide>,
+        (block_index, lanes): (usize, u16),
+        media: &[u16; BLOCK_LANES],
+        initial_stress: Option<&InitialStress>,
+        energy_change: &mut EnergyChange<DoubleLanes>,
     ) {
-        for lane in (0..WIDTH).filter(|lane| lanes >> lane & 1 == 1) {
+        for lane in (0..BLOCK_LANES).filter(|lane| lanes >> lane & 1 == 1) {
             let mut deviation = [[[0.0; 3]; 3]; 2];
             for which in 0..2 {
                 for i in 0..3 {
                     for j in 0..3 {
-                        if let Some(field) = self.mapping.places[which][i][j] {
-                            let block = &self.data[field * self.pitch + place];
+                        if let Some(field) = self.yield_sets.component_fields[which][i][j] {
+                            let block = &self.field_data[field * self.pitch + block_index];
                             deviation[which][i][j] = block.lanes()[lane];
                         }
                     }
                 }
             }
             let [force, couple] = deviation;
-            let (medium, initial) =
-                (&self.media[usize::from(media[lane])], initial.map(|own| own.of(lane)));
+            let (medium, initial_stress) = (
+                &self.media[usize::from(media[lane])],
+                initial_stress.map(|own| own.lane_stress(lane)),
+            );
             let deviation = Stress { force, couple };
-            let Some(done) = correction(medium, &deviation, initial.as_ref(), self.reflects) else {
+            let Some(result) =
+                map_stress(medium, &deviation, initial_stress.as_ref(), self.is_reflection)
+            else {
                 continue;
             };
-            taken.dissipated.lanes_mut()[lane] = done.dissipated;
-            taken.released.lanes_mut()[lane] = done.released;
-            taken.shares.lanes_mut()[lane] = done.share.min(0.0);
+            energy_change.dissipation.lanes_mut()[lane] = result.dissipation;
+            energy_change.initial_stress_work.lanes_mut()[lane] = result.initial_stress_work;
+            energy_change.dissipation_ratios.lanes_mut()[lane] = result.dissipation_ratio.min(0.0);
             for which in 0..2 {
                 for i in 0..3 {
                     for j in 0..3 {
-                        if let Some(field) = self.mapping.targets[which][i][j] {
-                            let block = &mut self.data[field * self.pitch + place];
-                            block.lanes_mut()[lane] = tensors(&done.stress)[which][i][j];
+                        if let Some(field) = self.yield_sets.stored_fields[which][i][j] {
+                            let block = &mut self.field_data[field * self.pitch + block_index];
+                            block.lanes_mut()[lane] = to_tensors(&result.stress)[which][i][j];
                         }
                     }
                 }
@@ -565,29 +558,11 @@ impl<'a> MapStresses<'a> {
     }
 }
 
-/// Whether a symmetric stress is within the set in all lanes, by fewer operations than [`Trial::is_inside`]: the
-/// deviator's |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + 2 Σ σᵢⱼ² (sums over i < j) differs from that of the parts by a few roundings,
-/// of which the condition allows 32.
-#[inline(always)]
-fn is_inside<V: Vector<f64>>(shape: Shape, cone: &Cone<V>, stress: &Tensor<V>) -> bool {
-    let mut off_diagonal = V::ZERO;
-    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-        if shape.has(0, i, j) {
-            off_diagonal = off_diagonal + stress[i][j] * stress[i][j];
-        }
-    }
-    let [a, b, c] = [stress[0][0], stress[1][1], stress[2][2]];
-    let (ab, bc, ca) = (a - b, b - c, c - a);
-    let square = V::THIRD * (ab * ab + bc * bc + ca * ca) + (off_diagonal + off_diagonal);
-    let room = cone.strength - cone.friction * third(a + b + c);
-    !(cone.half_weights[0] * square).any_gt(room * room) && !V::ZERO.any_gt(room)
-}
-
 /// Adds `more` to a list, lane by lane.
 #[inline(always)]
-fn add_lanes<V: Vector<f64>>(to: &mut [f64], more: V) {
-    let mut wide = Wide::ZERO;
-    wide.lanes_mut().copy_from_slice(to);
-    (V::load(&wide) + more).store(&mut wide);
-    to.copy_from_slice(wide.lanes());
+fn add_to_lanes<V: Vector<f64>>(to: &mut [f64], more: V) {
+    let mut lanes_value = DoubleLanes::ZERO;
+    lanes_value.lanes_mut().copy_from_slice(to);
+    (V::load(&lanes_value) + more).store(&mut lanes_value);
+    to.copy_from_slice(lanes_value.lanes());
 }

@@ -2,9 +2,9 @@
 //! every crate that uses a domain.
 
 use super::Domain;
-use super::plastic::Correct;
+use super::plastic::ProjectionKernel;
 use super::step::StepStages;
-use crate::simd::{Instructions, Real};
+use crate::simd::{InstructionSet, Real};
 use crate::solid::ledger::EnergySums;
 use std::any::Any;
 use std::ops::Range;
@@ -20,13 +20,13 @@ pub trait SolverReal: Real {
     #[doc(hidden)]
     fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: Range<usize>);
 
-    /// Returns the sums of the energy in own cells of such a domain.
+    /// Returns the sums of the energy in owned cells of such a domain.
     #[doc(hidden)]
     fn energy_sums(domain: &dyn Any) -> EnergySums;
 
     /// Runs the return mapping in lanes.
     #[doc(hidden)]
-    fn correct(work: Correct<'_, Self>, instructions: Instructions);
+    fn map_stresses(work: ProjectionKernel<'_, Self>, instructions: InstructionSet);
 }
 
 macro_rules! compiled {
@@ -61,8 +61,8 @@ macro_rules! compiled {
             }
 
             #[inline(never)]
-            fn correct(work: Correct<'_, Self>, instructions: Instructions) {
-                instructions.run::<Self>(work);
+            fn map_stresses(work: ProjectionKernel<'_, Self>, instructions: InstructionSet) {
+                instructions.run_kernel::<Self>(work);
             }
         }
     };

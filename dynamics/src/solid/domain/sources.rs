@@ -2,10 +2,10 @@
 
 use super::layout::{Layout, RowSegment};
 use super::{Domain, SolverReal};
-use crate::simd::Group;
+use crate::simd::LaneGroup;
 use crate::solid::boundary::{Signal, Source};
-use crate::solid::cell_laws::{apply_source, over_interval, push};
-use models::solid::waves::Field;
+use crate::solid::cell_laws::{accelerate, apply_source, integrate_signal};
+use models::solid::waves::SolidField;
 use std::ops::Range;
 
 /// Source on the cells of a domain.
@@ -17,13 +17,13 @@ pub(super) struct CellSource {
     amplitudes: Vec<(usize, f64)>,
     signal: Signal,
     /// By half step of the pass: integral of the signal by the midpoint rule, and its change.
-    now: Vec<[f64; 2]>,
+    signal_integrals: Vec<[f64; 2]>,
 }
 
 /// Sources and gravity.
 #[derive(Clone)]
 pub(super) struct Sources<const D: usize> {
-    pub(super) list: Vec<CellSource>,
+    pub(super) cell_sources: Vec<CellSource>,
     /// Acceleration of gravity, m/s².
     pub(super) acceleration: [f64; D],
 }
@@ -32,12 +32,12 @@ impl CellSource {
     /// Creates a source of the problem of a subdomain; `halves` is the number of half steps of a pass.
     pub(super) fn new<const D: usize>(
         source: &Source,
-        fields: &[Field],
+        fields: &[SolidField],
         layout: &Layout<D>,
         halves: usize,
     ) -> Self {
         let place_of = |&(cell, share): &(usize, f64)| {
-            let (index, lane) = layout.slot(cell);
+            let (index, lane) = layout.lane_index(cell);
             (index.group, lane, share)
         };
         let mut cells: Vec<_> = source.cells.iter().map(place_of).collect();
@@ -45,23 +45,28 @@ impl CellSource {
         let place = |field| Some(fields.iter().position(|own| *own == field)? * layout.pitch);
         let amplitudes = source.amplitudes.iter();
         let amplitudes = amplitudes.filter_map(|&(f, a)| Some((place(f)?, a))).collect();
-        Self { cells, amplitudes, signal: source.signal.clone(), now: vec![[0.0; 2]; halves] }
+        Self {
+            cells,
+            amplitudes,
+            signal: source.signal.clone(),
+            signal_integrals: vec![[0.0; 2]; halves],
+        }
     }
 
     /// Evaluates the signal over a half step of the pass, from its start to its end, s.
     pub(super) fn set_time(&mut self, half: usize, interval: [f64; 2]) {
-        self.now[half] = over_interval(&self.signal, interval);
+        self.signal_integrals[half] = integrate_signal(&self.signal, interval);
     }
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Applies sources and gravity over a half step of the pass.
     pub(super) fn apply_sources(&mut self, layers: &Range<usize>, tile: &RowSegment, half: usize) {
-        let sources = std::mem::take(&mut self.sources.list);
+        let sources = std::mem::take(&mut self.sources.cell_sources);
         for source in &sources {
             self.apply_source(source, layers, tile, half);
         }
-        self.sources.list = sources;
+        self.sources.cell_sources = sources;
         for (axis, acceleration) in self.sources.acceleration.into_iter().enumerate() {
             if acceleration != 0.0 {
                 self.apply_gravity(axis, acceleration, layers, tile);
@@ -77,20 +82,21 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         half: usize,
     ) {
         let volume = self.grid.volume();
-        let now = source.now[half];
+        let signal_integrals = source.signal_integrals[half];
         for layer in layers.clone() {
-            let groups = self.layout.groups_of(layer, tile).1;
+            let groups = self.layout.segment_groups(layer, tile).1;
             let [from, to] = [groups.start, groups.end]
                 .map(|group| source.cells.partition_point(|cell| cell.0 < group));
             for &(group, lane, share) in &source.cells[from..to] {
-                let Some(cell) = self.layout.cell_of(group, lane) else { continue };
+                let Some(cell) = self.layout.cell_in_lane(group, lane) else { continue };
                 for &(place, amplitude) in &source.amplitudes {
                     let (mut state, field) = (self.cell_state(cell), place / self.layout.pitch);
-                    let (medium, strength) = (self.materials.of(cell), amplitude * share);
-                    let work = apply_source(medium, &mut state, field, strength, now, volume);
-                    *self.at_mut(cell, place) = state[field];
-                    if self.layout.own_number(cell).is_some() {
-                        self.diagnostics.work.sources.add(work);
+                    let (medium, strength) = (self.materials.medium(cell), amplitude * share);
+                    let work =
+                        apply_source(medium, &mut state, field, strength, signal_integrals, volume);
+                    *self.value_at_mut(cell, place) = state[field];
+                    if self.layout.owned_index(cell).is_some() {
+                        self.diagnostics.work.source_work.add(work);
                     }
                 }
             }
@@ -104,20 +110,20 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         layers: &Range<usize>,
         tile: &RowSegment,
     ) {
-        let Some(place) = self.place(Field::Velocity(axis)) else { return };
+        let Some(place) = self.field_offset(SolidField::Velocity(axis)) else { return };
         let change = acceleration * 0.5 * self.step;
         for layer in layers.clone() {
-            let (first, groups) = self.layout.groups_of(layer, tile);
-            let is_own = self.layout.is_own_row(layer, tile.row);
+            let (first, groups) = self.layout.segment_groups(layer, tile);
+            let is_own = self.layout.is_owned_row(layer, tile.row);
             for (index, group) in groups.enumerate() {
-                let own = self.layout.own_lanes[tile.groups.start + index];
+                let own = self.layout.owned_lanes[tile.groups.start + index];
                 for lane in 0..T::Lanes::COUNT {
-                    let Some(cell) = self.layout.cell_of(group, lane) else { continue };
-                    let inertia = self.materials.of(cell).inertia(Field::Velocity(axis));
-                    let value = &mut self.data[first + index + place].lanes_mut()[lane];
-                    let work = inertia * push(value, change);
+                    let Some(cell) = self.layout.cell_in_lane(group, lane) else { continue };
+                    let inertia = self.materials.medium(cell).inertia(SolidField::Velocity(axis));
+                    let value = &mut self.field_data[first + index + place].lanes_mut()[lane];
+                    let work = inertia * accelerate(value, change);
                     if is_own && own >> lane & 1 == 1 {
-                        self.diagnostics.work.sources.add(work);
+                        self.diagnostics.work.source_work.add(work);
                     }
                 }
             }

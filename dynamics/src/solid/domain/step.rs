@@ -25,16 +25,16 @@
 //! ```
 //!
 //! with √x, a quarter of a step, for the very first x: n steps are (√x y z … x … z y √x)ⁿ without the last √x, which
-//! `complete` applies to a copy of each cell for output; near reflecting boundaries output is the mean of the states
+//! `completion` applies to a copy of each cell for output; near reflecting boundaries output is the mean of the states
 //! before and after x. Each factor conserves or lowers the energy.
 //!
-//! [`Domain::pass`] advances memory by one or two such steps, a block of rows and a few layers at a time, as
+//! [`Domain::advance_pass`] advances memory by one or two such steps, a block of rows and a few layers at a time, as
 //! [`super::schedule`] states; [`Domain::advance_layers`] is the step above on those layers.
 
 use super::halo::HaloExchange;
 use super::layout::RowSegment;
-use super::schedule::{CHUNK, STEPS, passing, stage_progress};
-use super::table::WavePair;
+use super::material_table::WavePair;
+use super::schedule::{CHUNK_SIZE, MAX_PASS_STEPS, stage_progress, stage_ranges};
 use super::{Domain, SolverReal};
 use crate::solid::cell_laws::Interval;
 use crate::solid::problem::PlasticStep;
@@ -46,7 +46,7 @@ pub(super) struct StepStages<'a> {
     /// Layers that pass each stage now.
     layers: &'a [Range<usize>; 3],
     /// All layers that pass each stage in this pass.
-    ends: &'a [Range<usize>; 3],
+    pass_layers: &'a [Range<usize>; 3],
     /// Rows of these layers.
     block: &'a Range<usize>,
     /// First of the two half steps, counted from the start of the pass.
@@ -56,22 +56,22 @@ pub(super) struct StepStages<'a> {
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Advances all fields by Δt.
     pub fn advance(&mut self) {
-        let Ok(()) = self.pass(1, &mut ());
+        let Ok(()) = self.advance_pass(1, &mut ());
     }
 
     /// Advances all fields by `steps` steps in one pass over the memory, clamped to at least one and at most
-    /// [`Self::most_steps`]; [`Self::time`] states the time reached. Neighbours must make the same passes.
+    /// [`Self::max_pass_steps`]; [`Self::time`] states the time reached. Neighbours must make the same passes.
     ///
     /// # Errors
     /// Errors of the halo exchange. The pass is incomplete then, and the fields are invalid.
-    pub fn pass<H: HaloExchange<T::Lanes>>(
+    pub fn advance_pass<H: HaloExchange<T::Lanes>>(
         &mut self,
         steps: usize,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
-        let steps = steps.clamp(1, self.schedule.most_steps);
-        self.exchange(neighbours)?;
-        if self.schedule.steps == 0 && !self.scheme.alternates() {
+        let steps = steps.clamp(1, self.schedule.max_pass_steps);
+        self.exchange_halo(neighbours)?;
+        if self.schedule.steps == 0 && !self.scheme.is_alternating() {
             let all = 0..self.layout.layers() * self.layout.layer_cells();
             self.accumulate_integrals(all, 0.5);
         }
@@ -81,7 +81,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let rows = self.layout.rows;
         let mut loaded = 0;
         while loaded < rows {
-            let block = loaded..rows.min(loaded.saturating_add(self.schedule.tiles.block));
+            let block = loaded..rows.min(loaded.saturating_add(self.schedule.tile_sizes.block));
             loaded = block.end;
             self.advance_block(&block, steps, neighbours)?;
         }
@@ -96,16 +96,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         steps: usize,
         neighbours: &mut H,
     ) -> Result<(), H::Error> {
-        let (all, own, rows) = (self.layout.layers(), self.layout.own_layers(), self.layout.rows);
+        let (all, own, rows) = (self.layout.layers(), self.layout.owned_layers(), self.layout.rows);
         let swept = stage_progress(block.start, rows)[1]..stage_progress(block.end, rows)[1];
         self.sweep_and_send(block, &swept, neighbours)?;
-        if self.layout.periodic_in_place {
-            self.fill_own_halo(&swept);
+        if self.layout.is_periodic_in_place {
+            self.fill_periodic_halo(&swept);
         }
         self.receive_layers(0, &swept, neighbours)?;
-        let mut ready = [[0; 3]; STEPS];
+        let mut ready = [[0; 3]; MAX_PASS_STEPS];
         while ready[steps - 1][2] < all {
-            let mut loaded = all.min(ready[0][0].saturating_add(self.schedule.tiles.layers));
+            let mut loaded = all.min(ready[0][0].saturating_add(self.schedule.tile_sizes.layers));
             // As late as possible, since a neighbour may lag behind.
             if ready[0][0] <= own.end && own.end < loaded {
                 self.receive_layers(1, &swept, neighbours)?;
@@ -121,12 +121,16 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     let Range { start, end } = needed[stage];
                     before[stage].clamp(start, end)..ready[stage].clamp(start, end)
                 });
-                let stages =
-                    StepStages { layers: &layers, ends: &needed, block, first_half: 2 * step };
+                let stages = StepStages {
+                    layers: &layers,
+                    pass_layers: &needed,
+                    block,
+                    first_half: 2 * step,
+                };
                 T::advance_layers(self, &stages);
                 // A layer is complete with its last block of rows.
                 if block.end == rows {
-                    self.record_layers(&layers[2], step);
+                    self.record_completed_layers(&layers[2], step);
                 }
                 loaded = ready[2];
             }
@@ -135,40 +139,40 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Accumulates time integrals and records watched cells, in layers that have completed a step.
-    fn record_layers(&mut self, layers: &Range<usize>, step: usize) {
-        if !self.scheme.alternates() {
+    fn record_completed_layers(&mut self, layers: &Range<usize>, step: usize) {
+        if !self.scheme.is_alternating() {
             let layer = self.layout.layer_cells();
             self.accumulate_integrals(layers.start * layer..layers.end * layer, 1.0);
         }
-        self.record(layers.clone(), step);
+        self.record_watched(layers.clone(), step);
     }
 
     /// Advances layers by one step. Rows of a layer trail each other from stage to stage as layers do.
     pub(super) fn advance_layers(&mut self, stages: &StepStages<'_>) {
-        let &StepStages { layers, ends, block, first_half: first } = stages;
+        let &StepStages { layers, pass_layers: ends, block, first_half: first } = stages;
         let (all, second) = (self.layout.rows, first + 1);
         let steps_done = self.schedule.steps - self.schedule.pass_steps + first / 2 + 1;
-        let at_a_time = (self.schedule.tiles.layers, all);
+        let at_a_time = (self.schedule.tile_sizes.layers, all);
         let mut ready = stage_progress(block.start, all);
         while ready[0] < block.end {
             let rows = self.schedule.next_rows(ready[0], block, at_a_time);
             let before = std::mem::replace(&mut ready, stage_progress(rows.end, all));
-            let rows = passing(before, ready);
+            let rows = stage_ranges(before, ready);
             // x y, already applied to exchanged layers, in `sweep_and_send` or by the neighbour.
             for layer in layers[0].clone() {
-                if first > 0 || !self.layout.is_in_a_halo(layer) {
+                if first > 0 || !self.layout.is_in_any_halo(layer) {
                     self.sweep_layer(layer, &rows, first);
                 }
             }
             // Sweeps z, then K Q K, then z.
-            match self.scheme.alternates() {
-                true => self.apply_alternating_middle(layers, ends, &rows[1], first),
+            match self.scheme.is_alternating() {
+                true => self.apply_alternating_operators(layers, ends, &rows[1], first),
                 false => {
                     let groups = self.layout.groups;
-                    for tile in rows[1].clone().flat_map(|row| RowSegment::of_row(row, groups)) {
-                        self.sweep_last(&layers[0], &ends[0], &tile, first);
-                        self.apply_middle(&layers[1], &tile, first);
-                        self.sweep_last(&layers[1], &ends[1], &tile, second);
+                    for tile in rows[1].clone().flat_map(|row| RowSegment::split_row(row, groups)) {
+                        self.sweep_last_axis(&layers[0], &ends[0], &tile, first);
+                        self.apply_local_operators(&layers[1], &tile, first);
+                        self.sweep_last_axis(&layers[1], &ends[1], &tile, second);
                     }
                 }
             }
@@ -178,8 +182,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 if self.scheme.plastic_step == PlasticStep::ReturnMapping {
                     // Row by row: buffers hold one row.
                     for row in rows[2].clone() {
-                        let tile = self.layout.whole_row(row);
-                        self.correct(&(layer..layer + 1), &tile, false);
+                        let tile = self.layout.row_segment(row);
+                        self.apply_return_mapping(&(layer..layer + 1), &tile, false);
                     }
                 }
                 self.flush_subnormals(layer, &rows[2], steps_done);
@@ -188,26 +192,27 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Applies K Q K, with relaxation, and with the reflection if the return mapping is in the middle of the step.
-    fn apply_middle(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
+    fn apply_local_operators(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
         self.apply_sources(layers, tile, first);
         if self.scheme.plastic_step == PlasticStep::MidpointReflection
-            && !self.diagnostics.dissipation.plastic.is_empty()
+            && !self.diagnostics.dissipation.plastic_dissipation.is_empty()
         {
             // Curved blocks do not yield: `Problem::check_metric`.
             self.rotate_spins(layers, tile, Interval::HalfStep);
             self.relax(layers, tile, Interval::HalfStep);
-            self.correct(layers, tile, true);
+            self.apply_return_mapping(layers, tile, true);
             self.relax(layers, tile, Interval::HalfStep);
             self.rotate_spins(layers, tile, Interval::HalfStep);
         } else {
             // The rotation by the curvature does not commute with the other local laws: half of it before and half
             // after them.
-            let others = !self.law.rotated.is_empty() || self.law.relaxations.is_some();
-            let interval = if others { Interval::HalfStep } else { Interval::Step };
+            let has_other_laws = !self.local_laws.rotated_offsets.is_empty()
+                || self.local_laws.relaxations.is_some();
+            let interval = if has_other_laws { Interval::HalfStep } else { Interval::Step };
             self.rotate_by_curvature(layers, tile, interval);
             self.rotate_spins(layers, tile, Interval::Step);
             self.relax(layers, tile, Interval::Step);
-            if others {
+            if has_other_laws {
                 self.rotate_by_curvature(layers, tile, interval);
             }
         }
@@ -215,8 +220,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Applies the sweeps along the last axis and the middle of the step between them, for alternating sweeps.
-    /// [`CHUNK`] rows pass the middle together, since their ghosts are computed in lanes.
-    fn apply_alternating_middle(
+    /// [`CHUNK_SIZE`] rows pass the middle together, since their ghosts are computed in lanes.
+    fn apply_alternating_operators(
         &mut self,
         layers: &[Range<usize>; 3],
         ends: &[Range<usize>; 3],
@@ -224,23 +229,23 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         first: usize,
     ) {
         let groups = self.layout.groups;
-        for start in rows.clone().step_by(CHUNK) {
-            let together = start..rows.end.min(start + CHUNK);
-            for tile in together.clone().flat_map(|row| RowSegment::of_row(row, groups)) {
-                self.sweep_last(&layers[0], &ends[0], &tile, first);
+        for start in rows.clone().step_by(CHUNK_SIZE) {
+            let chunk = start..rows.end.min(start + CHUNK_SIZE);
+            for tile in chunk.clone().flat_map(|row| RowSegment::split_row(row, groups)) {
+                self.sweep_last_axis(&layers[0], &ends[0], &tile, first);
             }
-            self.sweep_middle(&layers[1], &together, first);
-            for tile in together.flat_map(|row| RowSegment::of_row(row, groups)) {
-                self.sweep_last(&layers[1], &ends[1], &tile, first + 1);
+            self.sweep_at_mid_step(&layers[1], &chunk, first);
+            for tile in chunk.flat_map(|row| RowSegment::split_row(row, groups)) {
+                self.sweep_last_axis(&layers[1], &ends[1], &tile, first + 1);
             }
         }
     }
 
     /// Applies K √Q x √Q K. Time integrals use the mean of the states before and after x, which is second order in the
     /// middle of the step.
-    fn sweep_middle(&mut self, layers: &Range<usize>, rows: &Range<usize>, first: usize) {
+    fn sweep_at_mid_step(&mut self, layers: &Range<usize>, rows: &Range<usize>, first: usize) {
         for row in rows.clone() {
-            let tile = self.layout.whole_row(row);
+            let tile = self.layout.row_segment(row);
             self.apply_sources(layers, &tile, first);
             self.rotate_spins(layers, &tile, Interval::HalfStep);
             self.relax(layers, &tile, Interval::HalfStep);
@@ -248,15 +253,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
         if D == 2 {
             // Layers are rows here.
-            self.sweep_rows_of(layers.clone(), first + 1);
+            self.sweep_rows(layers.clone(), first + 1);
         } else {
             for layer in layers.clone() {
                 let start = layer * self.layout.rows;
-                self.sweep_rows_of(start + rows.start..start + rows.end, first + 1);
+                self.sweep_rows(start + rows.start..start + rows.end, first + 1);
             }
         }
         for row in rows.clone() {
-            let tile = self.layout.whole_row(row);
+            let tile = self.layout.row_segment(row);
             self.accumulate_row_integrals(layers, row);
             self.relax(layers, &tile, Interval::HalfStep);
             self.rotate_spins(layers, &tile, Interval::HalfStep);
@@ -274,10 +279,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Returns the pairs of waves of a sweep along an axis.
-    pub(super) fn waves_of(&self, axis: usize, half: usize) -> &[WavePair] {
-        match self.scheme.alternates() && axis == 0 && self.schedule.is_first(half) {
+    pub(super) fn sweep_waves(&self, axis: usize, half: usize) -> &[WavePair] {
+        match self.scheme.is_alternating() && axis == 0 && self.schedule.is_first_half_step(half) {
             true => &self.materials.quarter_waves,
-            false => match &self.materials.row_spacing {
+            false => match &self.materials.row_constants {
                 Some(rows) if axis == 0 => &rows.waves,
                 _ => &self.materials.waves[axis],
             },
@@ -292,17 +297,17 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let end = (before + half / 2 + 1) as f64 * self.step;
             let middle = start + 0.5 * self.step;
             // Middle of each sweep along the first axis.
-            let first = self.scheme.alternates().then(|| match half % 2 {
-                0 if self.schedule.is_first(half) => start + 0.125 * self.step,
+            let first = self.scheme.is_alternating().then(|| match half % 2 {
+                0 if self.schedule.is_first_half_step(half) => start + 0.125 * self.step,
                 0 => start,
                 _ => middle,
             });
-            self.boundary.set_time(half, start, self.step, first);
+            self.boundaries.set_time(half, start, self.step, first);
             if first.is_some() && half % 2 == 1 {
-                self.boundary.closing[half / 2].set_time(end, self.step);
+                self.boundaries.closing_boundaries[half / 2].set_time(end, self.step);
             }
             let interval = [[start, middle], [middle, end]][half % 2];
-            for source in &mut self.sources.list {
+            for source in &mut self.sources.cell_sources {
                 source.set_time(half, interval);
             }
         }

@@ -1,34 +1,34 @@
 //! Sweeps along the axes, ghosts beyond the ends of lines, and the work done at boundaries.
 
-use super::fill::{Fill, FillEnd, FillOneSided};
+use super::ghost_kernels::{ImageGhostKernel, OneSidedGhostKernel, RowGhostKernel};
 use super::kernel::interlayers::InterlayerLines;
-use super::kernel::{Lines, MAX_SHARE};
+use super::kernel::{MAX_PREFETCH_FIELDS, SweepLines};
 use super::layout::{GroupIndex, RowSegment};
+use super::material_table::WavePair;
 use super::rows::Rows;
-use super::schedule::CHUNK;
-use super::table::WavePair;
+use super::schedule::CHUNK_SIZE;
 use super::{Domain, SolverReal};
-use crate::simd::Group;
+use crate::simd::LaneGroup;
 use crate::solid::cell::CellConstants;
-use crate::solid::ghosts::{BESIDE, BoundaryFaces};
+use crate::solid::ghosts::{BoundaryFaces, CLOSURE_CELLS};
 use crate::solid::line;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 use std::ops::Range;
 
 /// L1 prefetch distance in lines, by axis; along rows the next row is prefetched.
-const LINES_AHEAD: [Option<usize>; 3] = [None, Some(2), Some(3)];
+const PREFETCH_LINES: [Option<usize>; 3] = [None, Some(2), Some(3)];
 
 /// Distance between two groups of a row.
-const NEXT_GROUP: GroupIndex = GroupIndex { group: 1, data: 1 };
+const GROUP_STRIDE: GroupIndex = GroupIndex { group: 1, start: 1 };
 
 /// Bundle of adjacent lines.
 #[derive(Clone, Copy)]
-struct Bundle {
+struct LineBundle {
     axis: usize,
     /// Half step of the pass.
-    half: usize,
-    /// First group of the first line; the other lines are offset by multiples of `across`.
+    half_step: usize,
+    /// First group of the first line; the other lines are offset by multiples of `line_stride`.
     first: GroupIndex,
     /// Distance between two groups of a line.
     stride: GroupIndex,
@@ -37,27 +37,27 @@ struct Bundle {
     /// Number of lines of groups.
     lines: usize,
     /// Distance between two lines.
-    across: GroupIndex,
+    line_stride: GroupIndex,
     /// Across the first axis the first row, else the first group of faces at the ends of the lines.
     face: usize,
     /// Index of the first line among the carried states of this axis.
     carried: usize,
 }
 
-impl Bundle {
+impl LineBundle {
     /// Returns the group at a place (index along the line, ghosts excluded) of the first line.
     #[inline(always)]
-    fn index(self, place: usize) -> GroupIndex {
+    fn group_at(self, place: usize) -> GroupIndex {
         let Self { first, stride, .. } = self;
         GroupIndex {
             group: first.group + place * stride.group,
-            data: first.data + place * stride.data,
+            start: first.start + place * stride.start,
         }
     }
 
     /// Returns the places of the ghosts at a depth beyond the lower and the upper end of a line of groups: −1 − depth
     /// and count + depth.
-    fn beyond(self, depth: usize) -> [isize; 2] {
+    fn ghost_positions(self, depth: usize) -> [isize; 2] {
         [-1 - depth as isize, (self.count + depth) as isize]
     }
 }
@@ -71,239 +71,246 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         &mut self,
         layer: usize,
         [entered, middle, last]: &[Range<usize>; 3],
-        half: usize,
+        half_step: usize,
     ) {
         let (groups, first_row) = (self.layout.groups, layer * self.layout.rows);
-        let is_second = half % 2 == 1;
+        let is_second = half_step % 2 == 1;
         let of_layer = |rows: &Range<usize>| first_row + rows.start..first_row + rows.end;
         if !is_second {
-            self.sweep_rows_of(of_layer(entered), half);
+            self.sweep_rows(of_layer(entered), half_step);
         }
         if D == 3 {
-            let bundle = Bundle {
+            let bundle = LineBundle {
                 axis: 1,
-                half,
-                first: self.layout.index(first_row, 0),
-                stride: self.layout.index(1, 0),
+                half_step,
+                first: self.layout.group_index(first_row, 0),
+                stride: self.layout.group_index(1, 0),
                 count: self.layout.cells[1],
                 lines: groups,
-                across: NEXT_GROUP,
+                line_stride: GROUP_STRIDE,
                 face: layer * groups,
                 carried: layer * groups,
             };
-            self.sweep_on(bundle, [entered, middle][half % 2].clone());
+            self.continue_sweep(bundle, [entered, middle][half_step % 2].clone());
         }
-        if is_second && !self.scheme.alternates() {
-            self.sweep_rows_of(of_layer(last), half);
+        if is_second && !self.scheme.is_alternating() {
+            self.sweep_rows(of_layer(last), half_step);
         }
     }
 
     /// Sweeps adjacent rows by half a step along the first axis.
-    pub(super) fn sweep_rows_of(&mut self, rows: Range<usize>, half: usize) {
+    pub(super) fn sweep_rows(&mut self, rows: Range<usize>, half_step: usize) {
         // Rows differ in cell length: one row at a time, with the constants of that row.
-        let together = if self.materials.row_spacing.is_some() { 1 } else { CHUNK };
-        for start in rows.clone().step_by(together) {
+        let chunk = if self.materials.row_constants.is_some() { 1 } else { CHUNK_SIZE };
+        for start in rows.clone().step_by(chunk) {
             self.fill_row_constants(start);
-            self.sweep_rows(start..rows.end.min(start + together), half);
+            self.sweep_row_bundle(start..rows.end.min(start + chunk), half_step);
         }
     }
 
-    /// Sweeps at most [`CHUNK`] rows by half a step along the first axis.
-    fn sweep_rows(&mut self, rows: Range<usize>, half: usize) {
-        let bundle = Bundle {
+    /// Sweeps at most [`CHUNK_SIZE`] rows by half a step along the first axis.
+    fn sweep_row_bundle(&mut self, rows: Range<usize>, half_step: usize) {
+        let bundle = LineBundle {
             axis: 0,
-            half,
-            first: self.layout.index(rows.start, 0),
-            stride: NEXT_GROUP,
+            half_step,
+            first: self.layout.group_index(rows.start, 0),
+            stride: GROUP_STRIDE,
             count: self.layout.groups,
             lines: rows.len(),
-            across: self.layout.index(1, 0),
+            line_stride: self.layout.group_index(1, 0),
             face: rows.start,
             carried: 0,
         };
-        self.fill_row_patterns(bundle);
-        let works = |side: &BoundaryFaces<T>| matches!(side, BoundaryFaces::Physical(mirror) if mirror.does_work);
-        if self.boundary.faces[half][0].iter().any(works) {
-            self.fill_rows(bundle);
+        self.set_ghost_patterns(bundle);
+        let works = |end_faces: &BoundaryFaces<T>| matches!(end_faces, BoundaryFaces::Physical(ghost_rule) if ghost_rule.can_do_work);
+        if self.boundaries.faces[half_step][0].iter().any(works) {
+            self.fill_row_ghosts(bundle);
             (0..2).for_each(|end| self.accumulate_boundary_work(bundle, end));
         }
-        self.walk(bundle, -1..self.layout.groups as isize + 1);
+        self.sweep_path(bundle, -1..self.layout.groups as isize + 1);
     }
 
     /// Returns the rows of a bundle along the first axis.
-    fn rows_of(&self, bundle: Bundle) -> Rows<'_, T> {
+    fn bundle_rows(&self, bundle: LineBundle) -> Rows<'_, T> {
         let size = self.layout.row_size();
         Rows {
-            ends: &self.boundary.row_ends,
-            sides: &self.boundary.faces[bundle.half][0],
-            face: bundle.face,
-            first: bundle.first.data,
+            ends: &self.boundaries.row_ends,
+            boundaries: &self.boundaries.faces[bundle.half_step][0],
+            first_face: bundle.face,
+            first_data: bundle.first.start,
             size,
-            ghosts: self.layout.layers() * self.layout.rows * size,
-            apart: CHUNK * size,
-            group: bundle.first.group,
-            table: self.materials.table_along(0),
+            first_ghost: self.layout.layers() * self.layout.rows * size,
+            ghost_stride: CHUNK_SIZE * size,
+            first_group: bundle.first.group,
+            table: self.materials.axis_table(0),
             patterns: &self.materials.patterns,
         }
     }
 
     /// Fills the ghosts of rows before the work is computed. The sweep kernel fills them itself.
-    fn fill_rows(&mut self, bundle: Bundle) {
-        let mut data = std::mem::take(&mut self.data);
-        let (waves, rows) = (self.waves_of(0, bundle.half), self.rows_of(bundle));
-        let fill = Fill { data: &mut data, waves, rows, count: bundle.lines };
-        self.instructions.run::<T>(fill);
-        self.data = data;
+    fn fill_row_ghosts(&mut self, bundle: LineBundle) {
+        let mut field_data = std::mem::take(&mut self.field_data);
+        let (waves, rows) = (self.sweep_waves(0, bundle.half_step), self.bundle_rows(bundle));
+        let fill =
+            RowGhostKernel { field_data: &mut field_data, waves, rows, row_count: bundle.lines };
+        self.instructions.run_kernel::<T>(fill);
+        self.field_data = field_data;
     }
 
     /// Continues half a step along the last axis over newly finished layers `ready` of the range `ends`, on a segment
     /// of a row.
-    pub(super) fn sweep_last(
+    pub(super) fn sweep_last_axis(
         &mut self,
         ready: &Range<usize>,
         ends: &Range<usize>,
         tile: &RowSegment,
-        half: usize,
+        half_step: usize,
     ) {
         let face = tile.row * self.layout.groups + tile.groups.start;
-        let bundle = Bundle {
+        let bundle = LineBundle {
             axis: D - 1,
-            half,
-            first: self.layout.index(ends.start * self.layout.rows + tile.row, tile.groups.start),
-            stride: self.layout.index(self.layout.rows, 0),
+            half_step,
+            first: self
+                .layout
+                .group_index(ends.start * self.layout.rows + tile.row, tile.groups.start),
+            stride: self.layout.group_index(self.layout.rows, 0),
             count: ends.len(),
             lines: tile.groups.len(),
-            across: NEXT_GROUP,
+            line_stride: GROUP_STRIDE,
             face,
             carried: face,
         };
-        self.sweep_on(bundle, ready.start - ends.start..ready.end - ends.start);
+        self.continue_sweep(bundle, ready.start - ends.start..ready.end - ends.start);
     }
 
     /// Continues a y or z sweep over newly loaded rows or layers; it writes up to [`GHOSTS`] before `ready.end`.
-    fn sweep_on(&mut self, bundle: Bundle, ready: Range<usize>) {
+    fn continue_sweep(&mut self, bundle: LineBundle, ready: Range<usize>) {
         // The ghosts at the lower end depend on BESIDE cells: wait until they are loaded.
-        if ready.is_empty() || ready.end < BESIDE.min(bundle.count) {
+        if ready.is_empty() || ready.end < CLOSURE_CELLS.min(bundle.count) {
             return;
         }
-        let start = if ready.start < BESIDE { 0 } else { ready.start };
+        let start = if ready.start < CLOSURE_CELLS { 0 } else { ready.start };
         let ready = start..ready.end;
         let ends = [ready.start == 0, ready.end == bundle.count];
         // Fill both ends first: in a line of a single cell the work at one end depends on the ghosts at the other.
         for end in (0..2).filter(|end| ends[*end]) {
-            self.fill_end(bundle, end);
+            self.fill_end_ghosts(bundle, end);
         }
         for end in (0..2).filter(|end| ends[*end]) {
             self.accumulate_boundary_work(bundle, end);
         }
         let start = ready.start as isize - 1;
         let end = if ends[1] { bundle.count as isize + 1 } else { ready.end as isize - 1 };
-        self.walk(bundle, start..end);
+        self.sweep_path(bundle, start..end);
     }
 
     /// Sweeps part of the path along lines with the selected instruction set: the groups at `places` are current one
     /// after the other.
-    fn walk(&mut self, bundle: Bundle, places: Range<isize>) {
-        let Bundle { axis, half, lines, .. } = bundle;
-        let mut path = std::mem::take(&mut self.buffer.path);
+    fn sweep_path(&mut self, bundle: LineBundle, places: Range<isize>) {
+        let LineBundle { axis, half_step, lines, .. } = bundle;
+        let mut path = std::mem::take(&mut self.buffers.path);
         path.clear();
         let (first, end, count) = (places.start - 1, places.end + 1, bundle.count as isize);
-        let previous_group = self.index_at(bundle, 0, (first - 1).max(-(GHOSTS as isize)));
-        path.extend((first..0).map(|place| self.index_at(bundle, 0, place)));
-        path.extend((first.max(0)..end.min(count)).map(|place| bundle.index(place as usize)));
-        path.extend((first.max(count)..end).map(|place| self.index_at(bundle, 0, place)));
-        let fields = self.fields().len();
-        let next = LINES_AHEAD[axis].unwrap_or(self.layout.row_size());
-        let later = self.later(bundle);
+        let previous_group = self.path_group(bundle, 0, (first - 1).max(-(GHOSTS as isize)));
+        path.extend((first..0).map(|place| self.path_group(bundle, 0, place)));
+        path.extend((first.max(0)..end.min(count)).map(|place| bundle.group_at(place as usize)));
+        path.extend((first.max(count)..end).map(|place| self.path_group(bundle, 0, place)));
+        let field_count = self.fields().len();
+        let prefetch_l1_distance = PREFETCH_LINES[axis].unwrap_or(self.layout.row_size());
+        let prefetch_l2_fields = self.prefetch_l2_fields(bundle);
         let before = bundle.carried * self.materials.waves[axis].len();
-        let mut carried = std::mem::take(&mut self.buffer.carried[axis][half]);
-        let mut data = std::mem::take(&mut self.data);
-        let mut memory = std::mem::take(&mut self.interfaces.memory);
-        let mut faces = std::mem::take(&mut self.interfaces.path);
+        let mut carried = std::mem::take(&mut self.buffers.carried_states[axis][half_step]);
+        let mut field_data = std::mem::take(&mut self.field_data);
+        let mut history = std::mem::take(&mut self.interfaces.history);
+        let mut faces = std::mem::take(&mut self.interfaces.path_faces);
         faces.clear();
-        if self.interfaces.has(axis) {
-            let origin = self.origin(bundle) as isize;
-            faces.extend(self.interfaces.faces(axis, origin + first..origin + end));
+        if self.interfaces.has_interlayers_across(axis) {
+            let origin = self.axis_origin(bundle) as isize;
+            faces.extend(self.interfaces.path_faces(axis, origin + first..origin + end));
         }
-        let waves = self.waves_of(axis, half);
-        let lines = Lines {
-            data: &mut data,
-            fields,
+        let waves = self.sweep_waves(axis, half_step);
+        let lines = SweepLines {
+            field_data: &mut field_data,
+            field_count,
             pitch: self.layout.pitch,
-            table: self.materials.table_along(axis),
+            table: self.materials.axis_table(axis),
             waves,
             slopes: self.scheme.slopes,
             patterns: &self.materials.patterns,
             run_lengths: &self.materials.run_lengths[axis],
             path: &path,
             previous_group,
-            across: bundle.across,
-            begins: places.start < 0,
-            next,
-            later,
+            line_stride: bundle.line_stride,
+            is_line_start: places.start < 0,
+            prefetch_l1_distance,
+            prefetch_l2_fields,
             carried: &mut carried[before..before + lines * waves.len()],
-            rows: (axis == 0).then(|| self.rows_of(bundle)),
+            rows: (axis == 0).then(|| self.bundle_rows(bundle)),
         };
-        match self.interfaces.lines(axis, bundle.face) {
-            None => lines.walk(self.instructions),
-            Some((laws, first, line)) => {
-                let step = T::from_f64(self.time_of_sweep());
+        match self.interfaces.line_history(axis, bundle.face) {
+            None => lines.sweep_path(self.instructions),
+            Some((laws, first_history, history_stride)) => {
+                let step = T::from_f64(self.sweep_duration());
                 let lines = InterlayerLines {
                     lines,
                     faces: &faces,
-                    memory: &mut memory,
-                    first,
-                    line,
+                    history: &mut history,
+                    first_history,
+                    history_stride,
                     laws,
                     step,
                 };
-                self.instructions.run::<T>(lines);
+                self.instructions.run_kernel::<T>(lines);
             }
         }
-        (self.interfaces.memory, self.interfaces.path) = (memory, faces);
-        self.data = data;
-        self.buffer.carried[axis][half] = carried;
-        self.buffer.path = path;
+        (self.interfaces.history, self.interfaces.path_faces) = (history, faces);
+        self.field_data = field_data;
+        self.buffers.carried_states[axis][half_step] = carried;
+        self.buffers.path = path;
     }
 
     /// Returns the L2 prefetch distance to the rows that are loaded next, and the fields of each pair that this sweep
     /// prefetches. The sweeps across rows share the fields, to spread the requests.
-    fn later(&self, bundle: Bundle) -> (usize, Range<usize>) {
-        let Bundle { axis, half, face, .. } = bundle;
+    fn prefetch_l2_fields(&self, bundle: LineBundle) -> (usize, Range<usize>) {
+        let LineBundle { axis, half_step, face, .. } = bundle;
         // Lag behind the rows loaded last, in units of GHOSTS rows and of GHOSTS layers; in the plane layers are rows.
-        let (part, parts, rows, layers) = match (D, axis, half) {
+        let (part, parts, rows, layers) = match (D, axis, half_step) {
             // In the plane, prefetch only in the last step of a pass: earlier requests would be evicted.
-            (2, 1, half) if half + 2 >= 2 * self.schedule.pass_steps => (half % 2, 2, half, 0),
+            (2, 1, half_step) if half_step + 2 >= 2 * self.schedule.pass_steps => {
+                (half_step % 2, 2, half_step, 0)
+            }
             // No other sweep across rows runs yet: this one prefetches all fields.
-            (3, 1, 0) if self.layout.is_in_a_halo(face / self.layout.groups) => (0, 1, 0, 0),
+            (3, 1, 0) if self.layout.is_in_any_halo(face / self.layout.groups) => (0, 1, 0, 0),
             (3, 1, 0) => (0, 4, 0, 0),
             (3, 2, 0) => (1, 4, 1, 0),
             (3, 2, 1) => (2, 4, 1, 1),
             (3, 1, 1) => (3, 4, 1, 2),
             _ => return (0, 0..0),
         };
-        let behind = self.schedule.ahead + GHOSTS * (rows + layers * self.layout.rows);
-        let share = MAX_SHARE / parts;
+        let behind = self.schedule.prefetch_rows + GHOSTS * (rows + layers * self.layout.rows);
+        let share = MAX_PREFETCH_FIELDS / parts;
         (behind * self.layout.row_size(), part * share..(part + 1) * share)
     }
 
     /// Returns the group at a place of a line, ghosts included: the ghosts of all lines at one end and depth are
     /// adjacent.
-    fn index_at(&self, bundle: Bundle, line: usize, place: isize) -> GroupIndex {
+    fn path_group(&self, bundle: LineBundle, line: usize, place: isize) -> GroupIndex {
         let ghost = |end: usize, depth: usize| {
-            let row = self.layout.layers() * self.layout.rows + (end * GHOSTS + depth) * CHUNK;
-            self.layout.index(row, 0).of_line(line, bundle.across)
+            let row = self.layout.layers() * self.layout.rows + (end * GHOSTS + depth) * CHUNK_SIZE;
+            self.layout.group_index(row, 0).shift_to_line(line, bundle.line_stride)
         };
         match usize::try_from(place) {
-            Ok(place) if place < bundle.count => bundle.index(place).of_line(line, bundle.across),
+            Ok(place) if place < bundle.count => {
+                bundle.group_at(place).shift_to_line(line, bundle.line_stride)
+            }
             Ok(place) => ghost(1, place - bundle.count),
             Err(_) => ghost(0, place.unsigned_abs() - 1),
         }
     }
 
     /// Returns the state in a lane of a group.
-    fn state(&self, (stop, lane): (GroupIndex, usize), wave: &WavePair) -> State<T> {
-        let group = &self.data[stop.data..];
+    fn lane_state(&self, (stop, lane): (GroupIndex, usize), wave: &WavePair) -> State<T> {
+        let group = &self.field_data[stop.start..];
         State {
             velocity: group[wave.velocity].lanes()[lane],
             stress: group[wave.stress].lanes()[lane],
@@ -311,14 +318,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Sets the patterns of the ghosts of rows.
-    fn fill_row_patterns(&mut self, bundle: Bundle) {
+    fn set_ghost_patterns(&mut self, bundle: LineBundle) {
         for line in 0..bundle.lines {
             let Some(&patterns) = self.materials.row_patterns.get(bundle.face + line) else {
                 return;
             };
             for depth in 0..GHOSTS {
-                for (end, place) in bundle.beyond(depth).into_iter().enumerate() {
-                    let ghost = self.index_at(bundle, line, place).group;
+                for (end, place) in bundle.ghost_positions(depth).into_iter().enumerate() {
+                    let ghost = self.path_group(bundle, line, place).group;
                     self.materials.patterns[ghost] = patterns[end * GHOSTS + depth];
                 }
             }
@@ -327,66 +334,68 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Fills the ghosts at an end of lines across the groups. Beyond a halo their values are arbitrary but must stay
     /// bounded, since the kernel updates them in each sweep.
-    fn fill_end(&mut self, bundle: Bundle, end: usize) {
-        let Bundle { axis, half, count, lines, face, .. } = bundle;
-        let sides = &self.boundary.faces[half][axis];
-        let mut data = std::mem::take(&mut self.data);
+    fn fill_end_ghosts(&mut self, bundle: LineBundle, end: usize) {
+        let LineBundle { axis, half_step, count, lines, face, .. } = bundle;
+        let boundaries = &self.boundaries.faces[half_step][axis];
+        let mut field_data = std::mem::take(&mut self.field_data);
         let places: [[GroupIndex; 2]; GHOSTS] = std::array::from_fn(|depth| {
-            let end_seen =
-                if matches!(sides[end], BoundaryFaces::Periodic) { 1 - end } else { end };
-            let seen = [depth % count, count - 1 - depth % count][end_seen];
-            [seen as isize, bundle.beyond(depth)[end]].map(|place| self.index_at(bundle, 0, place))
+            let source_end =
+                if matches!(boundaries[end], BoundaryFaces::Periodic) { 1 - end } else { end };
+            let source_position = [depth % count, count - 1 - depth % count][source_end];
+            [source_position as isize, bundle.ghost_positions(depth)[end]]
+                .map(|place| self.path_group(bundle, 0, place))
         });
         if !self.materials.run_lengths[axis].is_empty() {
-            for [own, ghost] in places {
+            for [source, ghost] in places {
                 for line in 0..lines {
-                    let [own, ghost] = [own, ghost].map(|stop| stop.of_line(line, bundle.across));
-                    self.materials.patterns[ghost.group] = self.materials.patterns[own.group];
+                    let [source, ghost] =
+                        [source, ghost].map(|stop| stop.shift_to_line(line, bundle.line_stride));
+                    self.materials.patterns[ghost.group] = self.materials.patterns[source.group];
                 }
             }
         }
-        match sides[end].mirror() {
-            Some(mirror) if mirror.is_one_sided && count >= BESIDE => {
-                let beside: [GroupIndex; BESIDE] = std::array::from_fn(|depth| {
+        match boundaries[end].ghost_rule() {
+            Some(ghost_rule) if ghost_rule.is_one_sided && count >= CLOSURE_CELLS => {
+                let outer_cells: [GroupIndex; CLOSURE_CELLS] = std::array::from_fn(|depth| {
                     let place = [depth, count - 1 - depth][end];
-                    bundle.index(place)
+                    bundle.group_at(place)
                 });
-                let fill = FillOneSided {
-                    data: &mut data,
+                let fill = OneSidedGhostKernel {
+                    field_data: &mut field_data,
                     waves: &self.materials.waves[axis],
-                    mirror,
+                    ghost_rule,
                     end,
-                    beside: beside.map(|stop| stop.data),
-                    ghosts: places.map(|[_, ghost]| ghost.data),
+                    outer_cells: outer_cells.map(|stop| stop.start),
+                    ghosts: places.map(|[_, ghost]| ghost.start),
                     lines,
                     face,
                     table: &self.materials.table,
-                    patterns: beside.map(|stop| &self.materials.patterns[stop.group..]),
+                    patterns: outer_cells.map(|stop| &self.materials.patterns[stop.group..]),
                 };
-                self.instructions.run::<T>(fill);
+                self.instructions.run_kernel::<T>(fill);
             }
             _ => {
-                for (depth, [own, ghost]) in places.into_iter().enumerate() {
+                for (depth, [source, ghost]) in places.into_iter().enumerate() {
                     // In a line of a single cell the second ghost is the image of the ghost at the other end.
-                    let through =
+                    let applied_ends =
                         if depth < count { [None, Some(end)] } else { [Some(1 - end), Some(end)] };
-                    let fill = FillEnd {
-                        data: &mut data,
+                    let fill = ImageGhostKernel {
+                        field_data: &mut field_data,
                         waves: &self.materials.waves[axis],
-                        mirrors: through.map(|end| sides[end?].mirror()),
-                        places: [own.data, ghost.data],
+                        ghost_rules: applied_ends.map(|end| boundaries[end?].ghost_rule()),
+                        source_and_ghost: [source.start, ghost.start],
                         lines,
                         face,
                     };
-                    self.instructions.run::<T>(fill);
+                    self.instructions.run_kernel::<T>(fill);
                 }
             }
         }
-        self.data = data;
+        self.field_data = field_data;
     }
 
     /// Returns the number of cells of a line, and the number of lines of cells per line of groups.
-    fn length(&self, bundle: Bundle) -> (usize, usize) {
+    fn cell_and_line_counts(&self, bundle: LineBundle) -> (usize, usize) {
         match bundle.axis {
             0 => (self.layout.cells[0], 1),
             _ => (bundle.count, T::Lanes::COUNT),
@@ -394,15 +403,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Whether a lane of a line of groups holds cells.
-    fn has_cells(&self, bundle: Bundle, line: usize, lane: usize) -> bool {
+    fn has_cells(&self, bundle: LineBundle, line: usize, lane: usize) -> bool {
         let place = (bundle.first.group + line) % self.layout.groups;
         bundle.axis == 0 || lane * self.layout.groups + place < self.layout.cells[0]
     }
 
     /// Returns group and lane of a cell of a line.
-    fn place_of(
+    fn cell_position(
         &self,
-        bundle: Bundle,
+        bundle: LineBundle,
         (line, lane): (usize, usize),
         place: usize,
     ) -> (GroupIndex, usize) {
@@ -410,37 +419,39 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             0 => (place % self.layout.groups, place / self.layout.groups),
             _ => (place, lane),
         };
-        (self.index_at(bundle, line, place as isize), lane)
+        (self.path_group(bundle, line, place as isize), lane)
     }
 
     /// Reads state and constants at a place of a line, ghosts included.
-    fn read(
+    fn read_cell(
         &self,
-        bundle: Bundle,
+        bundle: LineBundle,
         (line, lane): (usize, usize),
         place: isize,
         pair: usize,
     ) -> (State<T>, CellConstants<T>) {
-        let wave = &self.waves_of(bundle.axis, bundle.half)[pair];
+        let wave = &self.sweep_waves(bundle.axis, bundle.half_step)[pair];
         // The ghosts at the upper end of a row are stored in the row itself.
         let (length, beyond) = match bundle.axis {
             0 => (self.layout.cells[0], GHOSTS),
             _ => (bundle.count, 0),
         };
         let (stop, lane) = match usize::try_from(place) {
-            Ok(place) if place < length + beyond => self.place_of(bundle, (line, lane), place),
-            _ => (self.index_at(bundle, line, place), lane),
+            Ok(place) if place < length + beyond => self.cell_position(bundle, (line, lane), place),
+            _ => (self.path_group(bundle, line, place), lane),
         };
-        let state = self.state((stop, lane), wave);
-        let table = self.materials.table_along(bundle.axis);
-        let cell = table.cell(self.materials.patterns[stop.group], wave);
+        let state = self.lane_state((stop, lane), wave);
+        let table = self.materials.axis_table(bundle.axis);
+        let cell = table.constants(self.materials.patterns[stop.group], wave);
         (state, cell.lane(lane))
     }
 
     /// Returns the area of a face times the duration of the sweep, m² s: work = power per area times this.
-    fn face_time(&self, Bundle { axis, half, face, .. }: Bundle) -> f64 {
-        let is_quarter = self.scheme.alternates() && axis == 0 && self.schedule.is_first(half);
-        let spacing = match &self.materials.row_spacing {
+    fn face_area_time(&self, LineBundle { axis, half_step, face, .. }: LineBundle) -> f64 {
+        let is_quarter = self.scheme.is_alternating()
+            && axis == 0
+            && self.schedule.is_first_half_step(half_step);
+        let spacing = match &self.materials.row_constants {
             Some(rows) if axis == 0 => rows.spacing[face],
             _ => self.grid.spacing[axis],
         };
@@ -448,37 +459,37 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Returns the duration of a sweep with interlayers, s; these exclude alternating sweeps.
-    fn time_of_sweep(&self) -> f64 {
+    fn sweep_duration(&self) -> f64 {
         0.5 * self.step
     }
 
     /// Returns the coordinate of the first place of a line along its axis; along the last axis the layer, counted with
     /// the halo.
-    fn origin(&self, bundle: Bundle) -> usize {
+    fn axis_origin(&self, bundle: LineBundle) -> usize {
         if bundle.axis + 1 == D { bundle.first.group / self.layout.layer_groups() } else { 0 }
     }
 
     /// Adds the work at an end of lines in the sweep that follows.
-    fn accumulate_boundary_work(&mut self, bundle: Bundle, end: usize) {
-        let Bundle { axis, half, lines, .. } = bundle;
-        if !matches!(&self.boundary.faces[half][axis][end], BoundaryFaces::Physical(mirror) if mirror.does_work)
+    fn accumulate_boundary_work(&mut self, bundle: LineBundle, end: usize) {
+        let LineBundle { axis, half_step, lines, .. } = bundle;
+        if !matches!(&self.boundaries.faces[half_step][axis][end], BoundaryFaces::Physical(ghost_rule) if ghost_rule.can_do_work)
         {
             return;
         }
-        let (length, lanes) = self.length(bundle);
+        let (length, lanes) = self.cell_and_line_counts(bundle);
         for line in (0..lines).flat_map(|line| (0..lanes).map(move |lane| (line, lane))) {
             if !self.has_cells(bundle, line.0, line.1) {
                 continue;
             }
-            let (outermost, lane) = self.place_of(bundle, line, [0, length - 1][end]);
-            let cell = self.layout.cell_of(outermost.group, lane);
-            if cell.and_then(|cell| self.layout.own_number(cell)).is_none() {
+            let (outermost, lane) = self.cell_position(bundle, line, [0, length - 1][end]);
+            let cell = self.layout.cell_in_lane(outermost.group, lane);
+            if cell.and_then(|cell| self.layout.owned_index(cell)).is_none() {
                 continue;
             }
             for pair in 0..self.materials.waves[axis].len() {
-                let power = self.work_at(bundle, line, pair, end);
+                let power = self.boundary_power(bundle, line, pair, end);
                 if power != 0.0 {
-                    self.diagnostics.work.inflow.add(self.face_time(bundle) * power);
+                    self.diagnostics.work.boundary_work.add(self.face_area_time(bundle) * power);
                 }
             }
         }
@@ -486,22 +497,28 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Returns the power per area that a boundary supplies at an end of a line, W/m², positive inwards. The ghosts must
     /// be filled.
-    fn work_at(&self, bundle: Bundle, line: (usize, usize), pair: usize, end: usize) -> f64 {
-        let Bundle { axis, half, .. } = bundle;
+    fn boundary_power(
+        &self,
+        bundle: LineBundle,
+        line: (usize, usize),
+        pair: usize,
+        end: usize,
+    ) -> f64 {
+        let LineBundle { axis, half_step, .. } = bundle;
         let face = match axis {
             0 => {
                 ((bundle.face + line.0) / T::Lanes::COUNT, (bundle.face + line.0) % T::Lanes::COUNT)
             }
             _ => (bundle.face + line.0, line.1),
         };
-        match &self.boundary.faces[half][axis][end] {
-            BoundaryFaces::Physical(mirror) if mirror.does_work_on(pair, face) => {}
+        match &self.boundaries.faces[half_step][axis][end] {
+            BoundaryFaces::Physical(ghost_rule) if ghost_rule.can_do_work_at(pair, face) => {}
             _ => return 0.0,
         }
-        let first = [-2, self.length(bundle).0 as isize - 2][end];
-        let four = [0, 1, 2, 3].map(|i| self.read(bundle, line, first + i, pair));
-        let (states, cells) = (four.map(|own| own.0), four.map(|own| own.1));
-        let work = line::work_between(states, cells, self.scheme.slopes);
+        let first = [-2, self.cell_and_line_counts(bundle).0 as isize - 2][end];
+        let stencil_cells = [0, 1, 2, 3].map(|i| self.read_cell(bundle, line, first + i, pair));
+        let (states, cells) = (stencil_cells.map(|own| own.0), stencil_cells.map(|own| own.1));
+        let work = line::boundary_power(states, cells, self.scheme.slopes);
         if end == 0 { -work } else { work }
     }
 }

@@ -2,58 +2,64 @@
 
 use super::Reference;
 use crate::solid::cell_laws::{
-    Interval, MAX_FIELDS, RelaxedFields, SpinStressRotation, apply_source, combined, correction,
-    flush_limit, over_interval, push, relax, relaxation_over, relaxed_fields, rotated,
-    rotated_fields, spin_stress_rotation, stress_of,
+    Interval, MAX_FIELDS, RelaxedFields, SpinStressRotation, accelerate, add_scaled, apply_source,
+    find_relaxed_fields, flush_limit, integrate_signal, map_stress, relax, relaxation_coefficients,
+    rotate_spin_stress, rotated_fields, spin_stress_rotation, stress_from_fields,
 };
 use crate::solid::domain::{CellMapping, SolverReal};
-use crate::solid::medium::{Medium, component};
-use crate::solid::metric::{CurvatureRotation, rotated_by_curvature};
+use crate::solid::medium::{Medium, stress_component};
+use crate::solid::metric::{CurvatureRotation, rotate_pair_by_curvature};
 use crate::solid::problem::Problem;
 use models::rheology::relaxation::Relaxation;
 use models::solid::stress::Stress;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// Constants of the cell laws.
 #[derive(Clone)]
-pub(super) struct LocalLaws<T: SolverReal> {
+pub(super) struct CellLaws<T: SolverReal> {
     /// Spin–stress rotation coefficients by medium, over a whole and over half a step.
-    rotations: Vec<[SpinStressRotation<T>; 2]>,
+    spin_rotations: Vec<[SpinStressRotation<T>; 2]>,
     /// Field indices of rotating fields: a spin and two stresses each.
-    rotated: Vec<[usize; 3]>,
+    rotated_fields: Vec<[usize; 3]>,
     /// Rotation planes of the curvature by medium; empty if rows are straight.
-    geometry: Vec<Vec<PlaneByLayer<T>>>,
+    curvature_planes: Vec<Vec<LayeredPlane<T>>>,
     /// Relaxation; `None` if nothing relaxes.
-    relaxations: Option<Relaxations<T>>,
+    relaxations: Option<MediumRelaxations<T>>,
     /// Vectorised return mapping, which rounds differently from the scalar one; `None` if it is not used.
-    mapping: Option<CellMapping<T>>,
+    lane_return_mapping: Option<CellMapping<T>>,
 }
 
 /// A rotation plane of the curvature, and its coefficients by layer over a whole and over half a step.
-type PlaneByLayer<T> = (CurvatureRotation, Vec<[[T; 4]; 2]>);
+type LayeredPlane<T> = (CurvatureRotation, Vec<[[T; 4]; 2]>);
 
 /// Constants of stress relaxation.
 #[derive(Clone)]
-struct Relaxations<T> {
+struct MediumRelaxations<T> {
     fields: RelaxedFields,
     /// Coefficients by medium, over a whole and over half a step.
-    by_medium: Vec<[Relaxation<T>; 2]>,
+    medium_coefficients: Vec<[Relaxation<T>; 2]>,
 }
 
-impl<T: SolverReal> LocalLaws<T> {
+impl<T: SolverReal> CellLaws<T> {
     /// Constants for a problem with these fields.
-    pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[Field]) -> Self {
+    pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[SolidField]) -> Self {
         let Problem { media, step, .. } = problem;
         let rotations = media.iter().map(|medium| {
-            Interval::both(|part| spin_stress_rotation(medium, part, *step).map(T::from_f64))
+            Interval::evaluate_both(|step_fraction| {
+                spin_stress_rotation(medium, step_fraction, *step).map(T::from_f64)
+            })
         });
-        let relaxations = relaxed_fields(fields).map(|fields| Relaxations {
+        let relaxations = find_relaxed_fields(fields).map(|fields| MediumRelaxations {
             fields,
-            by_medium: media
+            medium_coefficients: media
                 .iter()
                 .map(|medium| {
-                    Interval::both(|part| {
-                        relaxation_over(|of| T::from_f64(of(medium)), part, *step)
+                    Interval::evaluate_both(|step_fraction| {
+                        relaxation_coefficients(
+                            |coefficient| T::from_f64(coefficient(medium)),
+                            step_fraction,
+                            *step,
+                        )
                     })
                 })
                 .collect(),
@@ -61,39 +67,41 @@ impl<T: SolverReal> LocalLaws<T> {
         let curvature = problem.metric.as_ref().map_or(&[][..], |metric| &metric.curvature);
         let plane = |plane: CurvatureRotation| {
             let of_layer = |curvature: &f64| {
-                Interval::both(|part| plane.rotation(*curvature, part * step).map(T::from_f64))
+                Interval::evaluate_both(|step_fraction| {
+                    plane.coefficients(*curvature, step_fraction * step).map(T::from_f64)
+                })
             };
             let by_layer = curvature.iter().map(of_layer).collect();
             (plane, by_layer)
         };
         let planes = |medium: &Medium| match curvature {
             [] => Vec::new(),
-            _ => CurvatureRotation::of_medium(medium).into_iter().map(plane).collect(),
+            _ => CurvatureRotation::from_medium(medium).into_iter().map(plane).collect(),
         };
         Self {
-            geometry: media.iter().map(planes).collect(),
-            rotations: rotations.collect(),
-            rotated: rotated_fields(fields),
+            curvature_planes: media.iter().map(planes).collect(),
+            spin_rotations: rotations.collect(),
+            rotated_fields: rotated_fields(fields),
             relaxations,
-            mapping: CellMapping::new(problem),
+            lane_return_mapping: CellMapping::new(problem),
         }
     }
 }
 
-impl<T: SolverReal> LocalLaws<T> {
+impl<T: SolverReal> CellLaws<T> {
     /// Whether spins rotate or stresses relax.
-    pub(super) fn is_any(&self) -> bool {
-        !self.rotated.is_empty() || self.relaxations.is_some()
+    pub(super) fn has_rotation_or_relaxation(&self) -> bool {
+        !self.rotated_fields.is_empty() || self.relaxations.is_some()
     }
 }
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
     pub(super) fn medium(&self, cell: usize) -> &Medium {
-        &self.problem.media[usize::from(self.problem.of_cell[cell])]
+        &self.problem.media[usize::from(self.problem.cell_media[cell])]
     }
 
     /// Returns the values of all fields of a cell.
-    pub(super) fn state(&self, cell: usize) -> [T; MAX_FIELDS] {
+    pub(super) fn cell_state(&self, cell: usize) -> [T; MAX_FIELDS] {
         let mut state = [T::ZERO; MAX_FIELDS];
         for (value, field) in state.iter_mut().zip(&self.fields) {
             *value = field[cell];
@@ -109,14 +117,14 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Returns the total stress in a cell (permuted index).
-    pub(super) fn whole_stress_of(&self, cell: usize) -> Stress {
-        let deviation = stress_of(self.fields(), &self.state(cell));
-        combined(&deviation, &self.initial_stress(cell).unwrap_or_default(), 1.0)
+    pub(super) fn permuted_total_stress(&self, cell: usize) -> Stress {
+        let deviation = stress_from_fields(self.fields(), &self.cell_state(cell));
+        add_scaled(&deviation, &self.initial_stress(cell).unwrap_or_default(), 1.0)
     }
 
     /// Integrates the signals of all sources over an interval, s.
-    pub(super) fn sources_over(&self, interval: [f64; 2]) -> Vec<[f64; 2]> {
-        self.problem.sources.iter().map(|own| over_interval(&own.signal, interval)).collect()
+    pub(super) fn integrate_signals(&self, interval: [f64; 2]) -> Vec<[f64; 2]> {
+        self.problem.sources.iter().map(|own| integrate_signal(&own.signal, interval)).collect()
     }
 
     /// K: applies sources, with integrated signals, and gravity over half a step.
@@ -134,34 +142,38 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let volume = self.problem.grid.volume();
         for index in 0..self.problem.sources[source].amplitudes.len() {
             let (field, amplitude) = self.problem.sources[source].amplitudes[index];
-            let Some(field) = self.place(field) else { continue };
-            let (mut state, strength) = (self.state(cell), amplitude * share);
+            let Some(field) = self.field_index(field) else { continue };
+            let (mut state, strength) = (self.cell_state(cell), amplitude * share);
             let work = apply_source(self.medium(cell), &mut state, field, strength, signal, volume);
             self.fields[field][cell] = state[field];
-            self.work.sources.add(work);
+            self.work.source_work.add(work);
         }
     }
 
     fn apply_gravity(&mut self) {
         for (axis, acceleration) in self.problem.acceleration.into_iter().enumerate() {
-            let field = Field::Velocity(axis);
-            let Some(place) = self.place(field).filter(|_| acceleration != 0.0) else { continue };
+            let field = SolidField::Velocity(axis);
+            let Some(place) = self.field_index(field).filter(|_| acceleration != 0.0) else {
+                continue;
+            };
             let change = acceleration * 0.5 * self.problem.step;
             for cell in 0..self.problem.grid.count() {
                 let inertia = self.medium(cell).inertia(field);
-                let work = inertia * push(&mut self.fields[place][cell], change);
-                self.work.sources.add(work);
+                let work = inertia * accelerate(&mut self.fields[place][cell], change);
+                self.work.source_work.add(work);
             }
         }
     }
 
     /// Q: rotates spins and antisymmetric stresses.
     pub(super) fn rotate_spins(&mut self, interval: Interval) {
-        for &places in &self.laws.rotated {
-            for (cell, medium) in self.problem.of_cell.iter().enumerate() {
-                let constants = self.laws.rotations[usize::from(*medium)][interval as usize];
+        for &places in &self.cell_laws.rotated_fields {
+            for (cell, medium) in self.problem.cell_media.iter().enumerate() {
+                let constants =
+                    self.cell_laws.spin_rotations[usize::from(*medium)][interval as usize];
                 let before = places.map(|place| self.fields[place][cell]);
-                for (place, value) in places.into_iter().zip(rotated(constants, before)) {
+                for (place, value) in places.into_iter().zip(rotate_spin_stress(constants, before))
+                {
                     self.fields[place][cell] = value;
                 }
             }
@@ -171,15 +183,15 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Rotates the state by the curvature of rows.
     pub(super) fn rotate_by_curvature(&mut self, interval: Interval) {
         let length = self.problem.grid.cells[0];
-        for (cell, medium) in self.problem.of_cell.iter().enumerate() {
-            for (plane, by_layer) in &self.laws.geometry[usize::from(*medium)] {
+        for (cell, medium) in self.problem.cell_media.iter().enumerate() {
+            for (plane, by_layer) in &self.cell_laws.curvature_planes[usize::from(*medium)] {
                 let weights = plane.weights.iter();
                 let y = weights.fold(T::ZERO, |y, &(place, weight)| {
                     y + T::from_f64(weight) * self.fields[place][cell]
                 });
                 let v = self.fields[plane.velocity][cell];
                 let [v, strain] =
-                    rotated_by_curvature(by_layer[cell / length][interval as usize], v, y);
+                    rotate_pair_by_curvature(by_layer[cell / length][interval as usize], v, y);
                 self.fields[plane.velocity][cell] = v;
                 for &(place, modulus) in &plane.moduli {
                     let stress = &mut self.fields[place][cell];
@@ -191,24 +203,24 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
     /// Relaxes stresses.
     pub(super) fn relax(&mut self, interval: Interval) {
-        let Some(relaxations) = self.laws.relaxations.take() else { return };
+        let Some(relaxations) = self.cell_laws.relaxations.take() else { return };
         let (normal, shear) = &relaxations.fields;
         for cell in 0..self.problem.grid.count() {
             if self.medium(cell).relaxation.is_none() {
                 continue;
             }
-            let medium = usize::from(self.problem.of_cell[cell]);
-            let constants = &relaxations.by_medium[medium][interval as usize];
-            let lost = match shear.as_slice() {
+            let medium = usize::from(self.problem.cell_media[cell]);
+            let constants = &relaxations.medium_coefficients[medium][interval as usize];
+            let energy_loss = match shear.as_slice() {
                 [first] => self.relax_cell(cell, constants, normal, &[*first]),
                 [first, second, third] => {
                     self.relax_cell(cell, constants, normal, &[*first, *second, *third])
                 }
                 _ => T::ZERO,
             };
-            self.dissipation.viscous[cell] += lost.to_f64();
+            self.dissipation.viscous_dissipation[cell] += energy_loss.to_f64();
         }
-        self.laws.relaxations = Some(relaxations);
+        self.cell_laws.relaxations = Some(relaxations);
     }
 
     /// Relaxes a cell; returns the energy dissipated, J/m³.
@@ -222,57 +234,58 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let value = |place: usize| self.fields[place][cell];
         let mut normal_values = normal.map(|places| places.map(value));
         let mut shear_values = shear.map(|places| places.map(value));
-        let lost = relax(constants, &mut normal_values, &mut shear_values);
+        let energy_loss = relax(constants, &mut normal_values, &mut shear_values);
         let places = normal.as_flattened().iter().chain(shear.as_flattened());
         let values = normal_values.as_flattened().iter().chain(shear_values.as_flattened());
         places.zip(values).for_each(|(&place, value)| self.fields[place][cell] = *value);
-        lost
+        energy_loss
     }
 
     /// P: applies the return mapping to all cells.
     pub(super) fn map_stresses(&mut self) {
-        if self.dissipation.plastic.is_empty() {
+        if self.dissipation.plastic_dissipation.is_empty() {
             return;
         }
-        let Some(mut mapping) = self.laws.mapping.take() else {
-            return self.map_one_by_one(false);
+        let Some(mut lane_return_mapping) = self.cell_laws.lane_return_mapping.take() else {
+            return self.map_cells_scalar(false);
         };
         for cell in 0..self.problem.grid.count() {
-            let medium = self.problem.of_cell[cell];
-            let mut state = self.state(cell);
-            match mapping.map(medium, &mut state) {
+            let medium = self.problem.cell_media[cell];
+            let mut state = self.cell_state(cell);
+            match lane_return_mapping.map_cell(medium, &mut state) {
                 Some(dissipated) => {
-                    self.dissipation.plastic[cell] += dissipated;
+                    self.dissipation.plastic_dissipation[cell] += dissipated;
                     for (field, value) in self.fields.iter_mut().zip(state) {
                         field[cell] = value;
                     }
                 }
-                None => self.map_stress(cell, false),
+                None => self.map_cell_stress(cell, false),
             }
         }
-        self.laws.mapping = Some(mapping);
+        self.cell_laws.lane_return_mapping = Some(lane_return_mapping);
     }
 
     /// Applies P, or 2P − I if `reflects`, cell by cell with the scalar projection.
-    pub(super) fn map_one_by_one(&mut self, reflects: bool) {
-        (0..self.problem.grid.count()).for_each(|cell| self.map_stress(cell, reflects));
+    pub(super) fn map_cells_scalar(&mut self, reflects: bool) {
+        (0..self.problem.grid.count()).for_each(|cell| self.map_cell_stress(cell, reflects));
     }
 
-    fn map_stress(&mut self, cell: usize, reflects: bool) {
+    fn map_cell_stress(&mut self, cell: usize, reflects: bool) {
         let medium = self.medium(cell);
-        if medium.yields.is_none() {
+        if medium.yield_set.is_none() {
             return;
         }
-        let deviation = stress_of(self.fields(), &self.state(cell));
+        let deviation = stress_from_fields(self.fields(), &self.cell_state(cell));
         let initial = self.initial_stress(cell);
-        let Some(own) = correction(medium, &deviation, initial.as_ref(), reflects) else { return };
-        self.dissipation.plastic[cell] += own.dissipated;
-        if let Some(released) = self.dissipation.released.get_mut(cell) {
-            *released += own.released;
+        let Some(own) = map_stress(medium, &deviation, initial.as_ref(), reflects) else { return };
+        self.dissipation.plastic_dissipation[cell] += own.dissipation;
+        if let Some(initial_stress_work) = self.dissipation.initial_stress_work.get_mut(cell) {
+            *initial_stress_work += own.initial_stress_work;
         }
-        self.work.least_plastic = self.work.least_plastic.min(own.share);
+        self.work.min_dissipation_ratio =
+            self.work.min_dissipation_ratio.min(own.dissipation_ratio);
         for (field, values) in self.problem.media[0].fields.iter().zip(&mut self.fields) {
-            if let Some(value) = component(*field, &own.stress) {
+            if let Some(value) = stress_component(*field, &own.stress) {
                 values[cell] = T::from_f64(value);
             }
         }
@@ -284,12 +297,12 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         for value in self.fields.iter_mut().flatten() {
             *value = value.flush_below(limit);
         }
-        self.faces.flush_below(limit);
+        self.interlayers.flush_below(limit);
     }
 
     /// Adds `steps` steps to the time integrals.
     pub(super) fn accumulate_integrals(&mut self, steps: f64) {
-        for (place, sums) in &mut self.integrals {
+        for (place, sums) in &mut self.time_integrals {
             for (sum, value) in sums.iter_mut().zip(&self.fields[*place]) {
                 *sum += steps * self.problem.step * value.to_f64();
             }

@@ -1,39 +1,39 @@
-//! Faces with memory: memory variables for each face and wave pair.
+//! Faces with memory: history variables for each face and wave pair.
 
-use super::sweep::LineOfCells;
+use super::sweep::GridLine;
 use crate::simd::Real;
 use crate::solid::boundary::Boundary;
 use crate::solid::interface::Interlayer;
 use crate::solid::interlayers::{
-    MEMORY, cell_in_front, energy_of, first_non_finite, memory_at_start,
+    HISTORY_VARIABLES, interlayer_energy, lower_neighbour, non_finite_field, stress_free_history,
 };
 use crate::solid::ledger::EnergySums;
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use models::interface::elastic::ElasticInterlayer;
-use models::solid::waves::{Field, Pair};
+use models::solid::waves::{SolidField, VelocityStressPair};
 
 /// A face with an interlayer, for one wave pair.
 #[derive(Clone)]
-struct Face<T> {
+struct InterlayerFace<T> {
     axis: usize,
     pair: usize,
     /// Cell above the face.
     cell: usize,
     law: ElasticInterlayer<T>,
-    memory: [T; MEMORY],
+    history: [T; HISTORY_VARIABLES],
 }
 
 /// All interlayers, ordered by layer across the last axis, axis of the face, cell above it, and wave pair.
 #[derive(Clone)]
-pub(super) struct Faces<T, const D: usize> {
-    all: Vec<Face<T>>,
+pub(super) struct InterlayerFaces<T, const D: usize> {
+    faces: Vec<InterlayerFace<T>>,
     /// By axis and cell above the face, index of its first wave pair; empty if the axis has no interlayers.
-    first: [Vec<Option<usize>>; D],
+    first_pair: [Vec<Option<usize>>; D],
     is_periodic: [bool; D],
 }
 
-impl<T: Real, const D: usize> Faces<T, D> {
+impl<T: Real, const D: usize> InterlayerFaces<T, D> {
     /// Interlayers of a problem, at rest.
     pub(super) fn new(problem: &Problem<D>) -> Self {
         let (grid, layer) = (&problem.grid, problem.grid.faces(D - 1));
@@ -46,79 +46,79 @@ impl<T: Real, const D: usize> Faces<T, D> {
                 let stride: usize = grid.cells[..axis].iter().product();
                 for (index, number) in first[axis][start..start + layer].iter_mut().enumerate() {
                     let cell = start + index;
-                    if !own.is_in_front_of(cell / stride % grid.cells[axis]) {
+                    if !own.has_interlayer_at(cell / stride % grid.cells[axis]) {
                         continue;
                     }
                     *number = Some(all.len());
-                    all.extend(own.laws.iter().enumerate().map(|(pair, law)| Face {
+                    all.extend(own.laws.iter().enumerate().map(|(pair, law)| InterlayerFace {
                         axis,
                         pair,
                         cell,
                         law: law.to_number(),
-                        memory: [T::ZERO; MEMORY],
+                        history: [T::ZERO; HISTORY_VARIABLES],
                     }));
                 }
             }
         }
         let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
-        Self { all, first, is_periodic }
+        Self { faces: all, first_pair: first, is_periodic }
     }
 
     /// Returns V and S of all interlayers.
-    pub(super) fn memory(&self) -> Vec<[T; MEMORY]> {
-        self.all.iter().map(|own| own.memory).collect()
+    pub(super) fn history(&self) -> Vec<[T; HISTORY_VARIABLES]> {
+        self.faces.iter().map(|own| own.history).collect()
     }
 
     /// Sets V and S of all interlayers.
-    pub(super) fn set_memory(&mut self, memory: &[[T; MEMORY]]) {
-        self.all.iter_mut().zip(memory).for_each(|(face, own)| face.memory = *own);
+    pub(super) fn set_history(&mut self, history: &[[T; HISTORY_VARIABLES]]) {
+        self.faces.iter_mut().zip(history).for_each(|(face, own)| face.history = *own);
     }
 
     /// Computes the initial memory of all interlayers from the field values of the adjacent cells.
-    pub(super) fn at_start(
+    pub(super) fn initial_history(
         &self,
         problem: &Problem<D>,
-        value: impl Fn(Field, usize) -> T,
-    ) -> Vec<[T; MEMORY]> {
-        let memory = |face: &Face<T>| {
-            let field = pair_of(face, problem).velocity;
-            let front = cell_in_front(&problem.grid.cells, face.axis, face.cell);
-            memory_at_start([front, face.cell].map(|cell| value(field, cell)))
+        value: impl Fn(SolidField, usize) -> T,
+    ) -> Vec<[T; HISTORY_VARIABLES]> {
+        let history = |face: &InterlayerFace<T>| {
+            let field = wave_pair(face, problem).velocity;
+            let front = lower_neighbour(&problem.grid.cells, face.axis, face.cell);
+            stress_free_history([front, face.cell].map(|cell| value(field, cell)))
         };
-        self.all.iter().map(memory).collect()
+        self.faces.iter().map(history).collect()
     }
 
-    /// Sets memory variables of magnitude below `limit` to zero.
+    /// Sets history variables of magnitude below `limit` to zero.
     pub(super) fn flush_below(&mut self, limit: T) {
-        for value in self.all.iter_mut().flat_map(|face| &mut face.memory) {
+        for value in self.faces.iter_mut().flat_map(|face| &mut face.history) {
             *value = value.flush_below(limit);
         }
     }
 
     /// Adds the energy of all interlayers to `sums`.
     pub(super) fn add_energy(&self, problem: &Problem<D>, sums: &mut EnergySums) {
-        for face in &self.all {
+        for face in &self.faces {
             let area = problem.grid.volume() / problem.grid.spacing[face.axis];
-            let [kinetic, stored] = energy_of(&face.law, face.memory, area);
+            let [kinetic, stored] = interlayer_energy(&face.law, face.history, area);
             sums.interlayer_kinetic.add(kinetic);
             sums.interlayer_stored.add(stored);
         }
     }
 
     /// Returns field and cell above the face of the first interlayer with non-finite memory.
-    pub(super) fn first_non_finite(&self, problem: &Problem<D>) -> Option<(Field, usize)> {
-        self.all.iter().find_map(|face| {
-            Some((first_non_finite(pair_of(face, problem), face.memory)?, face.cell))
+    pub(super) fn non_finite_field(&self, problem: &Problem<D>) -> Option<(SolidField, usize)> {
+        self.faces.iter().find_map(|face| {
+            Some((non_finite_field(wave_pair(face, problem), face.history)?, face.cell))
         })
     }
 
     /// Returns the interlayers of a line, ghosts included.
-    pub(super) fn of_line(
+    pub(super) fn line_interlayers(
         &self,
         pair: usize,
-        line: LineOfCells,
+        line: GridLine,
     ) -> Vec<Interlayer<T, ElasticInterlayer<T>>> {
-        if self.first[line.axis].is_empty() {
+        if self.first_pair[line.axis].is_empty() {
             return Vec::new();
         }
         let (count, ghosts) = (line.count as isize, GHOSTS as isize);
@@ -128,31 +128,34 @@ impl<T: Real, const D: usize> Faces<T, D> {
                 false => place,
             };
             let around = usize::try_from(around).ok().filter(|own| *own < line.count)?;
-            let face = &self.all[self.first[line.axis][line.cell(around)]? + pair];
-            let place = (place + ghosts) as usize;
-            Some(Interlayer { place, law: face.law, memory: face.memory })
+            let face = &self.faces[self.first_pair[line.axis][line.cell(around)]? + pair];
+            let upper_cell = (place + ghosts) as usize;
+            Some(Interlayer { upper_cell, law: face.law, history: face.history })
         };
         (-ghosts..count + ghosts).filter_map(at).collect()
     }
 
     /// Stores the memory of the interlayers of a line after its sweep.
-    pub(super) fn keep(
+    pub(super) fn store_line(
         &mut self,
         pair: usize,
-        line: LineOfCells,
+        line: GridLine,
         interlayers: &[Interlayer<T, ElasticInterlayer<T>>],
     ) {
         // Interlayers among the ghosts are copies.
         let own = GHOSTS..GHOSTS + line.count;
-        for interlayer in interlayers.iter().filter(|other| own.contains(&other.place)) {
-            let cell = line.cell(interlayer.place - GHOSTS);
-            if let Some(first) = self.first[line.axis][cell] {
-                self.all[first + pair].memory = interlayer.memory;
+        for interlayer in interlayers.iter().filter(|other| own.contains(&other.upper_cell)) {
+            let cell = line.cell(interlayer.upper_cell - GHOSTS);
+            if let Some(first) = self.first_pair[line.axis][cell] {
+                self.faces[first + pair].history = interlayer.history;
             }
         }
     }
 }
 
-fn pair_of<'a, T, const D: usize>(face: &Face<T>, problem: &'a Problem<D>) -> &'a Pair {
+fn wave_pair<'a, T, const D: usize>(
+    face: &InterlayerFace<T>,
+    problem: &'a Problem<D>,
+) -> &'a VelocityStressPair {
     &problem.media[0].pairs[face.axis][face.pair]
 }

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `step` | sequence of operations of a step |
 //! | `sweep` | sweep along an axis, line by line, with ghosts, work at boundaries and the energy account |
-//! | `interlayers` | faces with memory: positions and memory variables |
+//! | `interlayers` | faces with interlayers: positions and history variables |
 //! | `cells` | sources, gravity, rotation, relaxation, return mapping, flushing of subnormals, time integrals |
 //! | `output` | fields at the time of the solver, records, snapshots, energies |
 //!
@@ -21,18 +21,18 @@ mod output;
 mod step;
 mod sweep;
 
-use crate::simd::{Group, Real};
+use crate::simd::{LaneGroup, Real};
 use crate::solid::axis_permutation::AxisPermutation;
 use crate::solid::boundary::{Boundary, Load};
 use crate::solid::domain::SolverReal;
-use crate::solid::ghosts::{BoundaryFaces, GhostRule, Slot};
+use crate::solid::ghosts::{BoundaryFaces, GhostRule, LaneIndex};
 use crate::solid::ledger::{CellDissipation, Energy, Ledger, LedgerSums, WorkSums};
 use crate::solid::line;
 use crate::solid::problem::{DomainError, Grid, Problem};
-use cells::LocalLaws;
-use interlayers::Faces;
-use models::solid::waves::Field;
-use sweep::WavePair;
+use cells::CellLaws;
+use interlayers::InterlayerFaces;
+use models::solid::waves::SolidField;
+use sweep::ReferenceWavePair;
 
 /// Fields on a rectangular grid and their laws, without lanes, tiles, halo or threads.
 #[derive(Clone)]
@@ -42,29 +42,29 @@ pub struct Reference<T: SolverReal, const D: usize> {
     /// Permutation from the axes of the given problem to those of the sweeps.
     permutation: AxisPermutation<D>,
     /// Fields of the state.
-    names: Vec<Field>,
+    field_list: Vec<SolidField>,
     /// Reconstruction of the sweeps.
     slopes: line::Slopes,
     /// Wave pairs by axis, for sweeps of half a step.
-    waves: [Vec<WavePair<T>>; D],
+    waves: [Vec<ReferenceWavePair<T>>; D],
     /// Wave pairs along the first axis by layer, for sweeps of half a step, if cell lengths vary by layer; else empty.
-    row_waves: Vec<Vec<WavePair<T>>>,
+    row_waves: Vec<Vec<ReferenceWavePair<T>>>,
     /// Wave pairs along the first axis, for sweeps of a quarter of a step.
-    quarter_waves: Vec<WavePair<T>>,
-    sides: [[BoundaryFaces<T>; 2]; D],
+    quarter_waves: Vec<ReferenceWavePair<T>>,
+    boundaries: [[BoundaryFaces<T>; 2]; D],
     /// Cell laws.
-    laws: LocalLaws<T>,
+    cell_laws: CellLaws<T>,
     /// Values by field and cell (first axis fastest); stresses as deviation from the initial stress.
     fields: Vec<Vec<T>>,
     /// Faces with interlayers.
-    faces: Faces<T, D>,
+    interlayers: InterlayerFaces<T, D>,
     work: WorkSums,
     /// Dissipation by cell, J/m³.
     dissipation: CellDissipation,
     /// Field indices of velocities and spins, and Δt times the sum of their values by cell.
-    integrals: Vec<(usize, Vec<f64>)>,
+    time_integrals: Vec<(usize, Vec<f64>)>,
     /// Cells recorded after each step.
-    watched: Vec<usize>,
+    watched_cells: Vec<usize>,
     records: Vec<f64>,
     /// Number of steps done.
     steps: usize,
@@ -84,45 +84,47 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// # Errors
     /// See [`DomainError`].
     pub fn with_first_axis(axis: usize, problem: &Problem<D>) -> Result<Self, DomainError> {
-        let permutation = AxisPermutation::with_first(axis, &problem.grid);
-        let problem = permutation.checked(problem)?.into_owned();
+        let permutation = AxisPermutation::with_first_axis(axis, &problem.grid);
+        let problem = permutation.check_and_permute(problem)?.into_owned();
         let Problem { media, grid, .. } = &problem;
         let (count, names) = (grid.count(), problem.fields());
         let waves = |axis: usize, spacing: f64, share: f64| {
             let pairs = 0..media[0].pairs[axis].len();
-            let wave = |pair| WavePair::new(&problem, (axis, spacing), pair, share);
+            let wave = |pair| ReferenceWavePair::new(&problem, (axis, spacing), pair, share);
             pairs.map(wave).collect::<Vec<_>>()
         };
         let of_layers = problem.metric.as_ref().map_or(&[][..], |metric| &metric.spacing);
-        let place = |field: &Field| names.iter().position(|own| own == field);
+        let place = |field: &SolidField| names.iter().position(|own| own == field);
         Ok(Self {
             slopes: problem.scheme.sweep_slopes(),
             waves: std::array::from_fn(|axis| waves(axis, grid.spacing[axis], 0.5)),
             row_waves: of_layers.iter().map(|spacing| waves(0, *spacing, 0.5)).collect(),
             quarter_waves: waves(0, grid.spacing[0], 0.25),
-            sides: std::array::from_fn(|axis| [0, 1].map(|end| side(&problem, axis, end))),
-            laws: LocalLaws::new(&problem, &names),
+            boundaries: std::array::from_fn(|axis| {
+                [0, 1].map(|end| create_boundary(&problem, axis, end))
+            }),
+            cell_laws: CellLaws::new(&problem, &names),
             fields: vec![vec![T::ZERO; count]; names.len()],
-            faces: Faces::new(&problem),
+            interlayers: InterlayerFaces::new(&problem),
             work: WorkSums::default(),
             dissipation: CellDissipation::new(&problem, || vec![0.0; count]),
-            integrals: problem
-                .integrals
+            time_integrals: problem
+                .integrated_fields
                 .iter()
                 .filter_map(|field| Some((place(field)?, vec![0.0; count])))
                 .collect(),
-            watched: Vec::new(),
+            watched_cells: Vec::new(),
             records: Vec::new(),
             steps: 0,
-            names,
+            field_list: names,
             permutation,
             problem,
         })
     }
 
     /// Returns the fields of the state.
-    pub fn fields(&self) -> &[Field] {
-        &self.names
+    pub fn fields(&self) -> &[SolidField] {
+        &self.field_list
     }
 
     /// Returns the grid, with the axes in the order of the sweeps.
@@ -135,20 +137,20 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.steps as f64 * self.problem.step
     }
 
-    fn place(&self, field: Field) -> Option<usize> {
+    fn field_index(&self, field: SolidField) -> Option<usize> {
         self.fields().iter().position(|own| *own == field)
     }
 
     /// Returns the stored values of a field (first axis fastest), without completing the step; `None` if there is no
     /// such field.
-    pub fn values(&self, field: Field) -> Option<Vec<T>> {
-        self.place(field).map(|place| self.permutation.unpermute(self.fields[place].clone()))
+    pub fn values(&self, field: SolidField) -> Option<Vec<T>> {
+        self.field_index(field).map(|place| self.permutation.unpermute(self.fields[place].clone()))
     }
 
     /// Sets the values of a field (first axis fastest); excess values are ignored, missing ones leave cells unchanged.
-    pub fn set(&mut self, field: Field, values: &[T]) {
+    pub fn set(&mut self, field: SolidField, values: &[T]) {
         let values = self.permutation.permute(values);
-        let Some(place) = self.place(field) else { return };
+        let Some(place) = self.field_index(field) else { return };
         for (own, &value) in self.fields[place].iter_mut().zip(values.iter()) {
             *own = value;
         }
@@ -157,37 +159,37 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Initialises interlayers with the motion of the adjacent cells, see
     /// [`Domain::initialise_interlayers`](crate::solid::domain::Domain::initialise_interlayers).
     pub fn initialise_interlayers(&mut self) {
-        let place = |field| self.place(field);
+        let place = |field| self.field_index(field);
         let value = |field, cell: usize| place(field).map_or(T::ZERO, |own| self.fields[own][cell]);
-        let memory = self.faces.at_start(&self.problem, value);
-        self.faces.set_memory(&memory);
+        let memory = self.interlayers.initial_history(&self.problem, value);
+        self.interlayers.set_history(&memory);
     }
 
     /// Returns V and S of all interlayers, in the order of
-    /// [`Domain::interlayer_memory`](crate::solid::domain::Domain::interlayer_memory).
-    pub fn interlayer_memory(&self) -> Vec<[T; 2]> {
-        self.faces.memory()
+    /// [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
+    pub fn interlayer_history(&self) -> Vec<[T; 2]> {
+        self.interlayers.history()
     }
 
     /// Returns work and dissipation of the steps so far, J.
     pub fn ledger(&self) -> Ledger {
-        let dissipation = self.dissipation.all().map(|values| values.iter().copied().collect());
-        LedgerSums { work: self.work.clone(), dissipation }.ledger(self.problem.grid.volume())
+        let dissipation = self.dissipation.lists().map(|values| values.iter().copied().collect());
+        LedgerSums { work: self.work.clone(), dissipation }.to_ledger(self.problem.grid.volume())
     }
 
     /// Returns the energy of the deviation from the initial stress, J.
     pub fn energy(&self) -> Energy {
-        self.energy_sums().energy(self.problem.grid.volume())
+        self.energy_sums().to_energy(self.problem.grid.volume())
     }
 }
 
 /// Converts a face index to a group and a lane.
-fn slot<T: Real>(face: usize) -> Slot {
+fn lane_index<T: Real>(face: usize) -> LaneIndex {
     (face / T::Lanes::COUNT, face % T::Lanes::COUNT)
 }
 
 /// Creates the boundary at an end of an axis in the form that the sweeps use.
-fn side<T: Real, const D: usize>(
+fn create_boundary<T: Real, const D: usize>(
     problem: &Problem<D>,
     axis: usize,
     end: usize,
@@ -197,13 +199,14 @@ fn side<T: Real, const D: usize>(
         return BoundaryFaces::Periodic;
     }
     let count = problem.grid.faces(axis);
-    let faces: Vec<(usize, Slot)> = (0..count).map(|face| (face, slot::<T>(face))).collect();
+    let faces: Vec<(usize, LaneIndex)> =
+        (0..count).map(|face| (face, lane_index::<T>(face))).collect();
     let own = |load: &&Load| (load.axis, load.end) == (axis, end);
     let loads: Vec<&Load> = problem.loads.iter().filter(own).collect();
     let pairs = problem.media[0].pairs[axis].len();
     let groups = count.div_ceil(T::Lanes::COUNT);
     let slopes = problem.scheme.slopes;
     let mut rule = GhostRule::new(boundary, pairs, (&faces, groups), !loads.is_empty(), slopes);
-    loads.into_iter().for_each(|load| rule.add(load, &faces));
+    loads.into_iter().for_each(|load| rule.add_load(load, &faces));
     BoundaryFaces::Physical(rule)
 }

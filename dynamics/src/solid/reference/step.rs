@@ -11,21 +11,21 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         for _ in 0..steps {
             let start = self.steps as f64 * self.problem.step;
             let end = (self.steps + 1) as f64 * self.problem.step;
-            match self.problem.scheme.alternates() {
-                true => self.alternating_step(start, end),
-                false => self.two_cyclic_step(start, end),
+            match self.problem.scheme.is_alternating() {
+                true => self.advance_alternating(start, end),
+                false => self.advance_two_cyclic(start, end),
             }
             self.steps += 1;
             self.flush_subnormals();
-            if !self.problem.scheme.alternates() {
+            if !self.problem.scheme.is_alternating() {
                 self.accumulate_integrals(1.0);
             }
-            self.record();
+            self.record_watched();
         }
     }
 
     /// U ← x y z, K Q K, z y x, then P; or 2P − I in the middle of Q, which includes relaxation.
-    fn two_cyclic_step(&mut self, start: f64, end: f64) {
+    fn advance_two_cyclic(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
         if self.steps == 0 {
@@ -37,8 +37,9 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             self.sweep(axis, start + 0.25 * step);
         }
 
-        let sources = [self.sources_over([start, middle]), self.sources_over([middle, end])];
-        self.apply_middle(&sources);
+        let sources =
+            [self.integrate_signals([start, middle]), self.integrate_signals([middle, end])];
+        self.apply_local_operators(&sources);
 
         for axis in (0..D).rev() {
             self.sweep(axis, start + 0.75 * step);
@@ -49,25 +50,25 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// K Q K with relaxation, and with the reflection 2P − I in the middle if the scheme requires it.
-    fn apply_middle(&mut self, sources: &[Vec<[f64; 2]>; 2]) {
+    fn apply_local_operators(&mut self, sources: &[Vec<[f64; 2]>; 2]) {
         self.apply_sources(&sources[0]);
         match self.problem.scheme.plastic_step {
-            PlasticStep::MidpointReflection if !self.dissipation.plastic.is_empty() => {
+            PlasticStep::MidpointReflection if !self.dissipation.plastic_dissipation.is_empty() => {
                 self.rotate_spins(Interval::HalfStep);
                 self.relax(Interval::HalfStep);
-                self.map_one_by_one(true);
+                self.map_cells_scalar(true);
                 self.relax(Interval::HalfStep);
                 self.rotate_spins(Interval::HalfStep);
             }
             _ => {
                 // The rotation by the curvature does not commute with the other laws: half of it before, half after
                 // them.
-                let others = self.laws.is_any();
-                let interval = if others { Interval::HalfStep } else { Interval::Step };
+                let has_other_laws = self.cell_laws.has_rotation_or_relaxation();
+                let interval = if has_other_laws { Interval::HalfStep } else { Interval::Step };
                 self.rotate_by_curvature(interval);
                 self.rotate_spins(Interval::Step);
                 self.relax(Interval::Step);
-                if others {
+                if has_other_laws {
                     self.rotate_by_curvature(interval);
                 }
             }
@@ -76,19 +77,20 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// U ← x y z, K √Q x √Q K, z y, then P; the very first x by a quarter of a step.
-    fn alternating_step(&mut self, start: f64, end: f64) {
+    fn advance_alternating(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
 
         match self.steps {
-            0 => self.quarter_sweep(start + 0.125 * step),
+            0 => self.sweep_quarter_step(start + 0.125 * step),
             _ => self.sweep(0, start),
         }
         for axis in 1..D {
             self.sweep(axis, start + 0.25 * step);
         }
 
-        let sources = [self.sources_over([start, middle]), self.sources_over([middle, end])];
+        let sources =
+            [self.integrate_signals([start, middle]), self.integrate_signals([middle, end])];
         self.apply_sources(&sources[0]);
         self.rotate_spins(Interval::HalfStep);
         self.relax(Interval::HalfStep);

@@ -1,67 +1,69 @@
 //! Sweep along an axis: line by line with ghosts, wave pair by wave pair.
 
-use super::{Reference, slot};
+use super::{Reference, lane_index};
 use crate::simd::Real;
 use crate::solid::cell::CellConstants;
 use crate::solid::domain::SolverReal;
-use crate::solid::ghosts::{BESIDE, BoundaryFaces, GhostCoefficients, ghosts, image, set_time};
+use crate::solid::ghosts::{
+    BoundaryFaces, CLOSURE_CELLS, GhostCoefficients, compute_ghosts, image, set_time,
+};
 use crate::solid::interface::sweep_with_interlayers;
-use crate::solid::line::{self, Account};
+use crate::solid::line::{self, SweepAccount};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
-use models::solid::waves::Field;
+use models::solid::waves::SolidField;
 
 /// A wave pair along an axis.
 #[derive(Clone)]
-pub(super) struct WavePair<T: Real> {
+pub(super) struct ReferenceWavePair<T: Real> {
     /// Cell length along the axis, m, and fraction of a time step per sweep.
     spacing: f64,
-    share: f64,
+    step_fraction: f64,
     /// Field indices.
     pub(super) velocity: usize,
     pub(super) stress: usize,
     /// Cell constants by medium.
     pub(super) cells: Vec<CellConstants<T>>,
-    coefficients: Vec<GhostCoefficients<T>>,
+    ghost_coefficients: Vec<GhostCoefficients<T>>,
     /// Indices of the passive stresses of any medium, and by medium the coupling ratio r = ds′/ds.
     pub(super) passive_stresses: Vec<(usize, Vec<T>)>,
 }
 
-impl<T: Real> WavePair<T> {
+impl<T: Real> ReferenceWavePair<T> {
     /// A wave pair along an axis with cell length `spacing`, m, and sweeps of a fraction of the time step.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         (axis, spacing): (usize, f64),
         pair: usize,
-        share: f64,
+        step_fraction: f64,
     ) -> Self {
         let Problem { media, scheme, step, .. } = problem;
         let fields = &media[0].fields;
-        let place = |field: Field| fields.iter().position(|own| *own == field).unwrap_or(0);
+        let place = |field: SolidField| fields.iter().position(|own| *own == field).unwrap_or(0);
         let pairs = || media.iter().map(|medium| &medium.pairs[axis][pair]);
         let mut places: Vec<usize> =
             pairs().flat_map(|own| &own.passive_stresses).map(|(field, _)| place(*field)).collect();
         places.sort_unstable();
         places.dedup();
         let passive = |index: usize| {
-            let ratio = |own: &models::solid::waves::Pair| {
+            let ratio = |own: &models::solid::waves::VelocityStressPair| {
                 let found = own.passive_stresses.iter().find(|own| own.0 == fields[index]);
                 T::from_f64(found.map_or(0.0, |own| own.1))
             };
             (index, pairs().map(ratio).collect())
         };
-        let cell = |own: &models::solid::waves::Pair| {
-            let courant = own.speed() * (share * step / spacing);
-            scheme.slopes.cell_of(own, courant, problem.is_mixed())
+        let cell = |own: &models::solid::waves::VelocityStressPair| {
+            let courant = own.speed() * (step_fraction * step / spacing);
+            scheme.slopes.cell_constants(own, courant, problem.has_interfaces())
         };
         let cells: Vec<CellConstants<T>> = pairs().map(cell).collect();
         Self {
             spacing,
-            share,
+            step_fraction,
             velocity: place(media[0].pairs[axis][pair].velocity),
             stress: place(media[0].pairs[axis][pair].stress),
-            coefficients: cells.iter().map(GhostCoefficients::new).collect(),
+            ghost_coefficients: cells.iter().map(GhostCoefficients::new).collect(),
             cells,
             passive_stresses: places.into_iter().map(passive).collect(),
         }
@@ -70,7 +72,7 @@ impl<T: Real> WavePair<T> {
 
 /// The cells of a line, and its index among the faces of its boundaries.
 #[derive(Clone, Copy)]
-pub(super) struct LineOfCells {
+pub(super) struct GridLine {
     pub(super) axis: usize,
     pub(super) first: usize,
     pub(super) stride: usize,
@@ -78,26 +80,26 @@ pub(super) struct LineOfCells {
     pub(super) face: usize,
 }
 
-impl LineOfCells {
+impl GridLine {
     pub(super) fn cell(&self, place: usize) -> usize {
         self.first + place * self.stride
     }
 
     /// Position at a depth from an end of the line; wraps around in shorter lines.
-    fn inside(&self, end: usize, depth: usize) -> usize {
+    fn index_from_end(&self, end: usize, depth: usize) -> usize {
         [depth % self.count, self.count - 1 - depth % self.count][end]
     }
 }
 
 /// Fields of a wave pair along a line with ghosts.
-pub(super) struct Strip<T> {
+pub(super) struct LineFields<T> {
     pub(super) velocity: Vec<T>,
     pub(super) stress: Vec<T>,
     pub(super) cells: Vec<CellConstants<T>>,
-    accounts: Vec<Account>,
+    accounts: Vec<SweepAccount>,
 }
 
-impl<T: Real> Strip<T> {
+impl<T: Real> LineFields<T> {
     pub(super) fn new() -> Self {
         Self { velocity: Vec::new(), stress: Vec::new(), cells: Vec::new(), accounts: Vec::new() }
     }
@@ -113,13 +115,17 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Sweeps by half a step along an axis, with boundary values at `time`, s.
     pub(super) fn sweep(&mut self, axis: usize, time: f64) {
         let waves = std::mem::take(&mut self.waves[axis]);
-        let of_rows = std::mem::take(&mut self.row_waves);
-        self.sweep_axis(axis, |row| of_rows.get(row).filter(|_| axis == 0).unwrap_or(&waves), time);
-        (self.waves[axis], self.row_waves) = (waves, of_rows);
+        let row_waves = std::mem::take(&mut self.row_waves);
+        self.sweep_axis(
+            axis,
+            |row| row_waves.get(row).filter(|_| axis == 0).unwrap_or(&waves),
+            time,
+        );
+        (self.waves[axis], self.row_waves) = (waves, row_waves);
     }
 
     /// Sweeps by a quarter of a step along the first axis.
-    pub(super) fn quarter_sweep(&mut self, time: f64) {
+    pub(super) fn sweep_quarter_step(&mut self, time: f64) {
         let waves = std::mem::take(&mut self.quarter_waves);
         self.sweep_axis(0, |_| &waves, time);
         self.quarter_waves = waves;
@@ -129,11 +135,11 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     fn sweep_axis<'a>(
         &mut self,
         axis: usize,
-        waves: impl Fn(usize) -> &'a Vec<WavePair<T>>,
+        waves: impl Fn(usize) -> &'a Vec<ReferenceWavePair<T>>,
         time: f64,
     ) {
-        set_time(&mut self.sides[axis], time);
-        let mut strip = Strip::new();
+        set_time(&mut self.boundaries[axis], time);
+        let mut line_fields = LineFields::new();
         let [length, layer] = [self.problem.grid.cells[0], self.problem.grid.faces(D - 1)];
         let count = self.problem.grid.cells[axis];
         let faces = self.problem.grid.faces(axis);
@@ -145,69 +151,76 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         };
         for face in 0..faces {
             let first = face / lines * next + face % lines;
-            let line = LineOfCells { axis, first, stride, count, face };
-            self.sweep_line(line, waves(face), &mut strip);
+            let line = GridLine { axis, first, stride, count, face };
+            self.sweep_line(line, waves(face), &mut line_fields);
         }
     }
 
-    fn sweep_line(&mut self, line: LineOfCells, waves: &[WavePair<T>], strip: &mut Strip<T>) {
+    fn sweep_line(
+        &mut self,
+        line: GridLine,
+        waves: &[ReferenceWavePair<T>],
+        line_fields: &mut LineFields<T>,
+    ) {
         for (pair, wave) in waves.iter().enumerate() {
-            let time = wave.share * self.problem.step;
+            let time = wave.step_fraction * self.problem.step;
             // Accounts are powers per area.
             let face_time = self.problem.grid.volume() / wave.spacing * time;
-            let sides = &self.sides[line.axis];
-            self.fill(strip, line, (pair, wave), sides);
-            let works = [0, 1].map(|end| self.work_at(strip, line, pair, end));
-            strip.accounts.clear();
-            strip.accounts.resize(line.count, Account::default());
-            let Strip { velocity, stress, cells, accounts } = strip;
-            let mut interlayers = self.faces.of_line(pair, line);
+            let boundaries = &self.boundaries[line.axis];
+            self.fill_line(line_fields, line, (pair, wave), boundaries);
+            let powers = [0, 1].map(|end| self.boundary_power(line_fields, line, pair, end));
+            line_fields.accounts.clear();
+            line_fields.accounts.resize(line.count, SweepAccount::default());
+            let LineFields { velocity, stress, cells, accounts } = line_fields;
+            let mut interlayers = self.interlayers.line_interlayers(pair, line);
             let (own, time) = (&mut interlayers, T::from_f64(time));
             let accounts = Some(accounts.as_mut_slice());
-            let lost =
+            let energy_loss =
                 sweep_with_interlayers(velocity, stress, cells, self.slopes, own, time, accounts);
-            debug_assert_eq!(lost, 0.0, "elastic ones dissipate nothing");
-            self.faces.keep(pair, line, &interlayers);
+            debug_assert_eq!(energy_loss, 0.0, "elastic ones dissipate nothing");
+            self.interlayers.store_line(pair, line, &interlayers);
             for place in 0..line.count {
                 let cell = line.cell(place);
-                let medium = usize::from(self.problem.of_cell[cell]);
-                let change = strip.stress[GHOSTS + place] - self.fields[wave.stress][cell];
-                self.fields[wave.velocity][cell] = strip.velocity[GHOSTS + place];
-                self.fields[wave.stress][cell] = strip.stress[GHOSTS + place];
+                let medium = usize::from(self.problem.cell_media[cell]);
+                let change = line_fields.stress[GHOSTS + place] - self.fields[wave.stress][cell];
+                self.fields[wave.velocity][cell] = line_fields.velocity[GHOSTS + place];
+                self.fields[wave.stress][cell] = line_fields.stress[GHOSTS + place];
                 for (index, ratios) in &wave.passive_stresses {
                     let value = &mut self.fields[*index][cell];
                     *value = *value + ratios[medium] * change;
                 }
-                self.work.numerical.add(face_time * strip.accounts[place].dissipated);
+                self.work
+                    .numerical_dissipation
+                    .add(face_time * line_fields.accounts[place].dissipation);
             }
-            for work in works.into_iter().filter(|work| *work != 0.0) {
-                self.work.inflow.add(face_time * work);
+            for work in powers.into_iter().filter(|work| *work != 0.0) {
+                self.work.boundary_work.add(face_time * work);
             }
         }
     }
 
-    /// Fills `strip` with velocities, stresses and constants of a wave pair along a line, ghosts included.
-    pub(super) fn fill(
+    /// Fills `line_fields` with velocities, stresses and constants of a wave pair along a line, ghosts included.
+    pub(super) fn fill_line(
         &self,
-        strip: &mut Strip<T>,
-        line: LineOfCells,
-        wave: (usize, &WavePair<T>),
-        sides: &[BoundaryFaces<T>; 2],
+        line_fields: &mut LineFields<T>,
+        line: GridLine,
+        wave: (usize, &ReferenceWavePair<T>),
+        boundaries: &[BoundaryFaces<T>; 2],
     ) {
-        strip.velocity.clear();
-        strip.stress.clear();
-        strip.cells.clear();
-        let [front, back] = [0, 1].map(|end| self.beyond(line, wave, sides, end));
-        front.into_iter().rev().for_each(|own| strip.push(own));
-        (0..line.count).for_each(|place| strip.push(self.cell_of(line, wave.1, place)));
-        back.into_iter().for_each(|own| strip.push(own));
+        line_fields.velocity.clear();
+        line_fields.stress.clear();
+        line_fields.cells.clear();
+        let [front, back] = [0, 1].map(|end| self.compute_end_ghosts(line, wave, boundaries, end));
+        front.into_iter().rev().for_each(|own| line_fields.push(own));
+        (0..line.count).for_each(|place| line_fields.push(self.read_cell(line, wave.1, place)));
+        back.into_iter().for_each(|own| line_fields.push(own));
     }
 
     /// Returns state and constants of a cell of a line.
-    fn cell_of(
+    fn read_cell(
         &self,
-        line: LineOfCells,
-        wave: &WavePair<T>,
+        line: GridLine,
+        wave: &ReferenceWavePair<T>,
         place: usize,
     ) -> (State<T>, CellConstants<T>) {
         let cell = line.cell(place);
@@ -215,58 +228,76 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             velocity: self.fields[wave.velocity][cell],
             stress: self.fields[wave.stress][cell],
         };
-        (state, wave.cells[usize::from(self.problem.of_cell[cell])])
+        (state, wave.cells[usize::from(self.problem.cell_media[cell])])
     }
 
     /// Computes the ghosts beyond an end, nearest first.
-    fn beyond(
+    fn compute_end_ghosts(
         &self,
-        line: LineOfCells,
-        (pair, wave): (usize, &WavePair<T>),
-        sides: &[BoundaryFaces<T>; 2],
+        line: GridLine,
+        (pair, wave): (usize, &ReferenceWavePair<T>),
+        boundaries: &[BoundaryFaces<T>; 2],
         end: usize,
     ) -> [(State<T>, CellConstants<T>); GHOSTS] {
-        let at = |end: usize, depth: usize| self.cell_of(line, wave, line.inside(end, depth));
-        let BoundaryFaces::Physical(rule) = &sides[end] else {
+        let at =
+            |end: usize, depth: usize| self.read_cell(line, wave, line.index_from_end(end, depth));
+        let BoundaryFaces::Physical(rule) = &boundaries[end] else {
             return std::array::from_fn(|depth| at(1 - end, depth));
         };
-        let face = slot::<T>(line.face);
-        if line.count >= BESIDE {
-            let beside: [_; BESIDE] = std::array::from_fn(|depth| at(end, depth));
-            let medium = self.problem.of_cell[line.cell(line.inside(end, 0))];
-            let coefficients = &wave.coefficients[usize::from(medium)];
-            let (states, cells) = (beside.map(|own| own.0), beside.map(|own| own.1));
-            let rule = rule.face_at(pair, face);
-            let made =
-                ghosts(sides[end].closure(), states, rule, end, cells.each_ref(), coefficients);
-            return std::array::from_fn(|depth| (made[depth], cells[depth]));
+        let face = lane_index::<T>(line.face);
+        if line.count >= CLOSURE_CELLS {
+            let outer_cells: [_; CLOSURE_CELLS] = std::array::from_fn(|depth| at(end, depth));
+            let medium = self.problem.cell_media[line.cell(line.index_from_end(end, 0))];
+            let ghost_coefficients = &wave.ghost_coefficients[usize::from(medium)];
+            let (states, cells) = (outer_cells.map(|own| own.0), outer_cells.map(|own| own.1));
+            let rule = rule.face_coefficients(pair, face);
+            let ghost_states = compute_ghosts(
+                boundaries[end].closure(),
+                states,
+                rule,
+                end,
+                cells.each_ref(),
+                ghost_coefficients,
+            );
+            return std::array::from_fn(|depth| (ghost_states[depth], cells[depth]));
         }
-        let image_by = |rule: [T; 5], own: State<T>| State {
+        let mirror_state = |rule: [T; 5], own: State<T>| State {
             velocity: image([rule[0], rule[1]], own.velocity),
             stress: image([rule[2], rule[3]], own.stress),
         };
         std::array::from_fn(|depth| {
-            let (mut seen, cell) = at(end, depth);
+            let (mut source_state, cell) = at(end, depth);
             // A line of one cell: the second ghost is an image by the opposite boundary, too.
-            if let (BoundaryFaces::Physical(other), true) = (&sides[1 - end], depth >= line.count) {
-                seen = image_by(other.face_at(pair, face), seen);
+            if let (BoundaryFaces::Physical(other), true) =
+                (&boundaries[1 - end], depth >= line.count)
+            {
+                source_state = mirror_state(other.face_coefficients(pair, face), source_state);
             }
-            (image_by(rule.face_at(pair, face), seen), cell)
+            (mirror_state(rule.face_coefficients(pair, face), source_state), cell)
         })
     }
 
     /// Computes the power per area of the boundary at an end of a line before its sweep, W/m², positive inwards.
-    fn work_at(&self, strip: &Strip<T>, line: LineOfCells, pair: usize, end: usize) -> f64 {
-        match &self.sides[line.axis][end] {
-            BoundaryFaces::Physical(rule) if rule.does_work_on(pair, slot::<T>(line.face)) => {}
+    fn boundary_power(
+        &self,
+        line_fields: &LineFields<T>,
+        line: GridLine,
+        pair: usize,
+        end: usize,
+    ) -> f64 {
+        match &self.boundaries[line.axis][end] {
+            BoundaryFaces::Physical(rule)
+                if rule.can_do_work_at(pair, lane_index::<T>(line.face)) => {}
             _ => return 0.0,
         }
         let first = [0, line.count][end];
-        let at =
-            |place: usize| State { velocity: strip.velocity[place], stress: strip.stress[place] };
+        let at = |place: usize| State {
+            velocity: line_fields.velocity[place],
+            stress: line_fields.stress[place],
+        };
         let states = [0, 1, 2, 3].map(|i| at(first + i));
-        let cells = [0, 1, 2, 3].map(|i| strip.cells[first + i]);
-        let work = line::work_between(states, cells, self.slopes);
+        let cells = [0, 1, 2, 3].map(|i| line_fields.cells[first + i]);
+        let work = line::boundary_power(states, cells, self.slopes);
         if end == 0 { -work } else { work }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::parameters::DoubleShearing;
 use crate::common::rounding::Rounded;
-use crate::flow::closed_form::{ClosedForm, is_below_right_angle, is_of_moderate_size};
-use crate::flow::state::Flow;
+use crate::flow::closed_form::{ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle};
+use crate::flow::state::DeformingFlow;
 
 /// Returns growth of order 1 (ill-posed) in every background; `None` if φ is too close to a right angle or a number of
 /// `flow` too close to overflow or underflow.
@@ -30,21 +30,23 @@ use crate::flow::state::Flow;
 /// ```text
 /// Re ς/k → √(q cos(φ − 2ν) (1 + sin φ) / [ρ sin e (cos e + sin ν)]).
 /// ```
-pub fn closed_form(model: &DoubleShearing, flow: &Flow) -> Option<ClosedForm> {
-    if !is_below_right_angle(model.coulomb.friction_angle) || !is_of_moderate_size(flow) {
+pub fn closed_form(model: &DoubleShearing, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+    if !is_below_right_angle(model.coulomb.friction_angle) || !has_safe_magnitudes(flow) {
         return None;
     }
-    let coefficient = greatest_coefficient(model, flow.stress.deviator, flow.density);
-    ClosedForm::grows(1, coefficient, flow, std::f64::consts::PI)
+    let coefficient = max_growth_coefficient(model, flow.stress.deviator, flow.density);
+    ClosedFormVerdict::from_growth(1, coefficient, flow, std::f64::consts::PI)
 }
 
 /// Computes the limit of Re ς/k as k → ∞ in the direction of largest growth, m/s; `deviator` q in Pa, `density` in
 /// kg/m³.
-pub fn greatest_coefficient(model: &DoubleShearing, deviator: Rounded, density: f64) -> Rounded {
+pub fn max_growth_coefficient(model: &DoubleShearing, deviator: Rounded, density: f64) -> Rounded {
     let rule = model.flow_rule();
-    let phi = Rounded::angle(model.coulomb.friction_angle);
-    let nu = Rounded::angle(model.dilatancy_angle);
+    let phi = Rounded::from_angle(model.coulomb.friction_angle);
+    let nu = Rounded::from_angle(model.dilatancy_angle);
     let above = deviator * (phi - 2.0 * nu).cos() * (Rounded::ONE + phi.sin());
-    let below = Rounded::given(density) * rule.rotation * (rule.volume + rule.dilatancy);
+    let below = Rounded::from_rounded(density)
+        * rule.rotation_coefficient
+        * (rule.volume_coefficient + rule.dilatancy_coefficient);
     (above / below).sqrt()
 }

@@ -7,9 +7,9 @@ pub mod symbol;
 
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
-use crate::flow::closed_form::ClosedForm;
-use crate::flow::state::{Coulomb, Flow, FlowRule, MaterialRotation};
-use crate::flow::{FAMILY, FlowLaw, FlowModel, RotationKind};
+use crate::flow::closed_form::ClosedFormVerdict;
+use crate::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
+use crate::flow::{FlowLaw, FlowModel, RotationKind, SHARED_PARAMETERS};
 use parameters::DoubleShearing;
 use std::sync::Arc;
 
@@ -17,18 +17,18 @@ use std::sync::Arc;
 pub static MODEL: FlowModel = FlowModel {
     name: "double-shearing",
     title: "double shearing",
-    parameters: FAMILY,
+    parameters: SHARED_PARAMETERS,
     rotation: RotationKind::StressAxes,
-    build: |constants| Ok(Arc::new(DoubleShearing::from_constants(constants)?)),
+    constructor: |constants| Ok(Arc::new(DoubleShearing::from_constants(constants)?)),
 };
 
 impl FlowLaw for DoubleShearing {
-    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+    fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError> {
         *self = Self::from_constants(constants)?;
         Ok(())
     }
 
-    fn coulomb(&self) -> &Coulomb {
+    fn coulomb(&self) -> &MohrCoulomb {
         &self.coulomb
     }
 
@@ -40,11 +40,11 @@ impl FlowLaw for DoubleShearing {
         MaterialRotation::StressAxes
     }
 
-    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
-        symbol::write(self, flow, system);
+    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
+        symbol::write_symbol(self, flow, system);
     }
 
-    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
+    fn closed_form(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
         closed_form::closed_form(self, flow)
     }
 }

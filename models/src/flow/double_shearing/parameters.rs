@@ -2,14 +2,14 @@
 
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
-use crate::common::parameter::constants;
-use crate::flow::state::{Coulomb, FlowRule, check_dilatancy};
+use crate::common::parameter::to_constant_array;
+use crate::flow::state::{FlowRule, MohrCoulomb, check_dilatancy};
 
 /// Checked constants (Spencer 1964; Mehrabadi & Cowin 1978).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DoubleShearing {
     /// Yield condition.
-    pub coulomb: Coulomb,
+    pub coulomb: MohrCoulomb,
     /// Angle of dilatancy ν, rad; 0 ≤ ν < φ.
     pub dilatancy_angle: f64,
 }
@@ -20,8 +20,8 @@ impl DoubleShearing {
     /// # Errors
     /// A constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
-        let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
-        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+        let [friction_angle, dilatancy_angle, cohesion] = to_constant_array(given)?;
+        let coulomb = MohrCoulomb::new(friction_angle, cohesion)?;
         Self::new(coulomb, dilatancy_angle)
     }
 
@@ -29,14 +29,14 @@ impl DoubleShearing {
     ///
     /// # Errors
     /// The dilatancy angle is out of range.
-    pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
+    pub fn new(coulomb: MohrCoulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
         check_dilatancy(&coulomb, dilatancy_angle)?;
         Ok(Self { coulomb, dilatancy_angle })
     }
 
     /// Flow rule of double shearing (Harris & Grekova 2005, eqs 41, 42).
     pub fn flow_rule(&self) -> FlowRule {
-        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
+        FlowRule::new_double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
     }
 
     /// Leading growth rate over k for ν = 0, m/s:

@@ -6,9 +6,9 @@ pub mod symbol;
 
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
-use crate::flow::closed_form::ClosedForm;
-use crate::flow::state::{Coulomb, Flow, FlowRule, MaterialRotation};
-use crate::flow::{FAMILY, FlowLaw, FlowModel, RotationKind};
+use crate::flow::closed_form::ClosedFormVerdict;
+use crate::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
+use crate::flow::{FlowLaw, FlowModel, RotationKind, SHARED_PARAMETERS};
 use parameters::FreeRotating;
 use std::sync::Arc;
 
@@ -16,18 +16,18 @@ use std::sync::Arc;
 pub static MODEL: FlowModel = FlowModel {
     name: "free-rotating",
     title: "double-sliding free-rotating",
-    parameters: FAMILY,
+    parameters: SHARED_PARAMETERS,
     rotation: RotationKind::Free,
-    build: |constants| Ok(Arc::new(FreeRotating::from_constants(constants)?)),
+    constructor: |constants| Ok(Arc::new(FreeRotating::from_constants(constants)?)),
 };
 
 impl FlowLaw for FreeRotating {
-    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+    fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError> {
         *self = Self::from_constants(constants)?;
         Ok(())
     }
 
-    fn coulomb(&self) -> &Coulomb {
+    fn coulomb(&self) -> &MohrCoulomb {
         self.0.coulomb()
     }
 
@@ -39,11 +39,11 @@ impl FlowLaw for FreeRotating {
         MaterialRotation::Free
     }
 
-    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
-        symbol::write(&self.0, flow, system);
+    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
+        symbol::write_symbol(&self.0, flow, system);
     }
 
-    fn closed_form(&self, _flow: &Flow) -> Option<ClosedForm> {
+    fn closed_form(&self, _flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
         Some(closed_form::closed_form(&self.0))
     }
 }

@@ -1,9 +1,9 @@
 //! Constants of the double-sliding free-rotating model.
 
 use crate::common::input::InputError;
-use crate::common::parameter::constants;
+use crate::common::parameter::to_constant_array;
 use crate::flow::double_shearing::parameters::DoubleShearing;
-use crate::flow::state::Coulomb;
+use crate::flow::state::MohrCoulomb;
 
 /// Checked constants, the same as in the double-shearing model (de Josselin de Jong 1977).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,8 +15,8 @@ impl FreeRotating {
     /// # Errors
     /// A constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
-        let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
-        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+        let [friction_angle, dilatancy_angle, cohesion] = to_constant_array(given)?;
+        let coulomb = MohrCoulomb::new(friction_angle, cohesion)?;
         Ok(Self(DoubleShearing::new(coulomb, dilatancy_angle)?))
     }
 }

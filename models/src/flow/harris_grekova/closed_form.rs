@@ -3,22 +3,24 @@
 use super::parameters::HarrisGrekova;
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
-use crate::flow::closed_form::{ClosedForm, clear_sign, is_below_right_angle, is_of_moderate_size};
-use crate::flow::state::Flow;
+use crate::flow::closed_form::{
+    ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle, resolved_sign,
+};
+use crate::flow::state::DeformingFlow;
 use std::f64::consts::PI;
 
 /// Returns the verdict for ν = 0 in every background and for ν > 0 in a uniform, unaccelerated background without
 /// rotational stress; otherwise `None`.
-pub fn closed_form(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
-    let is_moderate = is_below_right_angle(model.coulomb.friction_angle)
-        && is_of_moderate_size(flow)
+pub fn closed_form(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+    let is_decidable = is_below_right_angle(model.coulomb.friction_angle)
+        && has_safe_magnitudes(flow)
         && (1e-30..1e30).contains(&model.moment_of_inertia);
-    if !is_moderate {
+    if !is_decidable {
         None
     } else if model.dilatancy_angle == 0.0 {
-        without_dilatancy(model, flow)
-    } else if is_uniform(flow) && flow.stress.rotational == 0.0 {
-        with_dilatancy(model, flow)
+        assess_without_dilatancy(model, flow)
+    } else if is_uniform(flow) && flow.stress.rotational_stress == 0.0 {
+        assess_with_dilatancy(model, flow)
     } else {
         None
     }
@@ -36,15 +38,19 @@ pub fn closed_form(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
 /// ```text
 /// Re ς/k² → q (1 + sin φ) / (2 ρ Q_D |cos 2Δ|)
 /// ```
-fn without_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
+fn assess_without_dilatancy(
+    model: &HarrisGrekova,
+    flow: &DeformingFlow,
+) -> Option<ClosedFormVerdict> {
     let cosine = (2.0 * flow.rounded_noncoaxiality()).cos();
-    if clear_sign(cosine)? > 0 {
-        return Some(ClosedForm::WellPosed);
+    if resolved_sign(cosine)? > 0 {
+        return Some(ClosedFormVerdict::WellPosed);
     }
-    let sin_phi = Rounded::angle(model.coulomb.friction_angle).sin();
-    let rates = Rounded::given(flow.density) * Rounded::given(flow.shear_rate) * -cosine;
+    let sin_phi = Rounded::from_angle(model.coulomb.friction_angle).sin();
+    let rates =
+        Rounded::from_rounded(flow.density) * Rounded::from_rounded(flow.shear_rate) * -cosine;
     let coefficient = flow.stress.deviator * (Rounded::ONE + sin_phi) / (2.0 * rates);
-    ClosedForm::grows(2, coefficient, flow, PI)
+    ClosedFormVerdict::from_growth(2, coefficient, flow, PI)
 }
 
 /// Returns the verdict for ν > 0 in a uniform, unaccelerated background without rotational stress.
@@ -68,20 +74,21 @@ fn without_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
 /// cos 2Δ < 0, where the largest coefficient is the root of a quartic: the function returns `None` and the
 /// linearised equations are analysed numerically. If the inequality fails, D vanishes in two directions and changes
 /// sign there.
-fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
-    let phi = Rounded::angle(model.coulomb.friction_angle);
-    let nu = Rounded::angle(model.dilatancy_angle);
+fn assess_with_dilatancy(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
+    let phi = Rounded::from_angle(model.coulomb.friction_angle);
+    let nu = Rounded::from_angle(model.dilatancy_angle);
     let twice_delta = 2.0 * flow.rounded_noncoaxiality();
     let (cosine, sine) = (twice_delta.cos(), twice_delta.sin());
     let rule = model.flow_rule();
-    let (cos_e, sin_nu, cos_nu) = (rule.volume, rule.dilatancy, rule.shear);
+    let (cos_e, sin_nu, cos_nu) =
+        (rule.volume_coefficient, rule.dilatancy_coefficient, rule.shear_coefficient);
     let (sin_phi, cos_phi) = (phi.sin(), phi.cos());
 
     let along = cos_nu * cosine;
     let across = sin_nu * cos_e * sine;
     let excess = cos_phi * (phi - 2.0 * nu).cos() * along * along - across * across;
-    if clear_sign(excess)? > 0 {
-        return (clear_sign(cosine)? > 0).then_some(ClosedForm::WellPosed);
+    if resolved_sign(excess)? > 0 {
+        return (resolved_sign(cosine)? > 0).then_some(ClosedFormVerdict::WellPosed);
     }
     // Of the two solutions of b cos β − d sin β = a take the one farther from 𝒜 = 0: the other may coincide with
     // 𝒜 = 0, where ς has no pole.
@@ -92,12 +99,12 @@ fn with_dilatancy(model: &HarrisGrekova, flow: &Flow) -> Option<ClosedForm> {
     let distance = |beta: f64| (beta.cr_cos() - sin_phi.value).abs();
     let (first, second) = (half_angle - shift, -half_angle - shift);
     let beta = if distance(first) >= distance(second) { first } else { second };
-    Some(ClosedForm::unbounded(flow, beta))
+    Some(ClosedFormVerdict::from_unbounded_growth(flow, beta))
 }
 
 /// Whether the rate of the moment of inertia and all gradients except the velocity gradient are zero. Then DV/Dt = F by
 /// the balance of momentum.
-fn is_uniform(flow: &Flow) -> bool {
+fn is_uniform(flow: &DeformingFlow) -> bool {
     let gradients = [
         flow.pressure_gradient,
         flow.stress_angle_gradient,

@@ -6,8 +6,8 @@ pub mod symbol;
 
 use crate::common::input::InputError;
 use crate::common::system::LinearisedSystem;
-use crate::flow::closed_form::ClosedForm;
-use crate::flow::state::{Coulomb, Flow, FlowRule, MaterialRotation};
+use crate::flow::closed_form::ClosedFormVerdict;
+use crate::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
 use crate::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
 use parameters::{HarrisGrekova, MOMENT_OF_INERTIA, ROTATIONAL_STRENGTH};
 use std::sync::Arc;
@@ -24,16 +24,16 @@ pub static MODEL: FlowModel = FlowModel {
         ROTATIONAL_STRENGTH,
     ],
     rotation: RotationKind::IntrinsicSpin,
-    build: |constants| Ok(Arc::new(HarrisGrekova::from_constants(constants)?)),
+    constructor: |constants| Ok(Arc::new(HarrisGrekova::from_constants(constants)?)),
 };
 
 impl FlowLaw for HarrisGrekova {
-    fn set(&mut self, constants: &[f64]) -> Result<(), InputError> {
+    fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError> {
         *self = Self::from_constants(constants)?;
         Ok(())
     }
 
-    fn coulomb(&self) -> &Coulomb {
+    fn coulomb(&self) -> &MohrCoulomb {
         &self.coulomb
     }
 
@@ -48,11 +48,11 @@ impl FlowLaw for HarrisGrekova {
         }
     }
 
-    fn symbol(&self, flow: &Flow, system: &mut LinearisedSystem<2>) {
-        symbol::write(self, flow, system);
+    fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
+        symbol::write_symbol(self, flow, system);
     }
 
-    fn closed_form(&self, flow: &Flow) -> Option<ClosedForm> {
+    fn closed_form(&self, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
         closed_form::closed_form(self, flow)
     }
 

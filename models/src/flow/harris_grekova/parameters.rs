@@ -2,31 +2,31 @@
 
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
-use crate::common::parameter::{Parameter, constants};
-use crate::common::range::Range;
-use crate::flow::state::{Coulomb, FlowRule, check_dilatancy};
+use crate::common::parameter::{Parameter, to_constant_array};
+use crate::common::range::AllowedRange;
+use crate::flow::state::{FlowRule, MohrCoulomb, check_dilatancy};
 
 /// Parameter: moment of inertia per unit mass I, m².
-pub(super) const MOMENT_OF_INERTIA: Parameter = Parameter::required(
+pub(super) const MOMENT_OF_INERTIA: Parameter = Parameter::new_required(
     ["moment_of_inertia", "moment of inertia I", "m²"],
     "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8",
     1.25e-7,
 )
-.within(Range::Positive);
+.with_range(AllowedRange::Positive);
 
 /// Parameter: rotational yield strength m, Pa.
-pub(super) const ROTATIONAL_STRENGTH: Parameter = Parameter::required(
+pub(super) const ROTATIONAL_STRENGTH: Parameter = Parameter::new_required(
     ["rotational_strength", "rotational strength m", "Pa"],
     "rotational yield strength m; ≥ 0",
     0.0,
 )
-.within(Range::NotNegative);
+.with_range(AllowedRange::NotNegative);
 
 /// Checked constants (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HarrisGrekova {
     /// Yield condition of the symmetric part of the stress.
-    pub coulomb: Coulomb,
+    pub coulomb: MohrCoulomb,
     /// Angle of dilatancy ν, rad; 0 ≤ ν < φ.
     pub dilatancy_angle: f64,
     /// Moment of inertia per unit mass I, m²; > 0.
@@ -42,8 +42,8 @@ impl HarrisGrekova {
     /// A constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion, moment_of_inertia, rotational_strength] =
-            constants(given)?;
-        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+            to_constant_array(given)?;
+        let coulomb = MohrCoulomb::new(friction_angle, cohesion)?;
         let model =
             HarrisGrekova::new(coulomb, dilatancy_angle, moment_of_inertia, rotational_strength)?;
         Ok(model)
@@ -54,7 +54,7 @@ impl HarrisGrekova {
     /// # Errors
     /// A constant is out of range.
     pub fn new(
-        coulomb: Coulomb,
+        coulomb: MohrCoulomb,
         dilatancy_angle: f64,
         moment_of_inertia: f64,
         rotational_strength: f64,
@@ -73,7 +73,7 @@ impl HarrisGrekova {
 
     /// Flow rule (Harris & Grekova 2005, eqs 41, 42).
     pub fn flow_rule(&self) -> FlowRule {
-        FlowRule::double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
+        FlowRule::new_double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
     }
 
     /// Bound on the non-coaxiality |Δ|, rad, below which the leading growth rate is not positive in any direction.

@@ -7,38 +7,41 @@
 use super::parameters::HarrisGrekova;
 use crate::common::rounding::Rounded;
 use crate::common::system::LinearisedSystem;
-use crate::flow::balance::{Columns, SPIN_COLUMN, flow_rule, mass, momentum};
-use crate::flow::state::Flow;
+use crate::flow::balance::{
+    SPIN_COLUMN, UnknownColumns, write_flow_rule, write_mass, write_momentum,
+};
+use crate::flow::state::DeformingFlow;
 
 const EQUATIONS: [&str; 6] =
     ["momentum 1", "momentum 2", "spin", "flow rule: volume", "flow rule: rotation", "mass"];
 /// Row of the balance of spin.
-const SPIN: usize = 2;
+const SPIN_ROW: usize = 2;
 
 /// Writes the linearised system about `flow`.
-pub fn write(model: &HarrisGrekova, flow: &Flow, system: &mut LinearisedSystem<2>) {
+pub fn write_symbol(model: &HarrisGrekova, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
     let rule = model.flow_rule();
-    let columns = Columns::reset(system, true, &EQUATIONS, &rule, flow);
+    let columns = UnknownColumns::reset_system(system, true, &EQUATIONS, &rule, flow);
 
-    momentum(system, &columns, &model.coulomb, flow);
-    flow_rule(system, 3, &columns, &rule, flow);
-    system.c[(4, SPIN_COLUMN)] = 2.0 * rule.rotation;
-    mass(system, 5, &columns, flow);
+    write_momentum(system, &columns, &model.coulomb, flow);
+    write_flow_rule(system, 3, &columns, &rule, flow);
+    system.c[(4, SPIN_COLUMN)] = 2.0 * rule.rotation_coefficient;
+    write_mass(system, 5, &columns, flow);
 
     // Balance of spin (eq. 9): ρ I Dω/Dt + ρ (DI/Dt) ω − 2r − ρG = 0. The velocity perturbation advects the background
     // gradients of spin and moment of inertia. The density perturbation is multiplied by I DΩ/Dt + Ω DI/Dt − G, which
     // equals 2R/ρ in the background.
-    let rho = Rounded::given(flow.density);
-    let inertia = Rounded::given(model.moment_of_inertia);
+    let rho = Rounded::from_rounded(flow.density);
+    let inertia = Rounded::from_rounded(model.moment_of_inertia);
     let spin = flow.spin.unwrap_or_default();
-    system.a[(SPIN, SPIN_COLUMN)] = rho * inertia;
-    system.c[(SPIN, SPIN_COLUMN)] = rho * Rounded::given(flow.inertia_rate);
+    system.a[(SPIN_ROW, SPIN_COLUMN)] = rho * inertia;
+    system.c[(SPIN_ROW, SPIN_COLUMN)] = rho * Rounded::from_rounded(flow.inertia_rate);
     for j in 0..2 {
-        system.c[(SPIN, columns.velocity[j])] = rho
-            * (inertia * Rounded::given(flow.spin_gradient[j])
-                + spin * Rounded::given(flow.inertia_gradient[j]));
+        system.c[(SPIN_ROW, columns.velocity[j])] = rho
+            * (inertia * Rounded::from_rounded(flow.spin_gradient[j])
+                + spin * Rounded::from_rounded(flow.inertia_gradient[j]));
     }
     if let Some(density) = columns.density {
-        system.c[(SPIN, density)] = 2.0 * Rounded::given(flow.stress.rotational) / rho;
+        system.c[(SPIN_ROW, density)] =
+            2.0 * Rounded::from_rounded(flow.stress.rotational_stress) / rho;
     }
 }

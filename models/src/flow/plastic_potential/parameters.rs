@@ -2,16 +2,16 @@
 
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
-use crate::common::parameter::constants;
+use crate::common::parameter::to_constant_array;
 use crate::common::rounding::Rounded;
 use crate::flow::parameters::DILATANCY_ANGLE;
-use crate::flow::state::{Coulomb, FlowRule};
+use crate::flow::state::{FlowRule, MohrCoulomb};
 
 /// Checked constants; associated when ν = φ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlasticPotential {
     /// Yield condition.
-    pub coulomb: Coulomb,
+    pub coulomb: MohrCoulomb,
     /// Angle of dilatancy ν, rad; 0 ≤ ν < π/2.
     pub dilatancy_angle: f64,
 }
@@ -22,8 +22,8 @@ impl PlasticPotential {
     /// # Errors
     /// A constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
-        let [friction_angle, dilatancy_angle, cohesion] = constants(given)?;
-        let coulomb = Coulomb::new(friction_angle, cohesion)?;
+        let [friction_angle, dilatancy_angle, cohesion] = to_constant_array(given)?;
+        let coulomb = MohrCoulomb::new(friction_angle, cohesion)?;
         Self::new(coulomb, dilatancy_angle)
     }
 
@@ -31,7 +31,7 @@ impl PlasticPotential {
     ///
     /// # Errors
     /// The dilatancy angle is out of range.
-    pub fn new(coulomb: Coulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
+    pub fn new(coulomb: MohrCoulomb, dilatancy_angle: f64) -> Result<Self, InputError> {
         DILATANCY_ANGLE.check(
             dilatancy_angle,
             "the dilatancy angle of a plastic potential must be at least 0 and below 90 degrees",
@@ -43,15 +43,15 @@ impl PlasticPotential {
     pub fn flow_rule(&self) -> FlowRule {
         let dilatant = self.dilatancy_angle > 0.0;
         FlowRule {
-            volume: Rounded::ONE,
-            dilatancy: if dilatant {
-                Rounded::angle(self.dilatancy_angle).sin()
+            volume_coefficient: Rounded::ONE,
+            dilatancy_coefficient: if dilatant {
+                Rounded::from_angle(self.dilatancy_angle).sin()
             } else {
                 Rounded::ZERO
             },
-            rotation: Rounded::ZERO,
-            shear: Rounded::ONE,
-            dilatant,
+            rotation_coefficient: Rounded::ZERO,
+            shear_coefficient: Rounded::ONE,
+            is_dilatant: dilatant,
         }
     }
 
@@ -79,14 +79,14 @@ impl PlasticPotential {
 
     /// Sector of unstable directions as the interval of |β|, rad: [π/2 − max(φ, ν), π/2 − min(φ, ν)]; empty for
     /// associated flow, φ = ν.
-    pub fn sector(&self) -> [f64; 2] {
+    pub fn unstable_sector(&self) -> [f64; 2] {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
         [phi.max(nu), phi.min(nu)].map(|angle| std::f64::consts::FRAC_PI_2 - angle)
     }
 
     /// Computes the largest leading growth rate over k², `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and cos β of its
     /// direction, `sin((φ + ν)/2) / cos((φ − ν)/2)`. `deviator` q in Pa, `density` in kg/m³, `shear_rate` Q_D in 1/s.
-    pub fn worst(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
+    pub fn fastest_growth(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
         let half_difference = 0.5 * (self.coulomb.friction_angle - self.dilatancy_angle);
         let half_sum = 0.5 * (self.coulomb.friction_angle + self.dilatancy_angle);
         let rate = deviator * half_difference.cr_tan().powi(2) / (2.0 * density * shear_rate);

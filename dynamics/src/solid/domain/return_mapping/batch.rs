@@ -1,106 +1,129 @@
 //! Batch of blocks of trial stresses beyond their yield sets, for which Newton's method runs together.
 #![allow(clippy::needless_range_loop, reason = "indices are those of parts")]
 
-use super::super::total_stress::Tensors;
+use super::super::total_stress::StressTensors;
 use crate::simd::Number;
-use models::solid::stress::Shape;
-use models::yield_set::return_mapping::{Cone, Equation, Iterate, PARTS, Parts};
+use models::solid::stress::StressShape;
+use models::yield_set::return_mapping::{
+    Cone, ConsistencyEquation, EIGENSPACE_COUNT, EigenspaceDecomposition, NewtonIterate,
+};
 
 /// Number of blocks of a batch: enough independent iterations to hide the latency of divisions and roots.
-pub(super) const BATCH: usize = 8;
+pub(super) const BATCH_SIZE: usize = 8;
 
 /// Block with lanes beyond their sets.
 #[derive(Clone, Copy)]
-pub(super) struct Found<V> {
-    pub(super) place: usize,
+pub(super) struct YieldingBlock<V> {
+    pub(super) block_index: usize,
     /// Masks of the lanes mapped in this batch, and of those left to the scalar projection.
     pub(super) lanes: u16,
-    pub(super) alone: u16,
+    pub(super) scalar_lanes: u16,
     /// ½p|s̄|² of the parts with nonzero weight, all others being unused; then the shear capacity r.
-    pub(super) squares: [V; PARTS],
-    pub(super) room: V,
-    pub(super) at: Iterate<V>,
+    pub(super) squares: [V; EIGENSPACE_COUNT],
+    pub(super) shear_capacity: V,
+    pub(super) iterate: NewtonIterate<V>,
     /// Mean, diagonal of the deviator and |s̄|² of a symmetric stress.
-    pub(super) symmetric: (V, [V; 3], V),
+    pub(super) symmetric_parts: (V, [V; 3], V),
 }
 
-impl<V: Number> Found<V> {
-    pub(super) const NONE: Self = Self {
-        place: 0,
+impl<V: Number> YieldingBlock<V> {
+    pub(super) const EMPTY: Self = Self {
+        block_index: 0,
         lanes: 0,
-        alone: 0,
-        squares: [V::ZERO; PARTS],
-        room: V::ZERO,
-        at: Iterate::NONE,
-        symmetric: (V::ZERO, [V::ZERO; 3], V::ZERO),
+        scalar_lanes: 0,
+        squares: [V::ZERO; EIGENSPACE_COUNT],
+        shear_capacity: V::ZERO,
+        iterate: NewtonIterate::ELASTIC,
+        symmetric_parts: (V::ZERO, [V::ZERO; 3], V::ZERO),
     };
 
     /// Stores an iterate, for the parts with nonzero weight.
     #[inline(always)]
-    pub(super) fn set(&mut self, seen: &[bool; PARTS], at: &Iterate<V>) {
-        let own = &mut self.at;
-        (own.x, own.shear, own.reciprocal) = (at.x, at.shear, at.reciprocal);
-        (own.norm, own.slope, own.excess) = (at.norm, at.slope, at.excess);
-        for part in 0..PARTS {
-            if seen[part] {
-                own.kept[part] = at.kept[part];
+    pub(super) fn set_iterate(
+        &mut self,
+        active: &[bool; EIGENSPACE_COUNT],
+        iterate: &NewtonIterate<V>,
+    ) {
+        let stored = &mut self.iterate;
+        (stored.x, stored.shear, stored.reciprocal) =
+            (iterate.x, iterate.shear, iterate.reciprocal);
+        (stored.shear_squared, stored.slope, stored.residual) =
+            (iterate.shear_squared, iterate.slope, iterate.residual);
+        for part in 0..EIGENSPACE_COUNT {
+            if active[part] {
+                stored.scale_factors[part] = iterate.scale_factors[part];
             }
         }
     }
 
     /// Returns the parts of the trial stress.
     #[inline(always)]
-    pub(super) fn parts(&self, shape: Shape, stress: &Tensors<V>) -> Parts<V> {
+    pub(super) fn stress_parts(
+        &self,
+        shape: StressShape,
+        stress: &StressTensors<V>,
+    ) -> EigenspaceDecomposition<V> {
         if !shape.is_symmetric {
-            return Parts::new(shape, &stress[0], &stress[1]);
+            return EigenspaceDecomposition::new(shape, &stress[0], &stress[1]);
         }
-        let (mean, diagonal, square) = self.symmetric;
+        let (mean, diagonal, square) = self.symmetric_parts;
         let zero = [[V::ZERO; 3]; 3];
         let mut deviator = stress[0];
         for i in 0..3 {
             deviator[i][i] = diagonal[i];
         }
-        let mut squares = [V::ZERO; PARTS];
+        let mut squares = [V::ZERO; EIGENSPACE_COUNT];
         squares[0] = square;
-        Parts { force: (mean, deviator, zero), couple: (V::ZERO, zero, zero), squares }
+        EigenspaceDecomposition {
+            force: (mean, deviator, zero),
+            couple: (V::ZERO, zero, zero),
+            squares,
+        }
     }
 
     /// Returns the equation of the block and its present iterate.
     #[inline(always)]
     pub(super) fn equation<'a>(
         &self,
-        seen: &'a [bool; PARTS],
+        active: &'a [bool; EIGENSPACE_COUNT],
         cone: &Cone<V>,
-    ) -> (Equation<'a, V>, Iterate<V>) {
-        let (mut squares, mut kept) = ([V::ZERO; PARTS], [V::ONE; PARTS]);
-        for part in 0..PARTS {
-            if seen[part] {
-                (squares[part], kept[part]) = (self.squares[part], self.at.kept[part]);
+    ) -> (ConsistencyEquation<'a, V>, NewtonIterate<V>) {
+        let (mut squares, mut scale_factors) =
+            ([V::ZERO; EIGENSPACE_COUNT], [V::ONE; EIGENSPACE_COUNT]);
+        for part in 0..EIGENSPACE_COUNT {
+            if active[part] {
+                (squares[part], scale_factors[part]) =
+                    (self.squares[part], self.iterate.scale_factors[part]);
             }
         }
-        let equation =
-            Equation { squares, rates: cone.rates, a: cone.a, shear_capacity: self.room, seen };
-        (equation, Iterate { kept, ..self.at })
+        let equation = ConsistencyEquation {
+            squares,
+            weighted_stiffnesses: cone.weighted_stiffnesses,
+            a: cone.a,
+            shear_capacity: self.shear_capacity,
+            active,
+        };
+        (equation, NewtonIterate { scale_factors, ..self.iterate })
     }
 }
 
 pub(super) struct Batch<V> {
     pub(super) count: usize,
-    pub(super) found: [Found<V>; BATCH],
+    pub(super) blocks: [YieldingBlock<V>; BATCH_SIZE],
     /// Whether the last block tested had lanes beyond their sets.
-    pub(super) was_found: bool,
+    pub(super) has_last_yielded: bool,
 }
 
 /// Blocks of a batch whose iteration has not converged.
-pub(super) struct Pending {
+pub(super) struct PendingBlocks {
     pub(super) count: usize,
-    pub(super) all: [u8; BATCH],
+    pub(super) indices: [u8; BATCH_SIZE],
 }
 
-impl Pending {
+impl PendingBlocks {
     #[inline(always)]
     pub(super) fn push(&mut self, index: usize, is_pending: bool) {
-        self.all[self.count] = index as u8;
+        self.indices[self.count] = index as u8;
         self.count += usize::from(is_pending);
     }
 }

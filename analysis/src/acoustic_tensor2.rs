@@ -1,0 +1,219 @@
+//! Flutter and shear bands of a yielding solid in plane strain, over all directions of the wave normal.
+//!
+//! The counterpart in the plane of [`acoustic_tensor3`](crate::acoustic_tensor3), for any number of active conditions.
+//! With n = (cos θ, sin θ) the acoustic tensor is
+//!
+//! ```text
+//! Γ(θ) = cos²θ Γ₁₁ + cos θ sin θ (Γ₁₂ + Γ₂₁) + sin²θ Γ₂₂,    Γᵢⱼ = M^(−½) Gⁱᵀ D Gʲ M^(−½).
+//! ```
+//!
+//! The matrix has two or three rows and its eigenvalues cost less than a microsecond, so the circle is sampled every
+//! half degree. Narrower sectors of flutter are found only if a hint lies in them: the caller passes the directions
+//! found by the verdict from the exact dispersion polynomial.
+
+use crate::acoustic_tensor3::{Flutter, SlowestSpeed, WaveExtremes};
+use crate::line_search::{argmax_unimodal, bisect, find_sectors};
+use models::common::elementary::Elementary;
+use models::common::product::triple_product;
+use models::common::rates::RateEquations;
+use nalgebra::{DMatrix, Matrix3};
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Directions sampled over half a turn.
+const DIRECTIONS: usize = 360;
+/// Threshold of rounding for (Im c²)², relative to the largest |c²|²: a double root is perturbed by the square root of
+/// the rounding.
+const FLUTTER_TOLERANCE: f64 = 1e-13;
+/// Threshold of rounding for |c²|, relative to the largest |c²|.
+const ZERO_SPEED_TOLERANCE: f64 = 1e-13;
+/// Number of bisection steps: to the last bit of an angle.
+const BISECTION_STEPS: usize = 60;
+
+/// The acoustic tensor of a solid in plane strain, for all directions.
+#[derive(Clone, Debug)]
+pub struct AcousticTensor2 {
+    velocity_count: usize,
+    /// Γ₁₁, Γ₁₂ + Γ₂₁, Γ₂₂, m²/s².
+    terms: [Matrix3<f64>; 3],
+    /// Bound on |c²| over all directions, m²/s².
+    max_squared_speed: f64,
+}
+
+impl AcousticTensor2 {
+    /// Assembles the acoustic tensor from the rate equations of a solid. Velocities whose gradients are not strains
+    /// (the spin of a reduced Cosserat solid) carry no waves and are omitted.
+    pub fn new(equations: &RateEquations<2>) -> Self {
+        let carries =
+            |&v: &usize| equations.gradient.iter().any(|g| g.column(v).iter().any(|&x| x != 0.0));
+        let moving: Vec<usize> = (0..equations.velocity_count()).filter(carries).collect();
+        let stiffness = equations.stiffness_values();
+        let strain = equations.gradient.each_ref().map(|gradient| {
+            let scaled = |s: usize, v: usize| {
+                gradient[(s, moving[v])] / equations.inertia[moving[v]].value.sqrt()
+            };
+            DMatrix::from_fn(equations.stress_count(), moving.len(), scaled)
+        });
+        let between = |i: usize, j: usize| {
+            let product = triple_product(&strain[i].transpose(), &stiffness, &strain[j]);
+            let entry = |a: usize, b: usize| match a.max(b) < moving.len() {
+                true => product[(a, b)],
+                false => 0.0,
+            };
+            Matrix3::from_fn(entry)
+        };
+        let terms = [between(0, 0), between(0, 1) + between(1, 0), between(1, 1)];
+        let max_squared_speed = terms.iter().map(Matrix3::norm).fold(0.0, f64::max);
+        Self { velocity_count: moving.len(), terms, max_squared_speed }
+    }
+
+    /// Squared characteristic speeds c² with the wave normal (cos θ, sin θ), m²/s², by descending real part; one for
+    /// each velocity that carries waves.
+    pub fn squared_speeds(&self, theta: f64) -> Vec<Complex64> {
+        let (values, size) = self.eigenvalues(theta);
+        let mut values = values[..size].to_vec();
+        values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+        values
+    }
+
+    fn eigenvalues(&self, theta: f64) -> ([Complex64; 3], usize) {
+        let (sin, cos) = theta.cr_sin_cos();
+        let [first, mixed, last] = &self.terms;
+        let gamma = first * (cos * cos) + mixed * (cos * sin) + last * (sin * sin);
+        let pair = |a: f64, b: f64, c: f64, d: f64| {
+            let (middle, half) = (0.5 * (a + d), 0.5 * (a - d));
+            let root = Complex64::new(half * half + b * c, 0.0).sqrt();
+            [middle + root, middle - root]
+        };
+        let [zero, not_a_number] = [0.0, f64::NAN].map(Complex64::from);
+        let block = pair(gamma[(0, 0)], gamma[(0, 1)], gamma[(1, 0)], gamma[(1, 1)]);
+        if self.velocity_count < 3 {
+            return ([block[0], block[1], zero], self.velocity_count);
+        }
+        let coupling = [(0, 2), (1, 2), (2, 0), (2, 1)].map(|entry| gamma[entry]);
+        if coupling == [0.0; 4] {
+            return ([block[0], block[1], gamma[(2, 2)].into()], 3);
+        }
+        if !gamma.iter().all(|x| x.is_finite()) {
+            return ([not_a_number; 3], 3);
+        }
+        let all = gamma.complex_eigenvalues();
+        ([all[0], all[1], all[2]], 3)
+    }
+
+    /// Strongest flutter at `theta`: largest |Im c|, m/s, with its c², m²/s²; zero if no pair is complex.
+    fn strongest_flutter(&self, theta: f64) -> (f64, Complex64) {
+        let (values, size) = self.eigenvalues(theta);
+        let is_complex = |value: &&Complex64| {
+            value.im * value.im
+                > FLUTTER_TOLERANCE * self.max_squared_speed * self.max_squared_speed
+        };
+        values[..size]
+            .iter()
+            .filter(is_complex)
+            .map(|value| (value.sqrt().im.abs(), *value))
+            .fold((0.0, Complex64::from(0.0)), |a, b| if b.0 > a.0 { b } else { a })
+    }
+
+    /// Smallest real c² at `theta`, m²/s²; infinite if all are complex.
+    fn smallest_squared_speed(&self, theta: f64) -> f64 {
+        let (values, size) = self.eigenvalues(theta);
+        let is_real = |value: &&Complex64| {
+            value.im * value.im
+                <= FLUTTER_TOLERANCE * self.max_squared_speed * self.max_squared_speed
+        };
+        values[..size].iter().filter(is_real).map(|value| value.re).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Strongest flutter and slowest wave over all directions; `hints` (rad) are sampled in addition to the grid.
+    pub fn search_extremes(&self, hints: &[f64]) -> WaveExtremes {
+        let angles: Vec<f64> = sample_angles().chain(hints.iter().copied()).collect();
+        let normal = |theta: f64| [theta.cr_cos(), theta.cr_sin(), 0.0];
+        let strongest = maximise_over_angles(|theta| self.strongest_flutter(theta).0, &angles);
+        let (growth, speed_squared) = self.strongest_flutter(strongest);
+        let flutter =
+            (growth > 0.0).then(|| Flutter { growth, speed_squared, normal: normal(strongest) });
+        let slowest = maximise_over_angles(|theta| -self.smallest_squared_speed(theta), &angles);
+        let slowest = SlowestSpeed {
+            speed_squared: self.smallest_squared_speed(slowest),
+            normal: normal(slowest),
+            rounding: ZERO_SPEED_TOLERANCE * self.max_squared_speed,
+        };
+        WaveExtremes { flutter, slowest }
+    }
+
+    /// Sectors of complex speeds: first and last direction, rad, the first in \[0, π); ends by bisection. `[0, π]` if
+    /// speeds are complex in all directions.
+    pub fn flutter_sectors(&self) -> Vec<[f64; 2]> {
+        let is_complex = |theta: f64| self.strongest_flutter(theta).0 > 0.0;
+        find_sectors(sample_angles(), PI / DIRECTIONS as f64, PI, BISECTION_STEPS, is_complex)
+    }
+
+    /// Whether some c² is zero in all directions.
+    pub fn is_always_stationary(&self) -> bool {
+        let (tolerance, offset) =
+            (ZERO_SPEED_TOLERANCE * self.max_squared_speed, 0.5 * PI / DIRECTIONS as f64);
+        sample_angles().all(|theta| self.smallest_squared_speed(theta + offset).abs() <= tolerance)
+    }
+
+    /// Directions of the wave normal in which a speed vanishes, rad, in \[0, π), ascending: simple and double zeros of
+    /// c². Empty if a speed vanishes in [all directions](Self::is_always_stationary).
+    pub fn zero_speed_directions(&self) -> Vec<f64> {
+        if self.is_always_stationary() {
+            return Vec::new();
+        }
+        let step = PI / DIRECTIONS as f64;
+        // Offset the samples by half a step: zeros of symmetric solids lie at multiples of the step.
+        let angles: Vec<f64> = sample_angles().map(|theta| theta + 0.5 * step).collect();
+        let value = |theta: f64| self.smallest_squared_speed(theta);
+        let tolerance = ZERO_SPEED_TOLERANCE * self.max_squared_speed;
+        let mut found: Vec<f64> = Vec::new();
+        for &theta in &angles {
+            let [before, here, after] = [theta - step, theta, theta + step].map(value);
+            if (here > 0.0) != (after > 0.0) && here.is_finite() && after.is_finite() {
+                let [low, high] =
+                    bisect([theta, theta + step], BISECTION_STEPS, |theta| value(theta) > 0.0);
+                // A jump marks the end of a sector of flutter, where a pair becomes complex; it is no zero.
+                if value(low).abs().max(value(high).abs()) <= 1e3 * tolerance {
+                    found.push(0.5 * (low + high));
+                }
+            } else if here.abs() <= before.abs() && here.abs() <= after.abs() {
+                let touching =
+                    argmax_unimodal(|theta| -value(theta).abs(), theta - step, theta + step);
+                if value(touching).abs() <= tolerance {
+                    found.push(touching);
+                }
+            }
+        }
+        // A double zero is located to the square root of the rounding only.
+        const MERGE_DISTANCE: f64 = 1e-5;
+        for theta in &mut found {
+            *theta = theta.rem_euclid(PI);
+            if PI - *theta < MERGE_DISTANCE {
+                *theta = 0.0;
+            }
+        }
+        found.sort_by(f64::total_cmp);
+        found.dedup_by(|a, b| (*a - *b).abs() < MERGE_DISTANCE);
+        found
+    }
+}
+
+/// Uniform grid of directions in [0, π), rad.
+fn sample_angles() -> impl Iterator<Item = f64> {
+    (0..DIRECTIONS).map(|i| PI * i as f64 / DIRECTIONS as f64)
+}
+
+/// Angle of the maximum of `value`: the best of `angles`, refined by golden sections between its neighbours.
+fn maximise_over_angles(value: impl Fn(f64) -> f64, angles: &[f64]) -> f64 {
+    let step = PI / DIRECTIONS as f64;
+    let (mut best, mut at) = (f64::NEG_INFINITY, 0.0);
+    for &angle in angles {
+        let here = value(angle);
+        if here > best {
+            (best, at) = (here, angle);
+        }
+    }
+    let refined = argmax_unimodal(&value, at - step, at + step);
+    if value(refined) > best { refined } else { at }
+}

@@ -1,0 +1,36 @@
+//! Errors of the search over all wave normals in space.
+
+use super::eigenbasis::MAX_VELOCITIES;
+
+/// Error of the search over all wave normals in space.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NormalSearchError {
+    /// Too many velocities.
+    #[error("{0} velocities: waves in space are searched for solids with at most {MAX_VELOCITIES}")]
+    TooLarge(usize),
+    /// A number overflowed.
+    #[error("a coefficient of the solid is not finite: its numbers are too large or too small")]
+    NotFinite,
+    /// The length of the vectors of an update differs from the number of stresses.
+    #[error("{given} components are given for {needed} stresses")]
+    LengthMismatch {
+        /// Components given.
+        given: usize,
+        /// Stresses of the solid.
+        needed: usize,
+    },
+    /// The elastic acoustic tensor is not positive definite in some direction.
+    #[error(
+        "the elastic solid has no waves with the normal ({}, {}, {}): its least c² is {speed_squared:e} \
+         m²/s² and must be positive", normal[0], normal[1], normal[2]
+    )]
+    NotPositiveDefinite {
+        /// The wave normal.
+        normal: [f64; 3],
+        /// Least c², m²/s².
+        speed_squared: f64,
+    },
+    /// The rate response of the yielding solid is not defined: H + n·Dm, Pa, is not positive.
+    #[error("no response while yielding: H + n·Dm = {0:e} Pa must be positive")]
+    NoResponse(f64),
+}

@@ -1,0 +1,43 @@
+//! Results of the search: flutter and the slowest wave.
+
+use num_complex::Complex64;
+
+/// The strongest flutter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flutter {
+    /// Supremum of |Im c| over the directions with complex c², m/s: short waves grow at the rate `growth` · k.
+    pub growth: f64,
+    /// Squared speed c² of the strongest flutter, m²/s²; the other root of the pair is its conjugate.
+    pub speed_squared: Complex64,
+    /// The wave normal.
+    pub normal: [f64; 3],
+}
+
+/// The slowest wave among those with real c².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlowestSpeed {
+    /// Smallest real c², m²/s². Zero is a stationary discontinuity, the onset of a shear band; if it is negative, waves
+    /// grow at the rate √(−c²) k. Infinite if no direction has a real c².
+    pub speed_squared: f64,
+    /// The wave normal, which is the normal of the band.
+    pub normal: [f64; 3],
+    /// Rounding bound of `speed_squared`, m²/s².
+    pub rounding: f64,
+}
+
+/// Strongest flutter and slowest wave over all directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveExtremes {
+    /// Strongest flutter; `None` if no speed is complex.
+    pub flutter: Option<Flutter>,
+    /// Wave of the smallest real c².
+    pub slowest: SlowestSpeed,
+}
+
+impl WaveExtremes {
+    /// Largest |Im c| of flutter and of negative c², m/s; 0 if there is neither.
+    pub fn growth(&self) -> f64 {
+        let divergence = (-self.slowest.speed_squared).max(0.0).sqrt();
+        self.flutter.map_or(divergence, |flutter| flutter.growth.max(divergence))
+    }
+}

@@ -1,0 +1,361 @@
+//! Search for the strongest flutter and the slowest wave over all wave normals in space.
+
+use super::eigenbasis::{Eigenbasis, EigenvalueGroups, MAX_VELOCITIES};
+use super::elastic_waves::{AcousticTensor3, LANES};
+use super::error::NormalSearchError;
+use super::extremes::{Flutter, SlowestSpeed, WaveExtremes};
+use super::geodesic_grid::{COARSE_SUBDIVISIONS, FINE_SUBDIVISIONS};
+use super::minimise::minimise;
+use super::rank_one::RankOneUpdate;
+use super::secular_equation::assemble_secular_equation;
+use super::secular_roots::{EigenvaluePair, SecularRoots};
+use super::tensor_update::{TensorUpdate, WEIGHT_TOLERANCE};
+use num_complex::Complex64;
+
+/// Reusable memory of [`AcousticTensor3::search_extremes`].
+#[derive(Clone, Debug)]
+pub struct NormalSearchWorkspace {
+    pub(super) coarse_roots: Vec<SecularRoots>,
+    pub(super) growth_squared: Vec<f64>,
+}
+
+impl AcousticTensor3 {
+    /// Creates a workspace for [`search_extremes`](Self::search_extremes); use one per thread.
+    pub fn new_workspace(&self) -> NormalSearchWorkspace {
+        let none =
+            SecularRoots { smallest_real: f64::INFINITY, critical_pair: None, is_complex: false };
+        NormalSearchWorkspace {
+            coarse_roots: vec![none; self.coarse_points.len()],
+            growth_squared: vec![f64::NEG_INFINITY; self.coarse_points.len()],
+        }
+    }
+
+    /// Strongest flutter and slowest real wave over all directions, to 1e-9 rad where they are smooth functions of the
+    /// direction, or to the rounding of their values.
+    ///
+    /// Flutter in a cap that contains a circle of radius [`COVERING_RADIUS`](Self::COVERING_RADIUS) is always found,
+    /// since a grid point lies in it. Smaller caps are found from the directions in which two real eigenvalues are
+    /// closest. (Im c²)² below 1e-13 of the squared speeds involved counts as rounding.
+    ///
+    /// # Errors
+    /// A vector has the wrong length or is not finite.
+    pub fn search_extremes(
+        &self,
+        update: &RankOneUpdate,
+        workspace: &mut NormalSearchWorkspace,
+    ) -> Result<WaveExtremes, NormalSearchError> {
+        let tensor_update = self.project_update(update)?;
+        if workspace.coarse_roots.len() != self.coarse_points.len() {
+            *workspace = self.new_workspace();
+        }
+        let NormalSearchWorkspace { coarse_roots, growth_squared } = workspace;
+        for (place, (roots, growth)) in
+            coarse_roots.iter_mut().zip(growth_squared.iter_mut()).enumerate()
+        {
+            let index = self.coarse_points[place] as usize;
+            let normal = &self.normals[index];
+            *roots = tensor_update
+                .secular_equation_at(normal, &self.eigenbasis_at(index), &self.groups[index])
+                .solve_roots();
+            *growth = roots.critical_pair.map_or(f64::NEG_INFINITY, |pair| pair.growth_squared());
+        }
+
+        let mut best = ScaledExtremes { slowest: (self.normals[0], f64::INFINITY), flutter: None };
+        self.refine_coarse_extremes(&tensor_update, coarse_roots, growth_squared, &mut best);
+        self.search_fine_grid(&tensor_update, coarse_roots, &mut best);
+
+        let (normal, value) = best.slowest;
+        Ok(WaveExtremes {
+            flutter: best.flutter.map(|(normal, pair)| Flutter {
+                growth: (self.squared_speed_unit * pair.growth_squared()).sqrt(),
+                speed_squared: Complex64::new(pair.mean, (-pair.half_difference_squared).sqrt())
+                    * self.squared_speed_unit,
+                normal,
+            }),
+            slowest: SlowestSpeed {
+                speed_squared: value * self.squared_speed_unit,
+                normal,
+                rounding: 64.0
+                    * f64::EPSILON
+                    * (1.0 + tensor_update.max_norm_product)
+                    * self.squared_speed_unit,
+            },
+        })
+    }
+
+    /// Refines the smallest c² and the strongest flutter of the coarse grid, and further local extrema that may exceed
+    /// them.
+    fn refine_coarse_extremes(
+        &self,
+        tensor_update: &TensorUpdate,
+        coarse_roots: &[SecularRoots],
+        growth_squared: &[f64],
+        best: &mut ScaledExtremes,
+    ) {
+        let (least, most) = coarse_roots.iter().zip(growth_squared.iter()).enumerate().fold(
+            (0, 0),
+            |(least, most), (place, (roots, &own))| {
+                let least = if roots.smallest_real < coarse_roots[least].smallest_real {
+                    place
+                } else {
+                    least
+                };
+                (least, if own > growth_squared[most] { place } else { most })
+            },
+        );
+        self.refine_slowest(
+            tensor_update,
+            self.coarse_points[least] as usize,
+            COARSE_SUBDIVISIONS,
+            best,
+        );
+        if coarse_roots[most].critical_pair.is_some() {
+            self.refine_flutter(
+                tensor_update,
+                self.coarse_points[most] as usize,
+                COARSE_SUBDIVISIONS,
+                best,
+            );
+        }
+        for place in 0..coarse_roots.len() {
+            let around = &self.coarse_neighbours[place];
+            // Between a grid point and half the distance to its neighbours a quadratic changes by a quarter of the
+            // difference; eight times as much is allowed for.
+            let own = coarse_roots[place].smallest_real;
+            let (lowest, highest) =
+                min_and_max(around.iter().map(|&i| coarse_roots[i as usize].smallest_real));
+            if place != least && own <= lowest && own - 2.0 * (highest - own) < best.slowest.1 {
+                self.refine_slowest(
+                    tensor_update,
+                    self.coarse_points[place] as usize,
+                    COARSE_SUBDIVISIONS,
+                    best,
+                );
+            }
+            let own = growth_squared[place];
+            let (_, highest) = min_and_max(around.iter().map(|&i| growth_squared[i as usize]));
+            let finite =
+                around.iter().map(|&i| growth_squared[i as usize]).filter(|g| g.is_finite());
+            let (lowest, _) = min_and_max(finite);
+            let goal = best.flutter.map_or(0.0, |(_, pair)| pair.growth_squared());
+            if place != most
+                && coarse_roots[place].critical_pair.is_some()
+                && own >= highest
+                && (lowest > own || own + 2.0 * (own - lowest) > goal)
+            {
+                self.refine_flutter(
+                    tensor_update,
+                    self.coarse_points[place] as usize,
+                    COARSE_SUBDIVISIONS,
+                    best,
+                );
+            }
+        }
+    }
+
+    /// Searches the fine grid for complex speeds missed by the coarse grid and for c² below the smallest so far.
+    fn search_fine_grid(
+        &self,
+        tensor_update: &TensorUpdate,
+        coarse_roots: &[SecularRoots],
+        best: &mut ScaledExtremes,
+    ) {
+        let mut products = [[0.0; LANES]; MAX_VELOCITIES];
+        let mut flags = [false; LANES];
+        let mut thresholds = [0.0; LANES];
+        let mut found = [(0, f64::NEG_INFINITY); 8];
+        for (index, chunk) in self.chunks.iter().enumerate() {
+            let target = best.slowest.1 - 1e-12;
+            self.compute_weight_products(tensor_update, index, &mut products, &mut thresholds);
+            // At the smallest c² so far, if it is below all λ_g, a negative 1 − Σ w_g/(λ_g − λ) proves that a smaller
+            // root exists.
+            let mut sides = [1.0; LANES];
+            let mut lowest = [0.0_f64; LANES];
+            let mut is_above = [false; LANES];
+            for (products, values) in
+                products.iter().zip(&chunk.speed_squared).take(self.velocity_count)
+            {
+                for lane in 0..LANES {
+                    sides[lane] -= products[lane] / (values[lane] - target);
+                    lowest[lane] = lowest[lane].min(products[lane] + thresholds[lane]);
+                    is_above[lane] |= values[lane] <= target;
+                }
+            }
+            for lane in 0..LANES {
+                flags[lane] = (lowest[lane] < 0.0) | (sides[lane] < 0.0) | is_above[lane];
+            }
+            for lane in (0..LANES).filter(|&lane| flags[lane]) {
+                let place = index * LANES + lane;
+                if place >= self.normals.len() {
+                    continue;
+                }
+                let own: [f64; MAX_VELOCITIES] = std::array::from_fn(|k| products[k][lane]);
+                let secular = assemble_secular_equation(
+                    &self.groups[place],
+                    &own[..self.velocity_count],
+                    thresholds[lane],
+                );
+                if sides[lane] < 0.0 || is_above[lane] {
+                    let least = secular.solve_roots().smallest_real;
+                    if least < best.slowest.1 - 1e-12 {
+                        self.refine_slowest(tensor_update, place, FINE_SUBDIVISIONS, best);
+                    }
+                }
+                let parent = &coarse_roots[self.coarse_parents[place] as usize];
+                if parent.is_complex || secular.count < 2 || secular.sign_changes() < 3 {
+                    continue;
+                }
+                if secular.count > 2
+                    && secular.sign_changes() == 3
+                    && parent
+                        .critical_pair
+                        .is_some_and(|pair| secular.has_real_roots_by_sign_at(pair.mean))
+                {
+                    continue;
+                }
+                let roots = secular.solve_roots();
+                if let (true, Some(pair)) = (roots.is_complex, roots.critical_pair) {
+                    insert_strongest(
+                        &mut found,
+                        (place, pair.growth_squared()),
+                        &self.coarse_parents,
+                    );
+                }
+            }
+        }
+        for (place, _) in found.into_iter().filter(|found| found.1 > f64::NEG_INFINITY) {
+            self.refine_flutter(tensor_update, place, FINE_SUBDIVISIONS, best);
+        }
+    }
+
+    /// Products α̂β̂ in the eigenbasis of Γₑ, per eigenvalue, for a chunk of directions.
+    pub(super) fn compute_weight_products(
+        &self,
+        tensor_update: &TensorUpdate,
+        index: usize,
+        products: &mut [[f64; LANES]; MAX_VELOCITIES],
+        thresholds: &mut [f64; LANES],
+    ) {
+        let chunk = &self.chunks[index];
+        let entries: usize = self.blocks.iter().map(|&(_, size)| size * size).sum();
+        let bases = &self.bases[index * entries..(index + 1) * entries];
+        let [x, y, z] = &chunk.normal;
+        let (mut squares, mut other_squares) = ([0.0; LANES], [0.0; LANES]);
+        let mut entry = 0;
+        for &(first, size) in &self.blocks {
+            let (mut alpha, mut beta) =
+                ([[0.0; LANES]; MAX_VELOCITIES], [[0.0; LANES]; MAX_VELOCITIES]);
+            for velocity in first..first + size {
+                let (a, b) = (&tensor_update.alpha[velocity], &tensor_update.beta[velocity]);
+                let (mut own_alpha, mut own_beta) = ([0.0; LANES], [0.0; LANES]);
+                for lane in 0..LANES {
+                    own_alpha[lane] = a[0] * x[lane] + a[1] * y[lane] + a[2] * z[lane];
+                    own_beta[lane] = b[0] * x[lane] + b[1] * y[lane] + b[2] * z[lane];
+                }
+                for lane in 0..LANES {
+                    squares[lane] += own_alpha[lane] * own_alpha[lane];
+                    other_squares[lane] += own_beta[lane] * own_beta[lane];
+                }
+                for k in 0..size {
+                    let basis = &bases[entry];
+                    for lane in 0..LANES {
+                        alpha[k][lane] += basis[lane] * own_alpha[lane];
+                        beta[k][lane] += basis[lane] * own_beta[lane];
+                    }
+                    entry += 1;
+                }
+            }
+            for k in 0..size {
+                for lane in 0..LANES {
+                    products[first + k][lane] = alpha[k][lane] * beta[k][lane];
+                }
+            }
+        }
+        for lane in 0..LANES {
+            thresholds[lane] = WEIGHT_TOLERANCE * (squares[lane] * other_squares[lane]).sqrt();
+        }
+    }
+
+    /// Eigenvalues at `normal`; fast if `near` is close to the eigenvectors of Γₑ there.
+    fn solve_roots_near(
+        &self,
+        tensor_update: &TensorUpdate,
+        near: &Eigenbasis,
+        normal: &[f64; 3],
+    ) -> SecularRoots {
+        let (values, basis) = self.elastic_eigenbasis(normal, near);
+        tensor_update
+            .secular_equation_at(
+                normal,
+                &basis,
+                &EigenvalueGroups::new(&values[..self.velocity_count]),
+            )
+            .solve_roots()
+    }
+
+    /// Minimises the smallest real eigenvalue from the grid point `place` and updates `best`; `frequency` is the
+    /// number of subdivisions of the grid.
+    fn refine_slowest(
+        &self,
+        tensor_update: &TensorUpdate,
+        place: usize,
+        frequency: usize,
+        best: &mut ScaledExtremes,
+    ) {
+        let near = self.eigenbasis_at(place);
+        let function =
+            |normal: &[f64; 3]| self.solve_roots_near(tensor_update, &near, normal).smallest_real;
+        let radius = 1.3 / frequency as f64;
+        let found = minimise(self.normals[place], radius, best.slowest.1, function);
+        if found.1 < best.slowest.1 {
+            best.slowest = found;
+        }
+    }
+
+    /// Maximises the growth of flutter from the grid point `place` and updates `best`; `frequency` is the number of
+    /// subdivisions of the grid.
+    fn refine_flutter(
+        &self,
+        tensor_update: &TensorUpdate,
+        place: usize,
+        frequency: usize,
+        best: &mut ScaledExtremes,
+    ) {
+        let near = self.eigenbasis_at(place);
+        let goal = best.flutter.map_or(0.0, |(_, pair)| pair.growth_squared());
+        let function = |normal: &[f64; 3]| {
+            let roots = self.solve_roots_near(tensor_update, &near, normal);
+            roots.critical_pair.map_or(f64::INFINITY, |pair| -pair.growth_squared())
+        };
+        let radius = 1.3 / frequency as f64;
+        let (normal, value) = minimise(self.normals[place], radius, -goal, function);
+        let roots = self.solve_roots_near(tensor_update, &near, &normal);
+        if let (true, true, Some(pair)) = (-value > goal, roots.is_complex, roots.critical_pair) {
+            best.flutter = Some((normal, pair));
+        }
+    }
+}
+
+/// Inserts a direction into the descending list unless one with the same parent is stronger.
+fn insert_strongest(list: &mut [(usize, f64)], own: (usize, f64), coarse_parents: &[u32]) {
+    let same = |other: &(usize, f64)| {
+        other.1 > f64::NEG_INFINITY && coarse_parents[other.0] == coarse_parents[own.0]
+    };
+    let end = list.iter().position(same).unwrap_or(list.len() - 1);
+    if own.1 > list[end].1 {
+        list[end] = own;
+        let place = list[..end].iter().take_while(|other| other.1 >= own.1).count();
+        list[place..=end].rotate_right(1);
+    }
+}
+
+/// Slowest wave (normal, c²) and strongest flutter (normal, pair) so far, in scaled units.
+struct ScaledExtremes {
+    pub(super) slowest: ([f64; 3], f64),
+    pub(super) flutter: Option<([f64; 3], EigenvaluePair)>,
+}
+
+/// Minimum and maximum of `values`.
+fn min_and_max(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+}

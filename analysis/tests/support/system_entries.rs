@@ -1,0 +1,50 @@
+//! Systems built by hand, entry by entry.
+
+use models::common::system::Unknown;
+use models::{LinearisedSystem, Rounded};
+
+const EQUATION_NAMES: [&str; 8] = ["1", "2", "3", "4", "5", "6", "7", "8"];
+const UNKNOWNS: [Unknown; 8] = {
+    let mut list = [Unknown { name: "", family: "a" }; 8];
+    let mut n = 0;
+    while n < 8 {
+        list[n].name = EQUATION_NAMES[n];
+        n += 1;
+    }
+    list
+};
+
+/// Derivative or unknown multiplied by an entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DerivativeOperator {
+    /// ∂ₜ
+    T,
+    /// ∂₁
+    X,
+    /// ∂₂
+    Y,
+    /// 1
+    C,
+}
+pub use DerivativeOperator::{C, T, X, Y};
+
+/// A system with `rows` equations for `columns` unknowns and exact coefficients.
+pub fn build_system(
+    rows: usize,
+    columns: usize,
+    entries: &[(usize, usize, DerivativeOperator, f64)],
+) -> LinearisedSystem<2> {
+    let mut system = LinearisedSystem::default();
+    system.reset(&UNKNOWNS[..columns], &EQUATION_NAMES[..rows], [0.0; 2]);
+    for &(row, column, part, value) in entries {
+        let at = (row, column);
+        let slot = match part {
+            T => &mut system.a[at],
+            X => &mut system.b[0][at],
+            Y => &mut system.b[1][at],
+            C => &mut system.c[at],
+        };
+        *slot = Rounded::from_exact(slot.value + value);
+    }
+    system
+}

@@ -1,0 +1,370 @@
+//! Systems whose growth is known by construction.
+
+use crate::support::system_entries::{C, DerivativeOperator, T, X, Y, build_system};
+use models::LinearisedSystem;
+
+/// Expected verdict on a system whose growth is known.
+#[derive(Clone, Copy, Debug)]
+pub enum ExpectedVerdict {
+    Bounded,
+    /// Order, coefficient and, if unique, direction in degrees.
+    Growth(f64, f64, Option<f64>),
+    /// Unbounded at finite wave numbers, in the direction in degrees.
+    UnboundedAtFiniteK(f64),
+    /// Rank.
+    Indeterminate(usize),
+}
+use ExpectedVerdict::{Bounded, Growth, Indeterminate, UnboundedAtFiniteK};
+
+/// Row, column, derivative and coefficient.
+pub type SystemEntries = Vec<(usize, usize, DerivativeOperator, f64)>;
+
+/// Cyclic matrix with diagonal entries d and entries s next to the diagonal, of determinant ∏ dᵢ + (−1)^(n+1) ∏ sᵢ.
+/// Each entry is a list of terms.
+fn cyclic_system(
+    diagonal: &[&[(DerivativeOperator, f64)]],
+    next: &[&[(DerivativeOperator, f64)]],
+) -> (usize, SystemEntries) {
+    let n = diagonal.len();
+    let mut entries = Vec::new();
+    for i in 0..n {
+        entries.extend(diagonal[i].iter().map(|&(part, x)| (i, i, part, x)));
+        entries.extend(next[i].iter().map(|&(part, x)| (i, (i + 1) % n, part, x)));
+    }
+    (n, entries)
+}
+
+type OperatorTerm = (DerivativeOperator, f64);
+
+/// ∂ₜ, ∂₁ and 1.
+const ELEMENTARY_TERMS: [&[OperatorTerm]; 3] = [&[(T, 1.0)], &[(X, 1.0)], &[(C, 1.0)]];
+/// ∂ₜ + ∂₁.
+const TRANSPORT_TERMS: &[OperatorTerm] = &[(T, 1.0), (X, 1.0)];
+
+fn negated_term(part: DerivativeOperator) -> [OperatorTerm; 1] {
+    [(part, -1.0)]
+}
+
+/// The coefficient of growth of order 1/3.
+fn one_third_coefficient() -> f64 {
+    (3f64).sqrt() / 2.0
+}
+
+/// Name, system and expected verdict.
+type KnownSystem = (&'static str, LinearisedSystem<2>, ExpectedVerdict);
+
+struct KnownSystemList(Vec<KnownSystem>);
+
+impl KnownSystemList {
+    fn push_square(
+        &mut self,
+        name: &'static str,
+        (n, entries): (usize, SystemEntries),
+        wanted: ExpectedVerdict,
+    ) {
+        self.0.push((name, build_system(n, n, &entries), wanted));
+    }
+}
+
+/// Transport and heat: orders 0 and 2.
+fn add_parabolic(list: &mut KnownSystemList) {
+    // ς + κ₁ = 0
+    list.push_square("transport", (1, vec![(0, 0, T, 1.0), (0, 0, X, 1.0)]), Bounded);
+    list.push_square("decay", (1, vec![(0, 0, T, 1.0), (0, 0, C, 5.0)]), Bounded);
+    list.push_square("order 0", (1, vec![(0, 0, T, 1.0), (0, 0, C, -5.0)]), Bounded);
+    // ς ∓ (κ₁² + κ₂²) = 0
+    let heat = |sign: f64| {
+        let mut e: SystemEntries = vec![(0, 0, T, 1.0)];
+        for (i, part) in [(1, X), (2, Y)] {
+            e.extend([(0, i, part, 1.0), (i, 0, part, sign), (i, i, C, 1.0)]);
+        }
+        (3, e)
+    };
+    list.push_square("heat", heat(1.0), Bounded);
+    list.push_square("backward heat", heat(-1.0), Growth(2.0, 1.0, None));
+    let mut mixed = heat(1.0);
+    mixed.1[4] = (0, 2, Y, -3.0);
+    list.push_square("heat along x, backward along y", mixed, Growth(2.0, 3.0, Some(90.0)));
+}
+
+/// Wave equations with damping, feeding terms and advection, and elliptic counterparts.
+fn add_hyperbolic(list: &mut KnownSystemList) {
+    let [t, x, _] = ELEMENTARY_TERMS;
+    // ς² = κ² and ς² = −κ² in one and two dimensions.
+    let wave: SystemEntries = vec![
+        (0, 0, T, 1.0),
+        (1, 1, T, 1.0),
+        (2, 2, T, 1.0),
+        (0, 1, X, 1.0),
+        (1, 0, X, 1.0),
+        (0, 2, Y, 1.0),
+        (2, 0, Y, 1.0),
+    ];
+    list.push_square("acoustics", (3, wave.clone()), Bounded);
+    // In an obliquely moving frame every power of ς occurs and every root is imaginary.
+    let mut carried = wave.clone();
+    for i in 0..3 {
+        carried.extend([(i, i, X, 0.3), (i, i, Y, -0.7)]);
+    }
+    list.push_square("acoustics carried along", (3, carried), Bounded);
+    let mut damped = wave.clone();
+    damped.extend([(0, 0, C, 0.7), (1, 1, C, 0.2)]);
+    list.push_square("damped acoustics", (3, damped), Bounded);
+    let mut fed = wave.clone();
+    fed.extend([(0, 0, C, -0.7), (1, 2, C, 0.4), (2, 1, C, 0.9)]);
+    list.push_square("acoustics with feeding terms of order 0", (3, fed), Bounded);
+    list.push_square("wave equation in one dimension", cyclic_system(&[t, t], &[x, x]), Bounded);
+    list.push_square(
+        "telegraph equation",
+        cyclic_system(&[&[(T, 1.0), (C, 1.0)], t], &[x, x]),
+        Bounded,
+    );
+    list.push_square(
+        "Cauchy–Riemann in time",
+        cyclic_system(&[t, t], &[&negated_term(X), x]),
+        Growth(1.0, 1.0, Some(0.0)),
+    );
+    // ς² + κ₁² + 4 κ₂²: elliptic Cauchy problem.
+    let mut elliptic = wave;
+    elliptic[4] = (1, 0, X, -1.0);
+    elliptic[6] = (2, 0, Y, -4.0);
+    list.push_square("elliptic Cauchy problem", (3, elliptic), Growth(1.0, 2.0, Some(90.0)));
+}
+
+/// Other orders of growth, and neutral counterparts.
+fn add_orders(list: &mut KnownSystemList) {
+    let [t, x, one] = ELEMENTARY_TERMS;
+    // ς² + κ³, ς³ + κ², ς² + κ, ς³ + κ, ς⁵ + κ²
+    list.push_square(
+        "order 3/2",
+        cyclic_system(&[t, t, one], &[x, x, x]),
+        Growth(1.5, 0.5f64.sqrt(), Some(0.0)),
+    );
+    list.push_square(
+        "order 2/3",
+        cyclic_system(&[t, t, t], &[x, x, one]),
+        Growth(2.0 / 3.0, 1.0, Some(0.0)),
+    );
+    list.push_square(
+        "order 1/2",
+        cyclic_system(&[t, t], &[&negated_term(X), one]),
+        Growth(0.5, 0.5f64.sqrt(), Some(0.0)),
+    );
+    list.push_square(
+        "order 1/3",
+        cyclic_system(&[t, t, t], &[x, one, one]),
+        Growth(1.0 / 3.0, one_third_coefficient(), Some(0.0)),
+    );
+    list.push_square(
+        "order 2/5",
+        cyclic_system(&[t, t, t, t, t], &[x, x, one, one, one]),
+        Growth(0.4, 1.0, Some(0.0)),
+    );
+    // ς = κ₁³κ₂: largest at 30°. ς² = κ⁶ and −κ⁶; ς + κ³ is dispersive only.
+    let four = 3.0 * 3f64.sqrt() / 16.0;
+    list.push_square(
+        "order 4",
+        cyclic_system(&[t, one, one, one], &[x, x, x, &[(Y, 1.0)]]),
+        Growth(4.0, four, Some(30.0)),
+    );
+    list.push_square(
+        "order 3",
+        cyclic_system(&[t, t, one, one, one, one], &[x, x, x, x, x, &negated_term(X)]),
+        Growth(3.0, 1.0, Some(0.0)),
+    );
+    list.push_square(
+        "waves of order 3",
+        cyclic_system(&[t, t, one, one, one, one], &[x; 6]),
+        Bounded,
+    );
+    list.push_square("dispersion of order 3", cyclic_system(&[t, one, one], &[x, x, x]), Bounded);
+}
+
+/// Repeated roots and terms that split them.
+fn add_repeated_roots(list: &mut KnownSystemList) {
+    let [t, x, one] = ELEMENTARY_TERMS;
+    // (ς + κ)² + ε² κ²: the real part is a small fraction of the root.
+    for (name, e) in [("a hundredth real", 1e-2), ("a thousandth real", 1e-3)] {
+        let (s, minus): (&[_], &[_]) = (&[(X, e)], &[(X, -e)]);
+        list.push_square(
+            name,
+            cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS], &[s, minus]),
+            Growth(1.0, e, Some(0.0)),
+        );
+    }
+    // (ς + κ)(ς² + κ²): even and odd powers of κ occur.
+    let mut apart = cyclic_system(&[t, t], &[&negated_term(X), x]);
+    apart.0 = 3;
+    apart.1.extend([(2, 2, T, 1.0), (2, 2, X, 1.0)]);
+    list.push_square("transport beside Cauchy–Riemann", apart, Growth(1.0, 1.0, Some(0.0)));
+    // (ς + κ)² + κ: a repeated real root split at order 1/2; (ς + κ)² + 1: not split.
+    list.push_square(
+        "weakly hyperbolic",
+        cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS], &[&negated_term(X), one]),
+        Growth(0.5, 0.5f64.sqrt(), Some(0.0)),
+    );
+    list.push_square(
+        "repeated but bounded",
+        cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS], &[&negated_term(C), one]),
+        Bounded,
+    );
+    list.push_square(
+        "two equal transports",
+        cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS], &[&[], &[]]),
+        Bounded,
+    );
+    // (ς + κ)³ + κ: order 1/3.
+    list.push_square(
+        "triple root split at order 1/3",
+        cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS, TRANSPORT_TERMS], &[x, one, one]),
+        Growth(1.0 / 3.0, one_third_coefficient(), Some(0.0)),
+    );
+    // (ς + κ)³ + κ²
+    list.push_square(
+        "triple root split at order 2/3",
+        cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS, TRANSPORT_TERMS], &[x, x, one]),
+        Growth(2.0 / 3.0, 1.0, Some(0.0)),
+    );
+}
+
+/// Dispersive waves with growth or decay of the next order.
+fn add_beams(list: &mut KnownSystemList) {
+    let [t, x, one] = ELEMENTARY_TERMS;
+    // ς² + κ⁴ = 0: dispersive waves; ς² + κ⁴ + c κ³: dispersive waves with growth c k/2.
+    list.push_square(
+        "beam",
+        cyclic_system(&[t, t, one, one], &[x, x, x, &negated_term(X)]),
+        Bounded,
+    );
+    list.push_square(
+        "beam with growth of order 1",
+        cyclic_system(&[t, t, one, one], &[x, x, x, &[(X, -1.0), (C, -0.5)]]),
+        Growth(1.0, 0.25, Some(0.0)),
+    );
+    // Leading roots neutral, decay at the next order.
+    list.push_square(
+        "beam with decay",
+        cyclic_system(
+            &[&[(T, 1.0), (C, 0.3)], &[(T, 1.0), (C, 0.3)], one, one],
+            &[x, x, x, &negated_term(X)],
+        ),
+        Bounded,
+    );
+}
+
+/// Incompressible flow, of index 2.
+fn add_incompressible(list: &mut KnownSystemList) {
+    // Euler equations.
+    let euler: SystemEntries = vec![
+        (0, 0, T, 1.0),
+        (1, 1, T, 1.0),
+        (0, 2, X, 1.0),
+        (1, 2, Y, 1.0),
+        (2, 0, X, 1.0),
+        (2, 1, Y, 1.0),
+    ];
+    list.push_square("incompressible Euler", (3, euler.clone()), Bounded);
+    let mut darcy = euler.clone();
+    darcy.extend([(0, 0, C, 2.0), (1, 1, C, 2.0), (0, 1, C, 1.0)]);
+    list.push_square("incompressible with drag", (3, darcy), Bounded);
+    // Stokes: gradients s = ∇v as further unknowns.
+    let stokes = |sign: f64| {
+        let mut e = euler.clone();
+        for (i, first) in [(0, 3), (1, 5)] {
+            for (j, part) in [(0, X), (1, Y)] {
+                let s = first + j;
+                e.extend([(i, s, part, -sign), (s, i, part, -1.0), (s, s, C, 1.0)]);
+            }
+        }
+        (7, e)
+    };
+    list.push_square("Stokes", stokes(1.0), Bounded);
+    list.push_square("backward Stokes", stokes(-1.0), Growth(2.0, 1.0, None));
+}
+
+/// Few time derivatives or none, and roots that are unbounded at finite wave numbers.
+fn add_no_time_derivative(list: &mut KnownSystemList) {
+    let [_, x, one] = ELEMENTARY_TERMS;
+    // No time derivative at all.
+    list.push_square(
+        "elliptic, no time",
+        cyclic_system(&[x, x], &[&[(Y, 1.0)], &[(Y, -1.0)]]),
+        Bounded,
+    );
+    list.push_square(
+        "algebraic",
+        cyclic_system(&[one, one], &[&[(C, 0.5)], &[(C, -0.5)]]),
+        Bounded,
+    );
+    // ς(1 − κ₁²) + κ₂² = 0: order 2 in one direction only.
+    list.push_square(
+        "growth in one direction alone",
+        (
+            3,
+            vec![
+                (0, 0, T, 1.0),
+                (0, 1, Y, 1.0),
+                (1, 0, Y, -1.0),
+                (1, 1, C, 1.0),
+                (1, 2, X, 1.0),
+                (2, 1, X, 1.0),
+                (2, 2, C, 1.0),
+            ],
+        ),
+        Growth(2.0, 1.0, Some(90.0)),
+    );
+    // ς κ₁ + κ₂ = 0: ς = −tan θ; ς κ₁ = κ₂²: imaginary roots of unbounded size.
+    list.push_square(
+        "tangent",
+        (2, vec![(0, 0, T, 1.0), (0, 1, C, 1.0), (1, 0, Y, -1.0), (1, 1, X, 1.0)]),
+        UnboundedAtFiniteK(90.0),
+    );
+    list.push_square(
+        "waves of unbounded speed",
+        (2, vec![(0, 0, T, 1.0), (0, 1, Y, 1.0), (1, 0, Y, 1.0), (1, 1, X, 1.0)]),
+        Bounded,
+    );
+}
+
+/// Equations that do not determine the unknowns.
+fn add_singular(list: &mut KnownSystemList) {
+    // Singular: equal rows; a zero column; a dependent row.
+    list.push_square(
+        "equal rows",
+        (2, vec![(0, 0, T, 1.0), (0, 1, X, 2.0), (1, 0, T, 1.0), (1, 1, X, 2.0)]),
+        Indeterminate(1),
+    );
+    list.push_square(
+        "an unknown that nothing names",
+        (2, vec![(0, 0, T, 1.0), (1, 0, X, 1.0)]),
+        Indeterminate(1),
+    );
+    list.0.push((
+        "two equations for three",
+        build_system(2, 3, &[(0, 0, T, 1.0), (1, 1, T, 1.0), (0, 2, X, 1.0)]),
+        Indeterminate(2),
+    ));
+    list.0.push((
+        "three equations for two",
+        build_system(3, 2, &[(0, 0, T, 1.0), (1, 1, T, 1.0), (2, 0, X, 1.0)]),
+        Indeterminate(2),
+    ));
+}
+
+/// All systems.
+pub fn known_systems() -> Vec<KnownSystem> {
+    let mut list = KnownSystemList(Vec::new());
+    for add in [
+        add_parabolic,
+        add_hyperbolic,
+        add_orders,
+        add_repeated_roots,
+        add_beams,
+        add_incompressible,
+        add_no_time_derivative,
+        add_singular,
+    ] {
+        add(&mut list);
+    }
+    list.0
+}

@@ -1,0 +1,58 @@
+//! Checks of positions in a grid or box.
+
+use crate::error::CaseError;
+use crate::section::{SectionReader, join_with_commas};
+
+/// Relative tolerance for positions outside the grid: the computed bound origin + cells × spacing differs from the
+/// intended decimal number by rounding (100 × 0.29 < 29).
+const RELATIVE_TOLERANCE: f64 = 1e-12;
+
+/// Checks that a position, the value of `key`, is within the `bounds` of the grid or box.
+pub(crate) fn check_position(
+    section: &SectionReader,
+    key: &str,
+    position: &[f64],
+    axes: &[usize],
+    bounds: &[[f64; 2]],
+    domain_name: &str,
+) -> Result<(), CaseError> {
+    let is_inside = |(x, [first, last]): (&f64, &[f64; 2])| {
+        let slack = RELATIVE_TOLERANCE * (last - first);
+        (first - slack..=last + slack).contains(x)
+    };
+    if position.iter().zip(bounds).all(is_inside) {
+        return Ok(());
+    }
+    // Suppress rounding errors near 0.
+    let tidy = |x: f64, length: f64| match x.abs() < RELATIVE_TOLERANCE * length {
+        true => 0.0,
+        false => format!("{x:.11e}").parse().unwrap_or(x),
+    };
+    let words: Vec<String> = axes
+        .iter()
+        .zip(bounds)
+        .map(|(axis, [first, last])| {
+            let [from, to] = [first, last].map(|x| tidy(*x, last - first));
+            format!("x{} from {from:?} to {to:?} m", axis + 1)
+        })
+        .collect();
+    let found = format!("found {position:?}, outside the {domain_name}");
+    Err(section.error_at(key, found, format!("the {domain_name} has {}", join_with_commas(&words))))
+}
+
+/// Checks that `from` < `to` along each axis.
+pub(crate) fn check_order(
+    section: &SectionReader,
+    from: &[f64],
+    to: &[f64],
+) -> Result<(), CaseError> {
+    if from.iter().zip(to).all(|(from, to)| from < to) {
+        return Ok(());
+    }
+    let [from, to] = [from, to].map(|end| match end {
+        [one] => format!("{one:?}"),
+        all => format!("{all:?}"),
+    });
+    let found = format!("found {to} with from = {from}");
+    Err(section.error_at("to", found, "to must be greater than from along each axis"))
+}

@@ -1,0 +1,241 @@
+//! Reading of the scalar keys of a case: name, yield set, active conditions, numbers and kinds to compare.
+
+use super::entries::{CaseEntries, describe_allowed_values, find_model_kind};
+use super::error::{CaseError, escape};
+use super::keys::{Key, Presence, keys};
+use super::kind::{MediumKind, ModelKind, Yield, join_names};
+use super::numbers::CaseNumbers;
+use super::types::is_name_too_long;
+use super::value::{CaseValue, find_similar_name, format_suggestion};
+use models::registry;
+use std::path::Path;
+
+/// Reads the name of a case; by default derived from the file name.
+pub(super) fn read_name(entries: &CaseEntries, file: &str) -> Result<String, CaseError> {
+    const NAME_KEY: &str = "name";
+    let may_stand = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
+    // `.` and `..` are existing folders.
+    let is_dots = |name: &str| name.chars().all(|c| c == '.');
+    if let Some(CaseValue::Text(name)) = entries.value(NAME_KEY) {
+        if is_dots(name) || !name.chars().all(may_stand) || is_name_too_long(name) {
+            let allowed =
+                Key::find_by_name(NAME_KEY).map_or(String::new(), describe_allowed_values);
+            let found = format!("found '{}'", escape(name));
+            return Err(entries.positions.error_at(NAME_KEY, found, allowed));
+        }
+        return Ok(name.clone());
+    }
+    let file = Path::new(file).file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+    let stem = file.rsplit_once('.').map_or(&*file, |(stem, _)| stem);
+    if is_dots(stem) {
+        return Ok("case".to_owned());
+    }
+    // Other characters are replaced, so that the resolved case can be read again.
+    Ok(stem.chars().map(|c| if may_stand(c) { c } else { '-' }).collect())
+}
+
+/// Reads the yield set named in `[yield]`; the names in `elastic_names` mean no yield set.
+pub(super) fn read_yield_set(
+    entries: &CaseEntries,
+    kind: ModelKind,
+    elastic_names: &[&'static str],
+) -> Result<Option<Yield>, CaseError> {
+    const YIELD_KIND_KEY: &str = "yield.kind";
+    if !entries.has_section("yield") {
+        return match entries.has_section("stress") && !kind.admissible_yield_sets().is_empty() {
+            true => Err(entries.positions.error_at(
+                "stress",
+                "a stress without a yield set",
+                "add a section [yield], or leave this one out: elastic waves do not see the stress",
+            )),
+            false => Ok(None),
+        };
+    }
+    let sets = kind.admissible_yield_sets();
+    if sets.is_empty() {
+        let found = format!("a yield set for the model {}", kind.name());
+        return Err(entries.positions.error_at(
+            "yield",
+            found,
+            "leave the section out: flows yield",
+        ));
+    }
+    let name = entries.require_text(YIELD_KIND_KEY)?;
+    if elastic_names.contains(&name) {
+        return Ok(None);
+    }
+    let found = registry::find_yield_set(name).filter(|set| sets.contains(set));
+    found.map(Some).ok_or_else(|| {
+        let names: Vec<&str> =
+            sets.iter().map(|set| set.name).chain(elastic_names.iter().copied()).collect();
+        let meant = format_suggestion(find_similar_name(name, names.iter().copied()));
+        let found = format!("found '{}'", escape(name));
+        let allowed = format!("{meant}allowed for {}: {}", kind.name(), names.join(", "));
+        entries.positions.error_at(YIELD_KIND_KEY, found, allowed)
+    })
+}
+
+/// Reads the indices of the yield conditions named in `yield.active`.
+pub(super) fn read_active_conditions(
+    entries: &CaseEntries,
+    medium: MediumKind,
+) -> Result<Option<Vec<usize>>, CaseError> {
+    const YIELD_ACTIVE_KEY: &str = "yield.active";
+    let Some(CaseValue::TextList(names)) = entries.value(YIELD_ACTIVE_KEY) else { return Ok(None) };
+    if !Key::find_by_name(YIELD_ACTIVE_KEY).is_some_and(|key| key.is_used_by(medium)) {
+        let found = format!("not used by {}", medium.title());
+        let sets = registry::yield_sets();
+        let owners: Vec<&str> =
+            sets.iter().filter(|set| !set.conditions.is_empty()).map(|set| set.name).collect();
+        let allowed = format!("leave it out (it belongs to {})", owners.join(", "));
+        return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, found, allowed));
+    }
+    if entries.has_section("stress") {
+        let found = "active conditions beside a section [stress]";
+        return Err(entries.positions.error_at(
+            YIELD_ACTIVE_KEY,
+            found,
+            "give one of the two: either decides",
+        ));
+    }
+    let known = medium.yield_condition_names();
+    let mut active = Vec::new();
+    for name in names {
+        let found = format!("found '{}'", escape(name));
+        let Some(index) = known.iter().position(|known| *known == name.as_str()) else {
+            let meant = format_suggestion(find_similar_name(name, known.iter().copied()));
+            let allowed = format!("{meant}allowed: {}", known.join(", "));
+            return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, found, allowed));
+        };
+        // Both signs of one condition are active only at zero stress and zero strength, an indeterminate case.
+        let stress = |index: usize| known[index].trim_start_matches(['+', '-']);
+        if active.iter().any(|&other| stress(other) == stress(index)) {
+            let allowed = "name each stress once, with one sign";
+            return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, found, allowed));
+        }
+        active.push(index);
+    }
+    if active.is_empty() {
+        let allowed = format!("name at least one of {}", known.join(", "));
+        return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, "an empty list", allowed));
+    }
+    Ok(Some(active))
+}
+
+/// Reads the numbers of a case: given values and defaults. Refuses numbers that none of the `media` uses.
+pub(super) fn read_numbers(
+    entries: &CaseEntries,
+    media: &[MediumKind],
+) -> Result<CaseNumbers, CaseError> {
+    let is_used = |key: &Key| media.iter().any(|&medium| key.is_used_by(medium));
+    // An unused key explains the error better than a missing key, so it is reported first.
+    if let Some(key) = keys()
+        .iter()
+        .find(|key| key.storage.is_stored() && entries.value(key.name).is_some() && !is_used(key))
+    {
+        let namesake =
+            keys().iter().find(|k| is_used(k) && k.split_section().1 == key.split_section().1);
+        let meant = format_suggestion(namesake.map(|key| key.name));
+        let of_kind = media.iter().any(|medium| key.is_used_by_kind(medium.kind));
+        let (user, owners): (_, Vec<&str>) = match (of_kind, media[0].yield_set) {
+            (true, None) => ("an elastic solid".into(), key.yield_set_names()),
+            (true, Some(set)) => (format!("the set {}", set.name), key.yield_set_names()),
+            (false, _) => {
+                let names: Vec<&str> = media.iter().map(|medium| medium.kind.name()).collect();
+                (format!("the model {}", names.join(", ")), key.model_names())
+            }
+        };
+        return Err(entries.positions.error_at(
+            key.name,
+            format!("not used by {user}"),
+            format!("{meant}leave it out (it belongs to {})", owners.join(", ")),
+        ));
+    }
+    let mut numbers = CaseNumbers::default();
+    for key in keys().iter().filter(|key| key.storage.is_stored()) {
+        let mut own = media.iter().filter(|medium| key.is_used_by(**medium));
+        let presence = own.next().map_or(key.presence, |medium| key.presence_for(*medium));
+        let is_required = |presence: Presence| matches!(presence, Presence::Required(_));
+        key.reset_value_to(presence, &mut numbers);
+        match entries.value(key.name) {
+            Some(value) => key.storage.store_value(&mut numbers, value),
+            // Required if any medium that uses the key requires it.
+            None if is_used(key)
+                && (is_required(presence)
+                    || own.any(|medium| is_required(key.presence_for(*medium)))) =>
+            {
+                entries.require_value(key.name)?;
+            }
+            None => {}
+        }
+    }
+    if let dimensions @ (1 | 4..) = numbers.dimensions {
+        let found = format!("found {dimensions}");
+        let allowed = "2 for plane strain or 3 for space";
+        return Err(entries.positions.error_at("model.dimensions", found, allowed));
+    }
+    let elevation = numbers.wave.elevation_deg;
+    if numbers.dimensions == 2 && elevation != 0.0 {
+        let found = format!("found {elevation:?} in plane strain");
+        let allowed = "0: waves stay in the plane, unless model.dimensions = 3";
+        return Err(entries.positions.error_at("wave.elevation_deg", found, allowed));
+    }
+    if let Some(set) = media[0].yield_set.filter(|set| set.is_plane && numbers.dimensions == 3) {
+        let found = format!("found 3 with the yield set {}", set.name);
+        let allowed = "2: it is a set of plane strain";
+        return Err(entries.positions.error_at("model.dimensions", found, allowed));
+    }
+    for key in keys().iter().filter(|key| key.split_section().0 == "wave") {
+        if let Some(CaseValue::Number(found)) = key.storage.load_value(&numbers)
+            && !key.range.contains(found)
+        {
+            return Err(wave_number_error(entries, key.name, found));
+        }
+    }
+    Ok(numbers)
+}
+
+pub(super) fn wave_number_error(entries: &CaseEntries, key: &str, found: f64) -> CaseError {
+    entries.positions.error_at(key, format!("found {found:?}"), "a wave number must be positive")
+}
+
+/// Reads the kinds of model of `[compare]`.
+pub(super) fn read_compared_kinds(
+    entries: &CaseEntries,
+) -> Result<Option<Vec<ModelKind>>, CaseError> {
+    const COMPARE_KINDS_KEY: &str = "compare.kinds";
+    if !entries.has_section("compare") {
+        return Ok(None);
+    }
+    let mut kinds = Vec::new();
+    if let CaseValue::TextList(listed) = entries.require_value(COMPARE_KINDS_KEY)? {
+        for name in listed {
+            let kind = find_model_kind(name, COMPARE_KINDS_KEY, &entries.positions)?;
+            if let ModelKind::Solid(_) = kind {
+                let allowed = format!("flows alone: {}", join_names(&ModelKind::flow_kinds()));
+                return Err(entries.positions.error_at(
+                    COMPARE_KINDS_KEY,
+                    format!("found {name}, a solid"),
+                    allowed,
+                ));
+            }
+            if kinds.contains(&kind) {
+                let found = format!("found {name} twice");
+                return Err(entries.positions.error_at(
+                    COMPARE_KINDS_KEY,
+                    found,
+                    "name each kind once",
+                ));
+            }
+            kinds.push(kind);
+        }
+    }
+    if kinds.is_empty() {
+        return Err(entries.positions.error_at(
+            COMPARE_KINDS_KEY,
+            "an empty list",
+            "name at least one kind of model",
+        ));
+    }
+    Ok(Some(kinds))
+}

@@ -1,0 +1,137 @@
+//! Schemas of all structured sections, and the sections allowed for each kind of model.
+
+use crate::error::CaseError;
+use crate::kind::{ModelKind, join_names};
+use crate::schema::{CaseSchemas, TableSchema};
+use crate::section::SectionReader;
+use crate::{check, dynamics, flow};
+use models::flow::RotationKind;
+
+/// Schemas of all structured sections.
+pub(crate) const CASE_SCHEMAS: CaseSchemas = CaseSchemas {
+    solids: dynamics::SOLID_SCHEMAS,
+    flows: &flow::FLOW_SCHEMAS,
+    check: &check::SCHEMA,
+    simulation: simulation_schemas,
+};
+
+/// Returns the schemas of the time-domain sections of a kind of model, in the order of writing; empty if the kind has
+/// no time-domain solver.
+pub(crate) fn simulation_schemas(kind: ModelKind) -> Vec<&'static TableSchema> {
+    match kind {
+        ModelKind::Solid(_) => dynamics::SOLID_SCHEMAS.to_vec(),
+        ModelKind::Flow(_) => flow::schemas_for_kind(kind),
+    }
+}
+
+/// Returns the schemas of all structured sections in three groups: time-domain solids, time-domain flows and `[check]`.
+pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 3] {
+    let CaseSchemas { solids, flows, check, .. } = CASE_SCHEMAS;
+    [("solids in time", solids.to_vec()), ("flows in time", flows.to_vec()), ("check", vec![check])]
+}
+
+/// Returns whether the case describes a time-domain simulation, i.e. has a section `[grid]`.
+///
+/// # Errors
+/// A section is not used by the kind of model, or a time-domain section is present without `[grid]`.
+pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bool, CaseError> {
+    let own = simulation_schemas(kind);
+    let is_own =
+        |name: &str| name == check::SCHEMA.name || own.iter().any(|form| form.name == name);
+    if let Some((foreign, _)) = root.entries().find(|(name, _)| !is_own(name)) {
+        let found = match kind {
+            ModelKind::Solid(_) => format!("found for the model {}, a solid", kind.name()),
+            ModelKind::Flow(_) => format!("found for the model {}, a flow", kind.name()),
+        };
+        let allowed = match kind {
+            ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
+                "leave it out: nothing determines the spin of this model, so that it cannot be \
+                 run in time"
+                    .to_owned()
+            }
+            _ if foreign == "limits" => {
+                let owners = ModelKind::flow_kinds();
+                let is_coaxial =
+                    |kind: &&ModelKind| matches!(kind, ModelKind::Flow(flow) if flow.is_coaxial());
+                let owners: Vec<ModelKind> = owners.iter().filter(is_coaxial).copied().collect();
+                format!("leave it out: it belongs to {}", join_names(&owners))
+            }
+            _ => {
+                let own: Vec<&str> = own.iter().map(|form| form.name).collect();
+                format!("leave it out: it belongs to solids; a flow has {}", own.join(", "))
+            }
+        };
+        return Err(root.error_at(foreign, found, allowed));
+    }
+    let first = own.iter().map(|form| form.name).find(|name| root.has_key(name));
+    match first {
+        None => Ok(false),
+        Some("grid") => Ok(true),
+        Some(name) => {
+            let size = if let ModelKind::Flow(_) = kind { "length" } else { "spacing" };
+            let allowed =
+                format!("add a section [grid] with cells and {size}, or leave this one out");
+            Err(root.error_at(name, "found without a grid", allowed))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schema::{KeyCondition, SchemaScope, ValueType};
+    use crate::value::CaseValue;
+    use toml::de::DeValue;
+
+    fn assert_keys_are_consistent(form: &'static TableSchema) {
+        let names: Vec<&str> = form.keys().map(|(_, item)| item.name).collect();
+        for (when, item) in form.keys() {
+            let conditions = || when.iter().chain(item.conditions);
+            for condition in conditions() {
+                match condition {
+                    KeyCondition::HasValue(key, _)
+                    | KeyCondition::Present(key)
+                    | KeyCondition::Absent(key) => {
+                        assert!(names.contains(key), "{}: {key}", form.name);
+                    }
+                    KeyCondition::PlaneStrain | KeyCondition::Space => {}
+                }
+            }
+            if let ValueType::Table(inner) = item.value_type {
+                assert_keys_are_consistent(inner);
+                continue;
+            }
+            let is_in_space = conditions().any(|condition| *condition == KeyCondition::Space);
+            let dimensions = Some(if is_in_space { 3 } else { 2 });
+            let scope = SchemaScope { kind: None, dimensions, face_axes: vec![0] };
+            let value = DeValue::parse(item.example_value()).expect("TOML");
+            let read = item.value_type.parse_value(value.get_ref(), &scope);
+            let is_allowed = match (item.value_type, read) {
+                (ValueType::SectionKeys(_), _) => true,
+                (ValueType::OneOf(words), Some(CaseValue::Text(word))) => {
+                    words(&scope).contains(&word)
+                }
+                (ValueType::AnyOf(words), Some(CaseValue::TextList(own))) => {
+                    own.iter().all(|word| words(&scope).contains(word))
+                }
+                (_, read) => read.is_some(),
+            };
+            assert!(is_allowed, "{}.{}: {}", form.name, item.name, item.example_value());
+        }
+    }
+
+    #[test]
+    fn schema_examples_have_declared_types_and_conditions_name_existing_keys() {
+        for form in all_schemas().iter().flat_map(|(_, forms)| forms) {
+            assert_keys_are_consistent(form);
+        }
+    }
+
+    #[test]
+    fn default_courant_number_equals_schema_default() {
+        let time =
+            crate::dynamics::SOLID_SCHEMAS.iter().find(|form| form.name == "time").expect("it");
+        let (_, item) = time.keys().find(|(_, item)| item.name == "courant").expect("it");
+        assert_eq!(item.example_value().parse(), Ok(crate::dynamics::DEFAULT_COURANT_NUMBER));
+    }
+}

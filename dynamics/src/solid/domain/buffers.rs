@@ -1,0 +1,78 @@
+//! Buffers of a domain and allocation in huge pages.
+
+use super::kernel::CarriedState;
+use super::layout::{GroupIndex, Layout};
+use super::schedule::CHUNK_SIZE;
+use super::total_stress::{DoubleLanes, blocks_per_group};
+use crate::simd::{Number, Real};
+use crate::solid::reconstruction::GHOSTS;
+
+/// Buffers of sweeps and return mapping, allocated once.
+#[derive(Clone)]
+pub(super) struct Buffers<T: Real> {
+    /// State that sweeps carry from tile to tile, by axis and half step of the pass, then by line and pair of waves.
+    /// Rows are swept whole: along the first axis the length only sets the number of lines.
+    pub(super) carried_states: [Vec<Vec<CarriedState<T::Lanes>>>; 3],
+    /// Groups on the path of a sweep along a line.
+    pub(super) path: Vec<GroupIndex>,
+    /// Groups with cells for the scalar return mapping, and masks of their lanes.
+    pub(super) scalar_lanes: Vec<(usize, u16)>,
+    /// Fields of a row in double precision, for the return mapping of a domain in single precision.
+    pub(super) double_row: Vec<DoubleLanes>,
+}
+
+impl<T: Real> Buffers<T> {
+    /// Allocates buffers for `pairs` pairs of waves by axis, `halves` half steps of a pass, and rows in double
+    /// precision if `needs_double`.
+    pub(super) fn new<const D: usize>(
+        layout: &Layout<D>,
+        pairs: [usize; D],
+        halves: usize,
+        needs_double: bool,
+    ) -> Self {
+        let layers = layout.layers();
+        let longest = layout.cells.iter().copied().max().unwrap_or(0).max(layers) + 2 * GHOSTS;
+        let carried_states = std::array::from_fn(|axis| {
+            let lines = match axis {
+                0 => CHUNK_SIZE,
+                _ if axis + 1 == D => layout.layer_groups(),
+                _ => layers * layout.groups,
+            };
+            let waves = pairs.get(axis).copied().unwrap_or(0);
+            vec![vec![CarriedState::new(); lines * waves]; halves]
+        });
+        let blocks = layout.field_count * layout.groups * blocks_per_group::<T>();
+        Self {
+            carried_states,
+            path: Vec::with_capacity(longest),
+            scalar_lanes: Vec::with_capacity(layout.layer_groups()),
+            double_row: vec![DoubleLanes::ZERO; if needs_double { blocks } else { 0 }],
+        }
+    }
+}
+
+/// Allocates `count` zeros, in huge pages if the system has them: a sweep across rows touches another small page with
+/// every cell, more than the translation lookaside buffer holds.
+pub(super) fn allocate_zeros<N: Number>(count: usize) -> Vec<N> {
+    let mut buffer: Vec<N> = Vec::with_capacity(count);
+    #[cfg(target_os = "linux")]
+    {
+        const PAGE_SIZE: usize = 1 << 12;
+        let spare = buffer.spare_capacity_mut();
+        let alignment_offset = spare.as_ptr().cast::<u8>().align_offset(PAGE_SIZE);
+        let length = size_of_val(spare).saturating_sub(alignment_offset) / PAGE_SIZE * PAGE_SIZE;
+        if length > 0 {
+            // SAFETY: whole pages of memory owned by the vector; the advice does not change their content. Failure is
+            // ignored: small pages work as well.
+            unsafe {
+                libc::madvise(
+                    spare.as_mut_ptr().cast::<u8>().add(alignment_offset).cast(),
+                    length,
+                    libc::MADV_HUGEPAGE,
+                );
+            }
+        }
+    }
+    buffer.resize(count, N::ZERO);
+    buffer
+}

@@ -1,0 +1,126 @@
+//! Local laws, which act in a cell between sweeps: rotation of spins against antisymmetric stress, relaxation, rotation
+//! by the curvature of rows, yield sets.
+//!
+//! A new law needs changes in [`crate::solid::cell_laws`] (formula, `MAX_FIELDS`); here and in a new file (constants by
+//! lane pattern, kernel, [`has_coupled_fields`]); `step` (position in the time step);
+//! [`Medium`](crate::solid::medium::Medium) (history fields, energy); `models::solid::waves::SolidField` and the
+//! matches over it; [`crate::solid::ledger`] and `output` if it dissipates; [`crate::solid::reference`], which tests
+//! compare with. Layout, halo, snapshot and output of its fields need no change. If the yield set depends on the
+//! history, the return mapping changes as well.
+
+use super::curvilinear::CurvatureRotations;
+use super::materials::Materials;
+use super::plastic::YieldSets;
+use super::relaxation::LaneRelaxations;
+use super::total_stress::{
+    InitialStress, TotalStressSets, blocks_per_group, create_initial_stress_blocks,
+};
+use crate::simd::{LaneGroup, Real};
+use crate::solid::cell_laws::{self, Interval, SpinStressRotation, spin_stress_rotation};
+use crate::solid::problem::{PlasticStep, Problem};
+use models::solid::stress::Stress;
+use models::solid::waves::SolidField;
+
+/// Local laws by lane pattern.
+#[derive(Clone)]
+pub(super) struct LocalLaws<T: Real> {
+    /// Rotations of spins against antisymmetric stress, by pattern and [`Interval`].
+    pub(super) spin_rotations: Vec<[SpinStressRotation<T::Lanes>; 2]>,
+    /// Offsets of a spin and of the two stresses that rotate against it.
+    pub(super) rotated_offsets: Vec<[usize; 3]>,
+    /// Relaxation of stresses; `None` if no medium relaxes.
+    pub(super) relaxations: Option<LaneRelaxations<T>>,
+    /// By pattern, whether any lane has a yield set.
+    pub(super) has_yield_set: Vec<bool>,
+    /// Yield sets in lanes of one kind, for stresses without initial stress; `None` for mixed or other kinds.
+    pub(super) sets: Option<YieldSets<T>>,
+    /// Axis along which the initial stress varies, and the stress by layer across that axis.
+    pub(super) initial_stress: Option<(usize, Vec<Stress>)>,
+    /// Initial stress by block of a row, if it varies along the first axis; else empty.
+    pub(super) initial_stress_blocks: Vec<InitialStress>,
+    /// Yield sets in lanes for total stresses, for reflections, and for several kinds of sets.
+    pub(super) total_stress_sets: TotalStressSets,
+    /// Rotation of the state by the curvature of rows; `None` for straight rows.
+    pub(super) curvature_rotations: Option<CurvatureRotations<T>>,
+    /// Whether the return mapping of total stresses is scalar, cell by cell, and not in lanes; results do not depend on
+    /// it.
+    pub(super) uses_scalar_mapping: bool,
+}
+
+/// Whether the second sweep of a step along the last axis depends on all fields of a cell, not only on those that it
+/// reads and those that rotate with them: relaxation and a reflection in the middle of the step couple all fields.
+pub(super) fn has_coupled_fields<const D: usize>(problem: &Problem<D>) -> bool {
+    let Problem { media, scheme, .. } = problem;
+    let is_plastic = media.iter().any(|medium| medium.yield_set.is_some());
+    media.iter().any(|medium| medium.relaxation.is_some())
+        || (is_plastic && scheme.plastic_step == PlasticStep::MidpointReflection)
+}
+
+/// Returns the offsets of spins and of the stresses that rotate with them, for fields `pitch` groups apart.
+pub(super) fn rotated_field_offsets(fields: &[SolidField], pitch: usize) -> Vec<[usize; 3]> {
+    cell_laws::rotated_fields(fields)
+        .into_iter()
+        .map(|own| own.map(|index| index * pitch))
+        .collect()
+}
+
+impl<T: Real> LocalLaws<T> {
+    /// Creates the laws of materials by lane pattern, in rows of `groups` groups, for a time `step`, s. `reflects`:
+    /// whether yield sets act by the reflection 2P − I. `initial_stress` is that of this subdomain, `whole` that of all
+    /// subdomains.
+    pub(super) fn new<const D: usize>(
+        materials: &Materials<T, D>,
+        patterns: &[Vec<u16>],
+        (groups, pitch): (usize, usize),
+        (step, reflects): (f64, bool),
+        (initial_stress, whole): (Option<(usize, Vec<Stress>)>, &[Stress]),
+    ) -> Self {
+        let (media, fields) = (&materials.media, &materials.fields);
+        let rotations = patterns.iter().map(|pattern| {
+            Interval::evaluate_both(|step_fraction| {
+                [0, 1, 2].map(|which| {
+                    let own = |lane: usize| {
+                        spin_stress_rotation(
+                            &media[usize::from(pattern[lane])],
+                            step_fraction,
+                            step,
+                        )
+                    };
+                    T::Lanes::from_lanes(|lane| T::from_f64(own(lane)[which]))
+                })
+            })
+        });
+        let has_yield_set = |medium: &u16| media[usize::from(*medium)].yield_set.is_some();
+        let is_plastic = media.iter().any(|medium| medium.yield_set.is_some());
+        let sets = YieldSets::new(media, patterns, pitch).filter(|_| is_plastic);
+        let needs_whole = is_plastic && (sets.is_none() || reflects || initial_stress.is_some());
+        Self {
+            total_stress_sets: match needs_whole {
+                true => TotalStressSets::new(media, patterns, whole),
+                false => TotalStressSets::default(),
+            },
+            initial_stress_blocks: match &initial_stress {
+                Some((0, layers)) if needs_whole => {
+                    create_initial_stress_blocks::<T>(layers, groups)
+                }
+                _ => Vec::new(),
+            },
+            curvature_rotations: None,
+            uses_scalar_mapping: false,
+            spin_rotations: rotations.collect(),
+            rotated_offsets: rotated_field_offsets(fields, pitch),
+            relaxations: LaneRelaxations::new(media, patterns, fields, pitch, step),
+            has_yield_set: patterns
+                .iter()
+                .map(|pattern| pattern.iter().any(has_yield_set))
+                .collect(),
+            sets,
+            initial_stress,
+        }
+    }
+
+    /// Whether the return mapping needs buffers in double precision, as for domains in single precision.
+    pub(super) fn has_double_blocks(&self) -> bool {
+        blocks_per_group::<T>() > 1 && self.total_stress_sets != TotalStressSets::default()
+    }
+}

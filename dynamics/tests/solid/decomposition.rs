@@ -1,0 +1,550 @@
+//! Decomposed domains must have the bits of the undecomposed domain.
+
+use crate::support::media::{cubic_compliances, isotropic};
+use crate::support::noise;
+use models::solid::parameters::{Isotropic, Theory};
+use models::solid::waves::SolidField;
+use models::yield_set::YieldSet;
+use models::yield_set::parameters::Mises;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use wellposed_dynamics::SolverReal;
+use wellposed_dynamics::boundary::{Boundary, Load, Signal, Source};
+use wellposed_dynamics::decomposition::DecomposedDomain;
+use wellposed_dynamics::domain::Domain;
+use wellposed_dynamics::ledger::Ledger;
+use wellposed_dynamics::line::{HALO, Slopes};
+use wellposed_dynamics::medium::Medium;
+use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
+use wellposed_dynamics::reference::Reference;
+use wellposed_dynamics::simd::InstructionSet;
+
+fn two_solids() -> [Isotropic; 2] {
+    solids_in_theory(Theory::Cosserat)
+}
+
+fn solids_in_theory(theory: Theory) -> [Isotropic; 2] {
+    [1.0, 2.3].map(|factor| isotropic(theory, factor))
+}
+
+fn check_decompositions<T: SolverReal, const D: usize>(
+    sides: &[[Boundary; 2]; D],
+    cells: [usize; D],
+    plastic_step: PlasticStep,
+) {
+    check_decompositions_of_solids::<T, D>(two_solids(), sides, cells, plastic_step);
+}
+
+fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
+    [soft, stiff]: [Isotropic; 2],
+    sides: &[[Boundary; 2]; D],
+    cells: [usize; D],
+    plastic_step: PlasticStep,
+) {
+    // Only the first medium yields.
+    let set = Mises { antisymmetric_weight: 0.5, ..Mises::new_drucker_prager(0.3, 0.2, 0.2) };
+    let media = [Medium::new(soft, D).with_yield_set(YieldSet::from(set)), Medium::new(stiff, D)];
+    let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
+    let count: usize = cells.iter().product();
+    let cell_media: Vec<u16> = (0..count).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
+    let grid = Grid { cells, spacing: [0.1; D] };
+    let step = 1.9 * 0.1 / speed;
+    let scheme = Scheme::new(Slopes::Limited, plastic_step);
+    let problem = Problem::new(grid, media.to_vec(), cell_media, sides.clone(), step, scheme);
+    let mut whole: Domain<T, D> = Domain::new(&problem).expect("sound");
+    let values = |index: usize| -> Vec<T> {
+        (0..count).map(|cell| T::from_f64(noise((10_000 * index + cell) as u64))).collect()
+    };
+    let fields = whole.fields().to_vec();
+    for (index, &field) in fields.iter().enumerate() {
+        whole.set(field, &values(index));
+    }
+    for _ in 0..30 {
+        whole.advance();
+    }
+    let mut reference: Reference<T, D> = Reference::new(&problem).expect("sound");
+    for (index, &field) in fields.iter().enumerate() {
+        reference.set(field, &values(index));
+    }
+    reference.advance(30);
+    for &field in &fields {
+        let (found, expected) = (reference.values(field), whole.values(field));
+        assert!(to_bits(found) == to_bits(expected), "reference, {field:?}");
+    }
+    // Sums are exact, hence independent of their order.
+    assert_eq!(reference.energy(), whole.energy());
+    let (found, expected) = (reference.ledger(), whole.ledger());
+    assert_eq!(Ledger { numerical_dissipation: 0.0, ..found }, expected);
+    assert!(found.numerical_dissipation > 0.0);
+
+    // Decompositions along the last axis, along each other axis that is long enough, and along all of these.
+    let along =
+        |axis: usize, count: usize| std::array::from_fn(|own| if own == axis { count } else { 1 });
+    let long = |axis: &usize| cells[*axis] >= 2 * HALO;
+    let all = std::array::from_fn(|axis| if long(&axis) { 2 } else { 1 });
+    let mut cuts: Vec<[usize; D]> = (1..=3).map(|count| along(D - 1, count)).collect();
+    cuts.extend((0..D - 1).filter(long).map(|axis| along(axis, (cells[axis] / HALO).min(3))));
+    let best = cuts.into_iter().map(|parts| (parts, InstructionSet::widest()));
+    for (parts, set) in best.chain(InstructionSet::available_sets().map(|set| (all, set))) {
+        let mut split: DecomposedDomain<T, D> =
+            DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
+        split.set_instructions(set);
+        for (index, &field) in fields.iter().enumerate() {
+            split.set(field, &values(index));
+        }
+        // In two calls: halos of the first must not affect the second.
+        split.advance(11);
+        split.advance(19);
+        for &field in &fields {
+            let (found, expected) = (split.values(field), whole.values(field));
+            assert!(to_bits(found) == to_bits(expected), "{parts:?} parts, {set:?}, {field:?}");
+        }
+        assert_eq!(split.energy(), whole.energy());
+        assert_eq!(split.ledger(), whole.ledger());
+    }
+}
+
+fn to_bits<T: SolverReal>(values: Option<Vec<T>>) -> Vec<u64> {
+    values.expect("a field").iter().map(|value| value.to_f64().to_bits()).collect()
+}
+
+#[test]
+fn decompositions_equal_the_whole_domain() {
+    let pair = |b: &Boundary| [b.clone(), b.clone()];
+    for last in [Boundary::Periodic, Boundary::Fixed, Boundary::Free, Boundary::NonReflecting] {
+        for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
+            // Row lengths that end before, within and after the last two lanes of a SIMD group.
+            for length in [9, 14, 16, 23] {
+                check_decompositions::<f64, 2>(
+                    &[pair(&Boundary::Free), pair(&last)],
+                    [length, 13],
+                    plastic_step,
+                );
+            }
+            let sides = [pair(&Boundary::Periodic), pair(&Boundary::Fixed), pair(&last)];
+            check_decompositions::<f64, 3>(&sides, [5, 4, 12], plastic_step);
+        }
+    }
+}
+
+/// Verifies decomposition in each theory: halos contain the fields that sweeps along the last axis and rotation change.
+#[test]
+fn decompositions_equal_the_whole_domain_in_every_theory() {
+    let pair = |b: &Boundary| [b.clone(), b.clone()];
+    let sides = [pair(&Boundary::Free), pair(&Boundary::Fixed), pair(&Boundary::Periodic)];
+    for theory in [Theory::Classical, Theory::Reduced, Theory::Cosserat] {
+        for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
+            check_decompositions_of_solids::<f64, 3>(
+                solids_in_theory(theory),
+                &sides,
+                [9, 5, 12],
+                plastic_step,
+            );
+        }
+    }
+}
+
+/// Verifies decomposition with layers wider than a tile, and with more layers than are processed at once in a
+/// subdomain.
+#[test]
+fn decompositions_equal_the_whole_domain_in_wide_layers() {
+    let pair = |b: &Boundary| [b.clone(), b.clone()];
+    let sides = [pair(&Boundary::Free), pair(&Boundary::Periodic)];
+    check_decompositions::<f64, 2>(&sides, [300, 27], PlasticStep::ReturnMapping);
+    for middle in [Boundary::Periodic, Boundary::NonReflecting] {
+        let sides = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
+        check_decompositions::<f64, 3>(&sides, [9, 19, 20], PlasticStep::ReturnMapping);
+    }
+    // Work at the ends of rows and layers that are processed in blocks.
+    let open = pair(&Boundary::NonReflecting);
+    check_decompositions::<f64, 3>(
+        &[open.clone(), open.clone(), open.clone()],
+        [9, 25, 13],
+        PlasticStep::ReturnMapping,
+    );
+    // All layers are processed in blocks of rows, the last of which has fewer rows than the lag of a sweep.
+    for last in [Boundary::Periodic, Boundary::NonReflecting] {
+        let sides = [open.clone(), pair(&Boundary::Free), pair(&last)];
+        check_decompositions::<f64, 3>(&sides, [66, 41, 12], PlasticStep::MidpointReflection);
+    }
+}
+
+/// Verifies a single cell of another medium at positions around the largest run length of groups of equal media.
+#[test]
+fn fused_solver_equals_the_reference_around_a_single_cell() {
+    fn check_single_cell<const D: usize>(cells: [usize; D], odd: usize) {
+        let media = two_solids().map(|solid| Medium::new(solid, D));
+        let count = cells.iter().product();
+        let cell_media = (0..count).map(|cell| u16::from(cell == odd)).collect();
+        let grid = Grid { cells, spacing: [0.1; D] };
+        let step = 1.9 * 0.1 / media.each_ref().map(Medium::max_speed)[1];
+        let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
+        let problem = Problem::new(grid, media.to_vec(), cell_media, sides, step, scheme);
+        let mut domain: Domain<f64, D> = Domain::new(&problem).expect("sound");
+        let mut reference: Reference<f64, D> = Reference::new(&problem).expect("sound");
+        let fields = domain.fields().to_vec();
+        for (index, &field) in fields.iter().enumerate() {
+            let value = |cell| noise((10_000 * index + cell) as u64);
+            let values: Vec<f64> = (0..count).map(value).collect();
+            domain.set(field, &values);
+            reference.set(field, &values);
+        }
+        domain.advance();
+        reference.advance(1);
+        for field in fields {
+            let (found, expected) = (domain.values(field), reference.values(field));
+            assert!(to_bits(found) == to_bits(expected), "{cells:?}, {odd}, {field:?}");
+        }
+    }
+    for place in [0, 1, 253, 254, 255, 256, 257, 258, 509, 510, 511, 512, 513] {
+        // Rows have 526 groups: the cell is in the first lane, then in the fourth.
+        check_single_cell([4200, 2], place);
+        check_single_cell([4200, 2], 3 * 526 + place);
+        check_single_cell([2, 600], 2 * place);
+        check_single_cell([2, 600, 2], 2 * place);
+        check_single_cell([2, 2, 600], 4 * place);
+    }
+}
+
+/// Verifies single precision, in which groups have twice as many lanes.
+#[test]
+fn decompositions_equal_the_whole_domain_in_single_precision() {
+    let pair = |b: &Boundary| [b.clone(), b.clone()];
+    let sides = [pair(&Boundary::Fixed), pair(&Boundary::NonReflecting)];
+    for length in [9, 30, 31, 32, 40] {
+        // Small subdomains, and subdomains that make several steps per pass.
+        check_decompositions::<f32, 2>(&sides, [length, 13], PlasticStep::MidpointReflection);
+        check_decompositions::<f32, 2>(&sides, [length, 26], PlasticStep::MidpointReflection);
+    }
+}
+
+/// Verifies that runs resumed from a snapshot in another decomposition have the bits of uninterrupted runs.
+#[test]
+fn runs_resume_from_snapshots() {
+    let media = [Medium::new(two_solids()[0], 2)];
+    let set = YieldSet::from(Mises::new_drucker_prager(0.3, 0.2, 0.2));
+    let media = media.map(|medium| medium.with_yield_set(set.clone()));
+    let grid = Grid { cells: [14, 33], spacing: [0.1, 0.1] };
+    let sides = std::array::from_fn(|_| [Boundary::Fixed, Boundary::NonReflecting]);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
+    let step = 1.9 * 0.1 / media[0].max_speed();
+    let problem = Problem::new(grid, media.to_vec(), vec![0; 462], sides, step, scheme);
+    let start = || {
+        let mut split: DecomposedDomain<f64, 2> =
+            DecomposedDomain::new(&problem, 2).expect("sound");
+        let values: Vec<f64> = (0..462).map(noise).collect();
+        split.set(SolidField::Velocity(0), &values);
+        split
+    };
+    let (mut whole, mut first) = (start(), start());
+    whole.advance(40);
+    first.advance(17);
+    let mut second: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 3).expect("sound");
+    assert!(second.restore(&first.snapshot()));
+    second.advance(23);
+    assert_eq!(second.snapshot(), whole.snapshot());
+    assert_eq!((second.ledger(), second.time()), (whole.ledger(), whole.time()));
+    let mut other = first.snapshot();
+    other.fields.pop();
+    assert!(!second.restore(&other));
+
+    // The reference solver resumes from its own snapshots, but not from one with a missing field.
+    let start = || Reference::<f64, 2>::new(&problem).expect("sound");
+    let (mut whole, mut first) = (start(), start());
+    for solver in [&mut whole, &mut first] {
+        solver.set(SolidField::Velocity(0), &(0..462).map(noise).collect::<Vec<_>>());
+    }
+    whole.advance(40);
+    first.advance(17);
+    let mut second = start();
+    assert!(second.restore(&first.snapshot()));
+    second.advance(23);
+    assert_eq!(second.snapshot(), whole.snapshot());
+    assert_eq!((second.ledger(), second.time()), (whole.ledger(), whole.time()));
+    assert!(!second.restore(&other));
+}
+
+/// Verifies single layers and single cells, with mirrored and periodic ghosts, against the reference solver; fixed and
+/// free boundaries do no work.
+#[test]
+fn single_layers_equal_the_reference() {
+    let medium = Medium::new(two_solids()[0], 2);
+    for cells in [[6, 1], [1, 6], [1, 1], [2, 1]] {
+        for ends in [
+            [Boundary::Periodic, Boundary::Periodic],
+            [Boundary::Fixed, Boundary::Free],
+            [Boundary::Free, Boundary::Fixed],
+            [Boundary::Fixed, Boundary::Fixed],
+        ] {
+            let sides = [ends.clone(), ends.clone()];
+            let (grid, step) = (Grid { cells, spacing: [0.1; 2] }, 0.2 / medium.max_speed());
+            let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
+            let count = grid.count();
+            let problem =
+                Problem::new(grid, vec![medium.clone()], vec![0; count], sides, step, scheme);
+            let (mut split, mut reference) = build_both_solvers(&problem);
+            let start = split.energy().total();
+            split.advance(20);
+            reference.advance(20);
+            assert!(split.energy().total() <= start * (1.0 + 1e-13), "{cells:?} {ends:?}");
+            for inflow in [split.ledger().boundary_work, reference.ledger().boundary_work] {
+                assert!(inflow.abs() < 1e-13 * start, "{cells:?} {ends:?}");
+            }
+            assert_eq!(split.snapshot().fields, reference.snapshot().fields);
+        }
+    }
+}
+
+/// Creates both solvers with the same noise.
+fn build_both_solvers(problem: &Problem<2>) -> (DecomposedDomain<f64, 2>, Reference<f64, 2>) {
+    let mut split = DecomposedDomain::new(problem, 1).expect("sound");
+    let mut reference = Reference::new(problem).expect("sound");
+    for (index, field) in split.fields().to_vec().into_iter().enumerate() {
+        let value = |cell: usize| noise((100 * index + cell) as u64);
+        let values: Vec<f64> = (0..problem.grid.count()).map(value).collect();
+        split.set(field, &values);
+        reference.set(field, &values);
+    }
+    (split, reference)
+}
+
+/// Verifies the boundary work in the ledger against the reference solver, for single rows between loaded boundaries.
+#[test]
+fn boundary_work_on_single_layers_equals_the_reference() {
+    let medium = Medium::new(two_solids()[0], 2);
+    for cells in [[6, 1], [1, 6], [1, 1], [9, 2]] {
+        let grid = Grid { cells, spacing: [0.1; 2] };
+        let (count, step) = (grid.count(), 0.2 / medium.max_speed());
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
+        let sides = std::array::from_fn(|_| [Boundary::NonReflecting, Boundary::Free]);
+        let media = vec![medium.clone()];
+        let mut problem = Problem::new(grid, media, vec![0; count], sides, step, scheme);
+        for axis in 0..2 {
+            let faces = (0..grid.faces(axis)).map(|face| (face, 0.7)).collect();
+            let signal = Arc::new(|time: f64| 1.0 + time);
+            problem.loads.push(Load { axis, end: 1, pair: 0, faces, signal });
+        }
+        let (mut split, mut reference) = build_both_solvers(&problem);
+        split.advance(20);
+        reference.advance(20);
+        let inflows = [split.ledger().boundary_work, reference.ledger().boundary_work];
+        assert!(
+            (inflows[0] - inflows[1]).abs() < 1e-13 * inflows[1].abs(),
+            "{cells:?} {inflows:?}"
+        );
+    }
+}
+
+/// Verifies that several steps per pass equal single steps, with time-dependent boundaries and sources, and in the
+/// records after each step.
+#[test]
+fn multi_step_passes_equal_single_steps() {
+    check_passes([20, 33], [640, 3, 337, 330, 3]);
+    // In space a pass makes one step, in blocks of rows.
+    check_passes([66, 50, 17], [56_099, 3, 5_000, 2_700, 3]);
+}
+
+fn check_passes<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
+    let medium = Medium::new(two_solids()[0], D);
+    let set = YieldSet::from(Mises::new_von_mises(0.2));
+    let medium = medium.with_yield_set(set);
+    let step = 1.9 * 0.1 / medium.max_speed();
+    for last in [Boundary::Periodic, Boundary::Fixed, Boundary::Free, Boundary::NonReflecting] {
+        let grid = Grid { cells, spacing: [0.1; D] };
+        let mut sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+        sides[D - 1] = [last.clone(), last];
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
+        let mut problem =
+            Problem::new(grid, vec![medium.clone()], vec![0; grid.count()], sides, step, scheme);
+        let signal: Signal = Arc::new(move |time: f64| 0.3 * (2.0 * time / step).sin());
+        let faces = (5..20).map(|face| (face, 0.7)).collect();
+        problem.loads.push(Load { axis: 0, end: 1, pair: 0, faces, signal: signal.clone() });
+        problem.sources.push(Source {
+            cells: vec![(4, 0.5), (337, 0.5)],
+            amplitudes: vec![(SolidField::Velocity(1), 0.1), (SolidField::Stress(0, 0), 0.2)],
+            signal,
+        });
+        problem.integrated_fields = vec![SolidField::Velocity(0)];
+        let mut whole: Domain<f64, D> = Domain::new(&problem).expect("sound");
+        let mut expected = Vec::new();
+        for _ in 0..21 {
+            whole.advance();
+            watched.iter().for_each(|&cell| whole.output_cell(cell, &mut expected));
+        }
+        assert!(whole.ledger().plastic_dissipation > 0.0);
+        let mut reference: Reference<f64, D> = Reference::new(&problem).expect("sound");
+        reference.watch_cells(&watched);
+        reference.advance(21);
+        assert_eq!(reference.take_records(), expected);
+        let mut snapshots = None;
+        let along = |first: usize, last: usize| -> [usize; D] {
+            std::array::from_fn(|axis| match axis {
+                0 => first,
+                _ if axis + 1 == D => last,
+                _ => 1,
+            })
+        };
+        for parts in [along(1, 1), along(1, 2), along(1, 3), along(1, 4), along(3, 1), along(2, 2)]
+        {
+            let mut split: DecomposedDomain<f64, D> =
+                DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
+            split.watch_cells(&watched);
+            split.advance(3);
+            split.advance(18);
+            assert_eq!(split.take_records(), expected, "{parts:?}");
+            let snapshot = split.snapshot();
+            for (&field, found) in whole.fields().iter().zip(&snapshot.fields) {
+                assert_eq!(*found, whole.values(field).expect("one"), "{parts:?} {field:?}");
+            }
+            assert_eq!(split.ledger(), whole.ledger());
+            assert_eq!(*snapshots.get_or_insert(snapshot.clone()), snapshot, "{parts:?}");
+        }
+    }
+}
+
+/// Verifies that small values in the tails of waves are flushed to zero before they become subnormal: at the same step
+/// in all decompositions, instruction sets and solvers; the other values agree with double precision, where nothing of
+/// this magnitude is flushed.
+#[test]
+fn small_values_are_flushed_in_all_subdomains() {
+    // Thirteen subdomains are nine layers long: for all widths some of the small values are in a halo.
+    (0..9).step_by(2).for_each(|flat| check_flush([20, 121], 0, flat, Boundary::Free));
+    check_flush([9, 7, 121], 0, 0, Boundary::Free);
+    // Periodic: small values wrap around where a subdomain is its own neighbour.
+    check_flush([20, 146], 73, 0, Boundary::Periodic);
+}
+
+/// Verifies flushing with initial values of order one within `flat` layers of the layer `from` that decay exponentially
+/// beyond.
+fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last: Boundary) {
+    const FLUSH_LIMIT: f64 = 1.29e-26;
+    let [soft, stiff] = two_solids().map(|solid| Medium::new(solid, D));
+    let step = 1.9 * 0.1 / stiff.max_speed();
+    let media = vec![soft.with_yield_set(YieldSet::from(Mises::new_von_mises(0.2))), stiff];
+    let grid = Grid { cells, spacing: [0.1; D] };
+    let cell_media = (0..grid.count()).map(|i| u16::from(noise(i as u64) > 0.2)).collect();
+    let mut sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    sides[D - 1] = [last.clone(), last];
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
+    let problem = Problem::new(grid, media, cell_media, sides, step, scheme);
+    let layer = grid.count() / cells[D - 1];
+    // Values underflow in single precision before the half length.
+    let decay = |i: usize| (-3.5 * (i / layer).abs_diff(from).saturating_sub(flat) as f64).exp();
+    let value = |index: usize, i: usize| noise((31 * index + i) as u64) * decay(i);
+
+    let mut wide: DecomposedDomain<f64, D> = DecomposedDomain::new(&problem, 1).expect("sound");
+    let fields = wide.fields().to_vec();
+    for (index, &field) in fields.iter().enumerate() {
+        wide.set(field, &(0..grid.count()).map(|i| value(index, i)).collect::<Vec<_>>());
+    }
+    wide.advance(33);
+
+    let mut reference: Reference<f32, D> = Reference::new(&problem).expect("sound");
+    for (index, &field) in fields.iter().enumerate() {
+        let values = (0..grid.count()).map(|i| value(index, i) as f32);
+        reference.set(field, &values.collect::<Vec<_>>());
+    }
+    reference.advance(33);
+    let expected: Vec<u64> =
+        fields.iter().flat_map(|field| to_bits(reference.values(*field))).collect();
+    for parts in [1, 2, 13] {
+        for instructions in InstructionSet::available_sets() {
+            let mut split: DecomposedDomain<f32, D> =
+                DecomposedDomain::new(&problem, parts).expect("sound");
+            split.set_instructions(instructions);
+            for (index, &field) in fields.iter().enumerate() {
+                let values = (0..grid.count()).map(|i| value(index, i) as f32);
+                split.set(field, &values.collect::<Vec<_>>());
+            }
+            let small_values = |split: &DecomposedDomain<f32, D>| {
+                let all = fields.iter().filter_map(|field| split.values(*field)).flatten();
+                all.filter(|value| *value != 0.0 && f64::from(value.abs()) < FLUSH_LIMIT).count()
+            };
+            split.advance(15);
+            assert!(small_values(&split) > 0);
+            split.advance(1);
+            assert_eq!(small_values(&split), 0, "{parts} {instructions:?}");
+            // The next flush comes after the first step of a two-step pass, in a restored solver.
+            split.advance(1);
+            let mut other: DecomposedDomain<f32, D> =
+                DecomposedDomain::new(&problem, parts).expect("sound");
+            other.set_instructions(instructions);
+            assert!(other.restore(&split.snapshot()));
+            let mut split = other;
+            split.advance(14);
+            assert!(small_values(&split) > 0);
+            split.advance(2);
+            assert!(split.ledger().plastic_dissipation > 0.0);
+            let mut found = Vec::new();
+            for &field in &fields {
+                let values = split.values(field).expect("one");
+                for (found, wide) in values.iter().zip(wide.values(field).expect("one")) {
+                    assert!((f64::from(*found) - wide).abs() < 3e-6, "{field:?} {found} {wide}");
+                }
+                found.extend(to_bits(Some(values)));
+            }
+            assert!(expected == found, "{parts} {instructions:?}");
+        }
+    }
+}
+
+/// Verifies that a panic of one thread, as user signals may cause, does not leave the other threads waiting.
+#[test]
+#[should_panic(expected = "a scoped thread panicked")]
+fn a_panic_does_not_deadlock() {
+    let medium = Medium::new(two_solids()[0], 2);
+    let step = 1.9 * 0.1 / medium.max_speed();
+    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let grid = Grid { cells: [9, 24], spacing: [0.1; 2] };
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
+    let mut problem = Problem::new(grid, vec![medium], vec![0; 216], sides, step, scheme);
+    let has_panicked = AtomicBool::new(false);
+    let signal = Arc::new(move |time: f64| {
+        assert!(time < 5.0 * step || has_panicked.swap(true, Ordering::Relaxed), "once");
+        1.0
+    });
+    let amplitudes = vec![(SolidField::Velocity(1), 0.1)];
+    problem.sources.push(Source { cells: vec![(4, 1.0)], amplitudes, signal });
+    let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 2).expect("sound");
+    split.advance(40);
+}
+
+/// Verifies media by moduli and by compliances side by side, in either order: passive stresses follow in both.
+#[test]
+fn media_by_moduli_and_by_compliances_can_be_mixed() {
+    let solid = two_solids()[0];
+    let media = [Medium::new(solid, 2), Medium::new(cubic_compliances(), 2)];
+    let fields = [0, 1].map(|first| {
+        let media = vec![media[first].clone(), media[1 - first].clone()];
+        let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
+        let step = 1.9 * 0.1 / speed;
+        let grid = Grid { cells: [20, 9], spacing: [0.1; 2] };
+        let cell_media = (0..180).map(|cell| (noise(cell) > 0.0) as u16 ^ first as u16).collect();
+        let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Fixed]);
+        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
+        let problem = Problem::new(grid, media, cell_media, sides, step, scheme);
+        let mut split: DecomposedDomain<f64, 2> =
+            DecomposedDomain::new(&problem, 1).expect("sound");
+        split.set(SolidField::Velocity(0), &(0..180).map(noise).collect::<Vec<_>>());
+        let start = split.energy().total();
+        split.advance(20);
+        assert!(split.energy().total() < start);
+        split.snapshot().fields
+    });
+    assert_eq!(fields[0], fields[1]);
+}
+
+#[test]
+fn invalid_decompositions_are_refused() {
+    let media = [Medium::new(two_solids()[0], 2)];
+    let grid = Grid { cells: [4, 11], spacing: [0.1, 0.1] };
+    let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
+    let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
+    let problem = Problem::new(grid, media.to_vec(), vec![0; 44], sides, 1e-3, scheme);
+    for (parts, expected) in [(0, true), (3, true), (2, false)] {
+        let made = DecomposedDomain::<f64, 2>::new(&problem, parts);
+        let refused = matches!(made, Err(DomainError::SubdomainCount { axis: 1, actual, cells: 11, .. }) if actual == parts);
+        assert_eq!(refused, expected, "{parts}");
+    }
+}

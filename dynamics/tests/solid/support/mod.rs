@@ -1,0 +1,8 @@
+//! Functions and types shared by several tests.
+
+pub mod media;
+mod noise;
+pub mod random;
+pub mod shear_flow;
+
+pub use noise::noise;

@@ -1,0 +1,55 @@
+//! Checkpoint timing and interruption of a run.
+
+use super::RunContext;
+use super::run_files::RunFiles;
+use crate::cli::Error;
+use crate::cli::signals::{self, ProgramStage};
+use crate::report::format::format_short;
+use crate::study::simulate::RunProgress;
+use std::time::Instant;
+
+/// Timer that writes checkpoints when they are due.
+pub(super) struct CheckpointTimer<'a> {
+    context: &'a RunContext<'a>,
+    /// Time of the last checkpoint.
+    last_checkpoint: Instant,
+}
+
+impl<'a> CheckpointTimer<'a> {
+    pub(super) fn new(context: &'a RunContext<'a>) -> Self {
+        Self { context, last_checkpoint: Instant::now() }
+    }
+
+    /// Writes a checkpoint if the interval has passed or a signal was received; the signal then ends the run, unless it
+    /// has finished.
+    ///
+    /// # Errors
+    /// The run is interrupted, or the checkpoint cannot be written.
+    pub(super) fn write_if_due(
+        &mut self,
+        files: &mut RunFiles,
+        progress: &RunProgress,
+    ) -> Result<(), Error> {
+        let is_interrupted = signals::is_interrupted();
+        if !is_interrupted
+            && self.last_checkpoint.elapsed().as_secs_f64()
+                <= self.context.checkpoint_settings.interval
+        {
+            return Ok(());
+        }
+        if is_interrupted && !progress.is_finished {
+            signals::set_stage(ProgramStage::WritingCheckpoint);
+        }
+        let checkpoint = files.create_checkpoint((progress.save_state)())?;
+        checkpoint.write(self.context.folder)?;
+        files.append_log(&format!("checkpoint at step {}", checkpoint.state.steps));
+        self.last_checkpoint = Instant::now();
+        if is_interrupted && !progress.is_finished {
+            return Err(Error::Interrupted {
+                time: format_short(checkpoint.state.time),
+                folder: self.context.folder.path().display().to_string(),
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,221 @@
+//! Files that a run appends to: tables and snapshots.
+
+use super::checkpoint::Checkpoint;
+use crate::case::{Case, TimeDomainRun};
+use crate::cli::Error;
+use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, RunFolder, SNAPSHOT_LIST_FILE};
+use crate::study::simulate::{
+    RecordColumn, RecordTable, RunRecords, TableHeader, TableKind, column_unit,
+};
+use dynamics::simulation::SimulationState;
+use files::lock::Lock;
+use files::table_appender::{Appender, InterruptedTable};
+use files::vti::{ImageData, format_collection};
+use files::{FileDigest, read_regular_file};
+use std::io::Write as _;
+
+/// Tables and snapshots of a run.
+pub(super) struct RunFiles<'a> {
+    folder: &'a ResultFolder,
+    /// Folder lock of a resumed run, until [`Self::create`] or [`Self::resume`] takes it.
+    lock: Option<Lock>,
+    /// `None` before the run begins.
+    run_folder: Option<RunFolder<'a>>,
+    tables: Vec<(AppendedFile, Appender)>,
+    /// Lengths and checksums of all snapshots so far.
+    snapshots: Vec<FileDigest>,
+}
+
+impl From<TableKind> for AppendedFile {
+    fn from(table: TableKind) -> Self {
+        match table {
+            TableKind::Receivers => Self::Receivers,
+            TableKind::Ledger => Self::Ledger,
+            TableKind::Spectrum => Self::Spectrum,
+        }
+    }
+}
+
+impl<'a> RunFiles<'a> {
+    /// `lock` is the folder lock of a resumed run.
+    pub(super) fn new(folder: &'a ResultFolder, lock: Option<Lock>) -> Self {
+        Self { folder, lock, run_folder: None, tables: Vec::new(), snapshots: Vec::new() }
+    }
+
+    /// Prepares the folder for a run from its beginning and creates its tables.
+    pub(super) fn create(
+        &mut self,
+        tables: &[TableHeader],
+        has_snapshots: bool,
+    ) -> Result<(), Error> {
+        let folder = self.folder;
+        let mut run = match self.lock.take() {
+            None => folder.begin_run()?,
+            Some(lock) => folder.restart_run(lock)?,
+        };
+        for TableHeader { kind, columns, .. } in tables {
+            let file = AppendedFile::from(*kind);
+            let header: Vec<&str> = columns.iter().map(String::as_str).collect();
+            let own = Appender::create(&folder.file_path(file), &header);
+            self.tables.push((file, own.map_err(OutputError::from_append_error)?));
+        }
+        if has_snapshots {
+            run.write_result(SNAPSHOT_LIST_FILE, &serialise_snapshot_list(&[] as &[(f64, &str)])?)?;
+        }
+        self.run_folder = Some(run);
+        Ok(())
+    }
+
+    /// Prepares the folder for a run resumed from a checkpoint. `restore` restores the state, if it matches, and
+    /// returns the number of snapshots due; `snapshot` returns time and name of a snapshot by its index. Nothing is
+    /// changed before all files are found to match the checkpoint.
+    pub(super) fn resume(
+        &mut self,
+        tables: &[TableHeader],
+        from: &Checkpoint,
+        restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
+        snapshot: impl Fn(usize) -> Option<(f64, String)>,
+    ) -> Result<(), Error> {
+        let folder = self.folder;
+        let is_own =
+            |due: &usize| from.tables.len() == tables.len() && from.snapshots.len() == *due;
+        let due = restore(&from.state)
+            .filter(is_own)
+            .ok_or_else(|| Checkpoint::mismatch_error(folder))?;
+        let list: Vec<(f64, String)> = (0..due).map_while(snapshot).collect();
+        for ((_, name), written) in list.iter().zip(&from.snapshots) {
+            folder.check_file(name, *written)?;
+        }
+        let mut found = Vec::new();
+        for (head, written) in tables.iter().zip(&from.tables) {
+            let file = AppendedFile::from(head.kind);
+            let own = InterruptedTable::open(&folder.file_path(file), *written);
+            found.push((file, own.map_err(OutputError::from_append_error)?));
+        }
+        let lock = self.lock.take().ok_or_else(|| Checkpoint::mismatch_error(folder))?;
+        let mut run = RunFolder::from_checkpoint(folder, lock)?;
+        for (file, own) in found {
+            self.tables.push((file, own.resume().map_err(OutputError::from_append_error)?));
+        }
+        if !list.is_empty() {
+            // The list may contain snapshots of steps that will be repeated.
+            run.write_result(SNAPSHOT_LIST_FILE, &serialise_snapshot_list(&list)?)?;
+        }
+        list.iter()
+            .zip(&from.snapshots)
+            .for_each(|((_, name), own)| run.insert_checksum(name, *own));
+        self.snapshots.clone_from(&from.snapshots);
+        self.run_folder = Some(run);
+        Ok(())
+    }
+
+    /// Appends a row to a table, if the run has it.
+    pub(super) fn append_row(&mut self, table: AppendedFile, row: &[f64]) -> Result<(), Error> {
+        match self.tables.iter_mut().find(|own| own.0 == table) {
+            Some((_, file)) => Ok(file.write_row(row).map_err(OutputError::from_append_error)?),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes a snapshot for ParaView under the last name in `list`, which holds times and names of all snapshots so
+    /// far.
+    pub(super) fn write_snapshot(
+        &mut self,
+        image: &ImageData,
+        list: &[(f64, String)],
+    ) -> Result<(), Error> {
+        let Some(run) = &mut self.run_folder else { return Ok(()) };
+        if let Some((_, name)) = list.last() {
+            self.snapshots.push(run.write_result(name, &image.to_bytes())?);
+        }
+        run.write_result(SNAPSHOT_LIST_FILE, &serialise_snapshot_list(list)?)?;
+        Ok(())
+    }
+
+    /// Syncs the tables to disk and creates a checkpoint of `state`.
+    pub(super) fn create_checkpoint(
+        &mut self,
+        state: SimulationState,
+    ) -> Result<Checkpoint, Error> {
+        Ok(Checkpoint { tables: self.sync_tables()?, snapshots: self.snapshots.clone(), state })
+    }
+
+    /// Syncs the tables to disk and returns their lengths and checksums.
+    pub(super) fn sync_tables(&mut self) -> Result<Vec<FileDigest>, Error> {
+        let tables = self.tables.iter_mut();
+        Ok(tables
+            .map(|own| own.1.sync())
+            .collect::<Result<_, _>>()
+            .map_err(OutputError::from_append_error)?)
+    }
+
+    /// Returns the run folder with the checksums of all its files; `None` before the run begins.
+    pub(super) fn into_folder(mut self) -> Result<Option<RunFolder<'a>>, Error> {
+        let written = self.sync_tables()?;
+        let Some(run) = &mut self.run_folder else { return Ok(None) };
+        self.tables
+            .iter()
+            .zip(written)
+            .for_each(|((file, _), own)| run.insert_checksum(file.name(), own));
+        Ok(self.run_folder)
+    }
+
+    /// Appends a line on wall times and speeds to the log. A log that cannot be written is ignored.
+    pub(super) fn append_log(&self, text: &str) {
+        let path = self.folder.file_path(AppendedFile::Log);
+        if let Ok(mut file) = files::open_to_append(&path) {
+            let _ = writeln!(file, "{text}");
+        }
+    }
+}
+
+/// Serialises the list of snapshots, by times and names.
+fn serialise_snapshot_list<S: AsRef<str>>(list: &[(f64, S)]) -> Result<Vec<u8>, Error> {
+    Ok(format_collection(list).map_err(crate::Error::from)?)
+}
+
+/// Reads the tables of a results folder.
+///
+/// # Errors
+/// A table is missing or not numeric.
+pub(in crate::cli) fn read_records(
+    case: &Case,
+    folder: &ResultFolder,
+) -> Result<RunRecords, Error> {
+    let read = |kind| read_table(case, folder, kind);
+    let has_receivers = match case.time_domain_run()? {
+        TimeDomainRun::Solid(dynamics) => !dynamics.receivers.is_empty(),
+        TimeDomainRun::Flow(run) => !run.receivers.is_empty(),
+    };
+    Ok(RunRecords {
+        receivers: has_receivers.then(|| read(TableKind::Receivers)).transpose()?,
+        ledger: read(TableKind::Ledger)?,
+        spectrum: case.flow_run.as_ref().map(|_| read(TableKind::Spectrum)).transpose()?,
+        snapshots: Vec::new(),
+    })
+}
+
+/// Reads the columns of a table.
+fn read_table(case: &Case, folder: &ResultFolder, kind: TableKind) -> Result<RecordTable, Error> {
+    let path = folder.file_path(kind.into());
+    let bytes =
+        read_regular_file(&path).map_err(|error| OutputError::from_read_error(&path, &error))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let mut lines = text.lines();
+    let column = |name: &str| {
+        let unit = column_unit(case, kind, name);
+        RecordColumn { name: name.to_owned(), unit, values: Vec::new() }
+    };
+    let mut columns: Vec<RecordColumn> =
+        lines.next().unwrap_or_default().split(',').map(column).collect();
+    for (index, line) in lines.enumerate() {
+        for (column, cell) in columns.iter_mut().zip(line.split(',')) {
+            let number = cell.parse();
+            let odd = |_| {
+                OutputError::from_invalid_content(&path, format!("line {}: '{cell}'", index + 2))
+            };
+            column.values.push(number.map_err(odd)?);
+        }
+    }
+    Ok(RecordTable { columns })
+}

@@ -1,0 +1,322 @@
+//! Assessment of the points of a map.
+
+use super::MapOptions;
+use crate::case::{Case, MapAxes, ModelKind, ParameterSweep, degrees_to_radians};
+use crate::setup;
+use crate::setup::solid::wave_normal;
+use analysis::StateError;
+use analysis::bound;
+use analysis::flows::{FlowWorkspace, Route};
+use analysis::growth::Verdict;
+use analysis::solids::{self, AcousticTensorCache, Hyperbolicity, SolidAssessor, angles_deg};
+use models::InputError;
+use models::common::parameter::Parameter;
+use models::flow::state::Background;
+use models::flow::{FlowKind, Model};
+use serde::{Serialize, Serializer};
+
+/// Verdict at one point of a map; absent numbers are NaN, null in JSON.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct MapPoint {
+    /// Verdict, or the reason why there is none.
+    pub status: PointStatus,
+    /// Method of the verdict; `None` without verdict.
+    #[serde(serialize_with = "serialize_route")]
+    pub route: Option<Route>,
+    /// Order of growth in k if ill-posed.
+    pub order: f64,
+    /// lim Re ς / k^order, m^order/s.
+    pub coefficient: f64,
+    /// Direction of the wave vector of fastest growth, degrees.
+    pub direction_deg: f64,
+    /// Elevation of that wave vector above the plane of x₁ and x₂, degrees; solids only.
+    pub elevation_deg: f64,
+    /// Supremum of Re ς over all waves of a well-posed state, 1/s.
+    #[serde(rename = "bound")]
+    pub growth_bound: f64,
+    /// Largest Re ς at the wave of the case, 1/s.
+    pub growth_rate: f64,
+    /// Closed-form bound of the model on |Δ| for the leading order of growth, degrees; flows only.
+    pub noncoaxiality_bound_deg: f64,
+    /// Characteristic speeds; solids only.
+    pub speeds: Option<PointSpeeds>,
+}
+
+/// Characteristic speeds of a solid.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PointSpeeds {
+    /// Type of the characteristic speeds over all directions.
+    #[serde(serialize_with = "serialize_hyperbolicity")]
+    pub hyperbolicity: Hyperbolicity,
+    /// Largest |Im c| of complex c², m/s; 0 without flutter.
+    #[serde(rename = "flutter")]
+    pub max_imaginary_speed: f64,
+    /// Smallest real c², m²/s²; 0 if zero within rounding.
+    #[serde(rename = "least_squared")]
+    pub min_squared_speed: f64,
+    /// Normal of the slowest wave: direction in the plane and elevation, degrees.
+    #[serde(rename = "least_normal_deg")]
+    pub slowest_normal_deg: [f64; 2],
+}
+
+/// Status of a point; `map.npz` stores its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointStatus {
+    /// Well-posed.
+    WellPosed = 0,
+    /// Ill-posed.
+    IllPosed = 1,
+    /// The decisive quantity is zero within its rounding bound.
+    Marginal = 2,
+    /// The equations do not determine their unknowns.
+    Indeterminate = 3,
+    /// Not fully deforming: there are no equations to assess.
+    NotFullyDeforming = 4,
+    /// Out of range of the model, contradictory, or not representable in double precision.
+    OutsideModel = 5,
+    /// A yielding solid whose rate equations have no solution.
+    NoResponse = 6,
+}
+
+/// Serialised as its name in results.
+impl Serialize for PointStatus {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+fn serialize_route<S: Serializer>(route: &Option<Route>, serializer: S) -> Result<S::Ok, S::Error> {
+    route.map(Route::name).serialize(serializer)
+}
+
+fn serialize_hyperbolicity<S: Serializer>(
+    hyperbolicity: &Hyperbolicity,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(hyperbolicity.name())
+}
+
+impl PointStatus {
+    /// All statuses in the order of their numbers.
+    pub const ALL: [Self; 7] = [
+        Self::WellPosed,
+        Self::IllPosed,
+        Self::Marginal,
+        Self::Indeterminate,
+        Self::NotFullyDeforming,
+        Self::OutsideModel,
+        Self::NoResponse,
+    ];
+
+    /// Returns the name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WellPosed => "well-posed",
+            Self::IllPosed => "ill-posed",
+            Self::Marginal => "marginal",
+            Self::Indeterminate => "indeterminate",
+            Self::NotFullyDeforming => "not fully deforming",
+            Self::OutsideModel => "no such state",
+            Self::NoResponse => "no response",
+        }
+    }
+
+    /// Returns whether there is a state to assess.
+    pub fn has_state(self) -> bool {
+        !matches!(self, Self::NotFullyDeforming | Self::OutsideModel | Self::NoResponse)
+    }
+}
+
+impl MapPoint {
+    /// Creates a point with this status and no numbers.
+    pub(super) fn with_status(status: PointStatus) -> Self {
+        Self {
+            status,
+            route: None,
+            order: f64::NAN,
+            coefficient: f64::NAN,
+            direction_deg: f64::NAN,
+            elevation_deg: f64::NAN,
+            growth_bound: f64::NAN,
+            growth_rate: f64::NAN,
+            noncoaxiality_bound_deg: f64::NAN,
+            speeds: None,
+        }
+    }
+
+    /// Sets verdict, route, order, coefficient and direction.
+    fn set_verdict(&mut self, verdict: Verdict, route: Route) {
+        self.route = Some(route);
+        self.status = match verdict {
+            Verdict::WellPosed => PointStatus::WellPosed,
+            Verdict::IllPosed { growth, direction } => {
+                self.direction_deg = direction.to_degrees();
+                if let Some(growth) = growth {
+                    (self.order, self.coefficient) = (growth.order.to_f64(), growth.coefficient);
+                }
+                PointStatus::IllPosed
+            }
+            Verdict::Marginal { .. } => PointStatus::Marginal,
+            Verdict::Indeterminate { .. } => PointStatus::Indeterminate,
+        };
+    }
+}
+
+/// Assessment of map points, one instance per thread. Per point only the swept numbers of its case change; for flows,
+/// swept model constants change in `swept_flow` alone.
+pub(super) struct PointAssessor<'a> {
+    case: Case,
+    map: &'a MapAxes,
+    options: MapOptions,
+    workspace: FlowWorkspace,
+    solid_assessor: SolidAssessor<'a>,
+    swept_flow: SweptFlow,
+}
+
+/// Model of a flow with its swept constants.
+struct SweptFlow {
+    /// `None` until constants are in range for the first time.
+    model: Option<Model>,
+    /// Constants in the order of the model's parameters, in SI units and rad.
+    constants: Vec<f64>,
+    /// Whether the constants differ from those of `model`.
+    is_stale: bool,
+    /// Indices and parameters of swept model constants, by axis; found once per map, since names are compared.
+    swept_constants: [Option<(usize, &'static Parameter)>; 2],
+}
+
+impl SweptFlow {
+    fn new(case: &Case, map: &MapAxes) -> Self {
+        let constant = |sweep: &ParameterSweep| sweep.parameter.model_constant(case.material.kind);
+        let swept_constants = [&map.x, &map.y].map(constant);
+        Self { model: None, constants: case.model_constants(), is_stale: true, swept_constants }
+    }
+
+    /// Sets the swept constant of an axis; returns false if the axis does not sweep a model constant.
+    fn set_swept_constant(&mut self, axis: usize, value: f64) -> bool {
+        let Some((index, constant)) = self.swept_constants[axis] else { return false };
+        let value = constant.to_si(value);
+        let own = &mut self.constants[index];
+        self.is_stale |= own.to_bits() != value.to_bits();
+        *own = value;
+        true
+    }
+
+    /// Returns the model with the present constants.
+    fn update_model(&mut self, kind: FlowKind) -> Result<&Model, InputError> {
+        let Self { model, constants, is_stale, .. } = self;
+        let model = match model {
+            Some(model) => {
+                if *is_stale {
+                    model.set_constants(constants)?;
+                }
+                model
+            }
+            None => model.insert(Model::new(kind, constants)?),
+        };
+        *is_stale = false;
+        Ok(model)
+    }
+}
+
+impl<'a> PointAssessor<'a> {
+    pub(super) fn new(
+        case: &Case,
+        map: &'a MapAxes,
+        options: MapOptions,
+        cache: &'a AcousticTensorCache,
+    ) -> Self {
+        let (workspace, solid_assessor) = (FlowWorkspace::default(), SolidAssessor::new(cache));
+        let swept_flow = SweptFlow::new(case, map);
+        Self { case: case.clone(), map, options, workspace, solid_assessor, swept_flow }
+    }
+
+    pub(super) fn assess_point(&mut self, x: usize, y: usize) -> Result<MapPoint, StateError> {
+        let sweeps = [(&self.map.x, x), (&self.map.y, y)];
+        match self.case.material.kind {
+            ModelKind::Flow(kind) => {
+                for (axis, (sweep, index)) in sweeps.into_iter().enumerate() {
+                    let value = sweep.sweep_value(index);
+                    if !self.swept_flow.set_swept_constant(axis, value) {
+                        self.case.set_number(sweep.parameter, value);
+                    }
+                }
+                self.assess_flow(kind)
+            }
+            ModelKind::Solid(_) => {
+                for (sweep, index) in sweeps {
+                    self.case.set_number(sweep.parameter, sweep.sweep_value(index));
+                }
+                match self.assess_solid() {
+                    Err(StateError::NoResponse(_)) => {
+                        Ok(MapPoint::with_status(PointStatus::NoResponse))
+                    }
+                    assessed => assessed,
+                }
+            }
+        }
+    }
+
+    fn assess_solid(&mut self) -> Result<MapPoint, StateError> {
+        let solid = setup::solid::create_solid(&self.case.material)?;
+        let (assessment, of_polynomial) = self.solid_assessor.assess(&solid)?;
+        let mut point = MapPoint::with_status(PointStatus::WellPosed);
+        if self.options.computes_growth_rate {
+            let wave = &self.case.material.numbers.wave;
+            point.growth_rate = solids::growth_rate(&solid, wave_normal(wave), wave.wave_number)?;
+        }
+        if self.options.computes_bound && assessment.verdict == Verdict::WellPosed {
+            let found = of_polynomial.as_ref().and_then(|found| {
+                bound::locate_supremum(&self.solid_assessor.plane_workspace.pencil, found, 0.0)
+            });
+            point.growth_bound = match found {
+                Some(supremum) => supremum.growth_rate,
+                None if solid.is_symmetric_hyperbolic() => 0.0,
+                None => f64::NAN,
+            };
+        }
+        point.speeds = Some(PointSpeeds {
+            hyperbolicity: assessment.hyperbolicity,
+            max_imaginary_speed: assessment.extremes.flutter.map_or(0.0, |flutter| flutter.growth),
+            min_squared_speed: match assessment.is_stationary() {
+                true => 0.0,
+                false => assessment.extremes.slowest.speed_squared,
+            },
+            slowest_normal_deg: angles_deg(assessment.extremes.slowest.normal),
+        });
+        point.set_verdict(assessment.verdict.clone(), Route::ModelBlind);
+        if let Some([direction, elevation]) = assessment.direction_deg() {
+            (point.direction_deg, point.elevation_deg) = (direction, elevation);
+        }
+        Ok(point)
+    }
+
+    fn assess_flow(&mut self, kind: FlowKind) -> Result<MapPoint, StateError> {
+        let Self { case, options, workspace, swept_flow, .. } = self;
+        let mut point = MapPoint::with_status(PointStatus::NotFullyDeforming);
+        let model = swept_flow.update_model(kind)?;
+        let Background::FullyDeforming(flow) = model.background(&case.to_flow_state())? else {
+            return Ok(point);
+        };
+        point.noncoaxiality_bound_deg =
+            model.noncoaxiality_bound().map_or(f64::NAN, f64::to_degrees);
+        let (verdict, route) = if options.admits_closed_forms() {
+            workspace.decide_verdict(model, &flow)?
+        } else {
+            let assessment = workspace.assess(model, &flow)?;
+            if options.computes_growth_rate && !workspace.pencil.is_singular() {
+                let wave = case.material.numbers.wave;
+                point.growth_rate =
+                    workspace.growth_rate(wave.wave_number, degrees_to_radians(wave.direction_deg));
+            }
+            if options.computes_bound && assessment.verdict == Verdict::WellPosed {
+                let least = model.gradient_wave_number(&flow);
+                point.growth_bound = bound::locate_supremum(&workspace.pencil, &assessment, least)
+                    .map_or(f64::NAN, |supremum| supremum.growth_rate);
+            }
+            (assessment.verdict, Route::ModelBlind)
+        };
+        point.set_verdict(verdict, route);
+        Ok(point)
+    }
+}

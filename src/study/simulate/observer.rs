@@ -1,0 +1,189 @@
+//! Observer of the driver that converts its output to rows and fields for a recorder.
+
+use super::{
+    OutputFields, Recorder, RunProgress, RunRecords, StepStatistics, StopReport, TableHeader,
+    TableKind,
+};
+use crate::Error;
+use crate::case::Case;
+use crate::case::dynamics::ReceiverPoint;
+use dynamics::simulation::{
+    DueSnapshot, Observer, OutputTimes, RegularTimes, Simulation, run_simulation,
+};
+use std::fmt::Display;
+
+/// Conversion of the output of one kind of simulation.
+pub(super) trait OutputConverter<S: Simulation> {
+    /// Returns the receiver table, and the indices of its columns in the probe record; `None` without receivers.
+    fn receiver_table(&self) -> Option<(TableHeader, Vec<usize>)>;
+
+    /// Converts a value at an index of the probe record to the unit of the table.
+    fn to_display_unit(&self, _index: usize, value: f64) -> f64 {
+        value
+    }
+
+    /// Returns the tables of energy accounts.
+    fn account_tables(&self) -> Vec<TableHeader>;
+
+    /// Returns one row for each of these tables from an account.
+    fn account_rows(&self, account: &S::Account) -> Vec<Vec<f64>>;
+
+    /// Converts the output fields at `time`, s.
+    fn convert_fields(&self, simulation: &S, fields: S::Fields, time: f64) -> OutputFields;
+
+    /// Returns the statistics of the time steps; `last` is the last account recorded.
+    fn step_statistics(&self, simulation: &S, last: &S::Account) -> StepStatistics;
+
+    /// Creates the report of a stopped simulation; `saved` is the time of the last valid state, s.
+    fn stop_report(&self, fault: &S::Fault, saved: f64) -> StopReport;
+}
+
+/// Raw result of a simulation; `A` is the type of its energy account.
+pub(super) struct SimulationOutput<A> {
+    /// Final fields.
+    pub(super) fields: OutputFields,
+    /// Energy account of the final state.
+    pub(super) final_account: A,
+    pub(super) steps: usize,
+    /// Simulated time reached, s.
+    pub(super) time: f64,
+    pub(super) stop_report: Option<StopReport>,
+    pub(super) records: RunRecords,
+}
+
+/// Returns the times of accounts and snapshots at the given intervals within `duration`, s; a snapshot interval of 0
+/// means none.
+pub(super) fn create_output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
+    let has_snapshots = snapshots > 0.0;
+    OutputTimes {
+        accounts: RegularTimes::new(accounts, duration),
+        snapshots: has_snapshots.then(|| RegularTimes::new(snapshots, duration)),
+    }
+}
+
+/// Runs a simulation of `duration`, s, from its beginning or from the state of the recorder.
+pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
+    converter: &V,
+    mut simulation: S,
+    output: &OutputTimes,
+    duration: f64,
+    recorder: &mut dyn Recorder,
+) -> Result<SimulationOutput<S::Account>, Error> {
+    let (receivers, columns) = converter.receiver_table().unzip();
+    let accounts = converter.account_tables();
+    let tables: Vec<TableHeader> = receivers.into_iter().chain(accounts.iter().cloned()).collect();
+    let is_resumed = recorder.is_resumed();
+    recorder.start(&tables, output.snapshots, &mut |state| {
+        let is_own = simulation.restore(state);
+        is_own.then(|| output.snapshots.map_or(0, |times| times.count_reached(&simulation)))
+    })?;
+    let mut watch = RecorderObserver {
+        converter,
+        recorder,
+        receiver_columns: columns.unwrap_or_default(),
+        account_tables: accounts.iter().map(|head| head.kind).collect(),
+        duration,
+    };
+    let end = run_simulation(&mut simulation, output, is_resumed, &mut watch)?;
+    let records = watch
+        .pass_progress(&simulation, &end.last_account, |recorder, now| recorder.finish(now))?;
+    Ok(SimulationOutput {
+        fields: converter.convert_fields(&simulation, simulation.fields(), simulation.time()),
+        final_account: end.last_account,
+        steps: simulation.steps(),
+        time: simulation.time(),
+        stop_report: end.fault.map(|fault| converter.stop_report(&fault, simulation.time())),
+        records,
+    })
+}
+
+/// Observer that converts driver output and passes it to the recorder.
+struct RecorderObserver<'a, V> {
+    converter: &'a V,
+    recorder: &'a mut dyn Recorder,
+    /// Indices of the receiver table columns in the probe record.
+    receiver_columns: Vec<usize>,
+    /// Tables of energy accounts.
+    account_tables: Vec<TableKind>,
+    /// Duration, s.
+    duration: f64,
+}
+
+impl<V> RecorderObserver<'_, V> {
+    fn pass_progress<S: Simulation, R>(
+        &mut self,
+        simulation: &S,
+        last: &S::Account,
+        take: impl FnOnce(&mut dyn Recorder, &RunProgress) -> R,
+    ) -> R
+    where
+        V: OutputConverter<S>,
+    {
+        let progress = RunProgress {
+            steps: simulation.steps(),
+            time: simulation.time(),
+            duration: self.duration,
+            is_finished: simulation.is_finished(),
+            statistics: self.converter.step_statistics(simulation, last),
+            save_state: &|| simulation.state(),
+        };
+        take(self.recorder, &progress)
+    }
+}
+
+impl<S: Simulation, V: OutputConverter<S>> Observer<S> for RecorderObserver<'_, V> {
+    type Error = Error;
+
+    fn on_record(&mut self, time: f64, values: &[f64]) -> Result<(), Error> {
+        let value = |&index: &usize| self.converter.to_display_unit(index, values[index]);
+        let row: Vec<f64> =
+            std::iter::once(time).chain(self.receiver_columns.iter().map(value)).collect();
+        self.recorder.record_row(TableKind::Receivers, &row)
+    }
+
+    fn on_account(&mut self, account: &S::Account) -> Result<(), Error> {
+        let rows = self.converter.account_rows(account);
+        self.account_tables
+            .iter()
+            .zip(rows)
+            .try_for_each(|(table, row)| self.recorder.record_row(*table, &row))
+    }
+
+    fn on_snapshot(
+        &mut self,
+        simulation: &S,
+        snapshot: DueSnapshot<S::Fields>,
+    ) -> Result<(), Error> {
+        let DueSnapshot { index, time, fields } = snapshot;
+        self.recorder
+            .record_snapshot(index, self.converter.convert_fields(simulation, fields, time))
+    }
+
+    fn on_replay(&mut self) -> Result<(), Error> {
+        self.recorder.begin_replay()
+    }
+
+    fn on_steps_done(&mut self, simulation: &S, last: &S::Account) -> Result<(), Error> {
+        self.pass_progress(simulation, last, |recorder, now| recorder.handle_progress(now))
+    }
+}
+
+/// Creates the receiver table, and the indices of its columns in the probe record, which holds all quantities `names`
+/// receiver by receiver; `None` without receivers.
+pub(super) fn create_receiver_table<F: Display>(
+    case: &Case,
+    receivers: &[ReceiverPoint<F>],
+    names: &[impl AsRef<str>],
+) -> Option<(TableHeader, Vec<usize>)> {
+    let mut header = vec!["time".to_owned()];
+    let mut columns = Vec::new();
+    for (index, receiver) in receivers.iter().enumerate() {
+        for name in receiver.fields.iter().map(ToString::to_string) {
+            if let Some(quantity) = names.iter().position(|own| own.as_ref() == name) {
+                header.push(format!("{}.{name}", receiver.name));
+                columns.push(index * names.len() + quantity);
+            }
+        }
+    }
+    (!receivers.is_empty()).then(|| (TableHeader::new(case, TableKind::Receivers, header), columns))
+}
