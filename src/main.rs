@@ -1,5 +1,8 @@
 //! Command line: parses the arguments and calls the verbs of [`wellposed::cli`].
 
+#[cfg(unix)]
+mod allocator;
+
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use models::registry;
@@ -11,6 +14,10 @@ use wellposed::case::{MediumKind, ModelKind, Yield};
 use wellposed::cli::new::{self, TemplateKind};
 use wellposed::cli::{self, CheckpointSettings, Error, Options, OutputFormat, cases, signals};
 use wellposed::study::MapOptions;
+
+#[cfg(unix)]
+#[global_allocator]
+static ALLOCATOR: allocator::ReportingAllocator = allocator::ReportingAllocator;
 
 /// Well-posedness of continuum models of granular media.
 #[derive(Parser)]
@@ -207,6 +214,9 @@ fn main() -> ExitCode {
         Err(error) => return report_usage_error(&error),
     };
     let format = verb.output_format();
+    #[cfg(unix)]
+    allocator::JSON_ERRORS
+        .store(format == OutputFormat::Json, std::sync::atomic::Ordering::Relaxed);
     match execute(verb) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -6,6 +6,7 @@ mod program;
 use program::*;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use testkit::random::RandomNumbers;
 
 const TEST_FOLDER: &str = "limits";
 
@@ -183,4 +184,82 @@ spacing = 1
             "[{cells}] {settings}: {peak:e}, said {announced:e}"
         );
     }
+}
+
+/// Runs of random grids under random limits of the address space: refused or finished, never aborted.
+fn survive_memory_limits(count: usize, seed: u64) {
+    const SOLID: &str = "
+[model]
+kind = 'classical'
+lambda = 1.2e8
+mu = 8e7
+density = 1900
+[yield]
+kind = 'von-mises'
+strength = 2e4
+[grid]
+cells = [1, 1]
+spacing = 1
+[time]
+duration = 3e-3
+[output]
+snapshot_interval = 0
+";
+    let mut random = RandomNumbers::new(seed);
+    let (mut finished, mut refused) = (0, 0);
+    for index in 0..count {
+        let here = create_case_folder(TEST_FOLDER, &format!("limited-{seed}-{index}"), SOLID);
+        let cells = match random.uniform_index(3) {
+            0 => format!("{},{}", 100 + random.uniform_index(900), 100 + random.uniform_index(900)),
+            1 => format!(
+                "{},{},{}",
+                20 + random.uniform_index(60),
+                20 + random.uniform_index(60),
+                20 + random.uniform_index(60)
+            ),
+            _ => {
+                format!("{},{}", 20_000 + random.uniform_index(60_000), 1 + random.uniform_index(8))
+            }
+        };
+        let mut settings = format!("--set grid.cells=[{cells}]");
+        for more in
+            ["scheme.precision=\"f32\"", "output.snapshot_interval=1e-3", "scheme.ledger=\"full\""]
+        {
+            if random.uniform_index(3) == 0 {
+                settings += &format!(" --set {more}");
+            }
+        }
+        // From less than the program takes at all, 60 MiB, to more than the largest of these runs.
+        let kibibytes = (40_000.0 * 40f64.powf(random.unit_interval())) as u64;
+        let output = std::process::Command::new("sh")
+            .current_dir(&here)
+            .args(["-c", "ulimit -v $0 && exec $1 run case.toml --out out --threads 1 $2"])
+            .args([&kibibytes.to_string(), PROGRAM_PATH, &settings])
+            .output()
+            .unwrap();
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        let report = format!("{kibibytes} KiB, {settings}: {:?}\n{errors}", output.status);
+        match output.status.code() {
+            Some(0) => finished += 1,
+            Some(2) => {
+                assert!(errors.contains("memory") || errors.contains("thread"), "{report}");
+                refused += 1;
+            }
+            _ => panic!("{report}"),
+        }
+        let _ = std::fs::remove_dir_all(&here);
+    }
+    println!("{finished} finished, {refused} refused");
+    assert!(finished > count / 5 && refused > count / 5, "{finished} finished, {refused} refused");
+}
+
+#[test]
+fn runs_under_eight_memory_limits_are_refused_or_finish() {
+    survive_memory_limits(8, 1);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn runs_under_fifty_memory_limits_are_refused_or_finish() {
+    survive_memory_limits(50, 2);
 }

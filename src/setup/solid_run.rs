@@ -149,6 +149,7 @@ fn locate_domain_error(dynamics: &SolidRun, error: &DomainError) -> CaseError {
         DomainError::Load(_) => "load",
         DomainError::Source(_) => "source",
         DomainError::InitialStress => "initial_stress",
+        DomainError::OutOfMemory { .. } => "grid.cells",
         _ => "grid",
     };
     dynamics.error_at(key, error.to_string(), "docs/case-file.md describes solids in time")

@@ -127,18 +127,18 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         let problem = &permutation.check_and_permute(problem)?;
         let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
         let plan = Decomposition::new(&problem.grid, is_periodic, &problem.scheme, parts)?;
-        let part = |region: &Region<D>| Subdomain {
-            domain: Domain::new_unchecked(
-                &problem.restrict_to(region),
-                region,
-                plan.max_pass_steps(),
-            ),
-            region: region.clone(),
-            channels: Channels::default(),
-            watched_cells: Vec::new(),
-            records: Vec::new(),
+        let part = |region: &Region<D>| {
+            let restricted = problem.restrict_to(region);
+            Ok(Subdomain {
+                domain: Domain::new_unchecked(&restricted, region, plan.max_pass_steps())?,
+                region: region.clone(),
+                channels: Channels::default(),
+                watched_cells: Vec::new(),
+                records: Vec::new(),
+            })
         };
-        let mut parts: Vec<_> = plan.regions().iter().map(part).collect();
+        let parts: Result<Vec<_>, DomainError> = plan.regions().iter().map(part).collect();
+        let mut parts = parts?;
         let mut channels: Vec<_> = parts.iter().map(|_| Channels::default()).collect();
         for (index, part) in parts.iter().enumerate() {
             for axis in 0..D {

@@ -154,15 +154,21 @@ pub(crate) struct CellDissipation {
 
 impl CellDissipation {
     /// Creates the lists that the media of a problem need; `zeros` allocates one.
-    pub(crate) fn new<const D: usize>(problem: &Problem<D>, zeros: impl Fn() -> Vec<f64>) -> Self {
-        let list = |is_needed: bool| if is_needed { zeros() } else { Vec::new() };
+    ///
+    /// # Errors
+    /// Those of `zeros`.
+    pub(crate) fn new<E, const D: usize>(
+        problem: &Problem<D>,
+        zeros: impl Fn() -> Result<Vec<f64>, E>,
+    ) -> Result<Self, E> {
+        let list = |is_needed: bool| if is_needed { zeros() } else { Ok(Vec::new()) };
         let is_plastic = problem.media.iter().any(|medium| medium.yield_set.is_some());
         let relaxes = problem.media.iter().any(|medium| medium.relaxation.is_some());
-        Self {
-            plastic_dissipation: list(is_plastic),
-            initial_stress_work: list(is_plastic && problem.initial_stress.is_some()),
-            viscous_dissipation: list(relaxes),
-        }
+        Ok(Self {
+            plastic_dissipation: list(is_plastic)?,
+            initial_stress_work: list(is_plastic && problem.initial_stress.is_some())?,
+            viscous_dissipation: list(relaxes)?,
+        })
     }
 
     /// Returns the three lists: plastic, released, viscous.

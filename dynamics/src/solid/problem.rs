@@ -348,6 +348,12 @@ impl<const D: usize> Problem<D> {
 /// An invalid problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DomainError {
+    /// The fields do not fit into memory.
+    #[error("no memory for fields of {bytes} bytes: take fewer cells")]
+    OutOfMemory {
+        /// Bytes of all fields.
+        bytes: usize,
+    },
     /// Media of different theories or dimensions, or no medium.
     #[error(
         "all media of a domain must have its dimensions and the same fields, and there must be one"

@@ -5,6 +5,7 @@ use super::layout::{GroupIndex, Layout};
 use super::schedule::CHUNK_SIZE;
 use super::total_stress::{DoubleLanes, blocks_per_group};
 use crate::simd::{Number, Real};
+use crate::solid::problem::DomainError;
 use crate::solid::reconstruction::GHOSTS;
 
 /// Buffers of sweeps and return mapping, allocated once.
@@ -53,8 +54,14 @@ impl<T: Real> Buffers<T> {
 
 /// Allocates `count` zeros, in huge pages if the system has them: a sweep across rows touches another small page with
 /// every cell, more than the translation lookaside buffer holds.
-pub(super) fn allocate_zeros<N: Number>(count: usize) -> Vec<N> {
-    let mut buffer: Vec<N> = Vec::with_capacity(count);
+///
+/// # Errors
+/// There is not enough memory.
+pub(super) fn allocate_zeros<N: Number>(count: usize) -> Result<Vec<N>, DomainError> {
+    let mut buffer: Vec<N> = Vec::new();
+    buffer
+        .try_reserve_exact(count)
+        .map_err(|_| DomainError::OutOfMemory { bytes: count.saturating_mul(size_of::<N>()) })?;
     #[cfg(target_os = "linux")]
     {
         const PAGE_SIZE: usize = 1 << 12;
@@ -74,5 +81,5 @@ pub(super) fn allocate_zeros<N: Number>(count: usize) -> Vec<N> {
         }
     }
     buffer.resize(count, N::ZERO);
-    buffer
+    Ok(buffer)
 }

@@ -91,18 +91,25 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         max_pass_steps: usize,
     ) -> Result<Self, DomainError> {
         problem.validate_in_region(region)?;
-        Ok(Self::new_unchecked(problem, region, max_pass_steps))
+        Self::new_unchecked(problem, region, max_pass_steps)
     }
 
     /// Creates a subdomain as [`Self::new_subdomain`] does, from a problem that has been checked.
+    ///
+    /// # Errors
+    /// There is not enough memory.
     pub(crate) fn new_unchecked(
         problem: &Problem<D>,
         region: &Region<D>,
         max_pass_steps: usize,
-    ) -> Self {
+    ) -> Result<Self, DomainError> {
         // `SolverReal` compiles the kernels for these dimensions alone.
         const { assert!(D == 2 || D == 3) }
         let layout = Layout::new::<T>(problem, region);
+        // First of all, since the fields take most of the memory.
+        let field_data = allocate_zeros(
+            (layout.layers() * layout.rows + 2 * GHOSTS * CHUNK_SIZE) * layout.row_size(),
+        )?;
         let is_periodic = |axis: usize| {
             problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0]
         };
@@ -137,7 +144,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             _ => TileSizes::PLANE_TILES,
         };
         let pairs = std::array::from_fn(|axis| materials.waves[axis].len());
-        Self {
+        Ok(Self {
             interfaces: LaneInterlayers::new(problem, &layout, region),
             grid: Grid { cells: region.owned_counts(), spacing: problem.grid.spacing },
             step: problem.step,
@@ -146,14 +153,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             boundaries: Boundaries::new(problem, region, &layout, max_pass_steps),
             sources,
             schedule: Schedule::new(max_pass_steps, tile_sizes),
-            field_data: allocate_zeros(
-                (layout.layers() * layout.rows + 2 * GHOSTS * CHUNK_SIZE) * layout.row_size(),
-            ),
-            diagnostics: Diagnostics::new::<T, D>(&layout, problem, fields, max_pass_steps),
+            field_data,
+            diagnostics: Diagnostics::new::<T, D>(&layout, problem, fields, max_pass_steps)?,
             buffers: Buffers::new(&layout, pairs, 2 * max_pass_steps, law.has_double_blocks()),
             local_laws: law,
             layout,
             materials,
-        }
+        })
     }
 }

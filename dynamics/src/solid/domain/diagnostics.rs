@@ -4,7 +4,7 @@ use super::buffers::allocate_zeros;
 use super::layout::Layout;
 use crate::simd::{LaneGroup, Real};
 use crate::solid::ledger::{CellDissipation, WorkSums};
-use crate::solid::problem::Problem;
+use crate::solid::problem::{DomainError, Problem};
 use models::solid::waves::SolidField;
 
 /// Sums and records. Sums over cells are exact: they depend neither on the tiling nor on the number of subdomains.
@@ -24,22 +24,25 @@ pub(super) struct Diagnostics {
 
 impl Diagnostics {
     /// Creates empty sums and records for a subdomain of a problem with these fields.
+    ///
+    /// # Errors
+    /// There is not enough memory.
     pub(super) fn new<T: Real, const D: usize>(
         layout: &Layout<D>,
         problem: &Problem<D>,
         fields: &[SolidField],
         max_pass_steps: usize,
-    ) -> Self {
+    ) -> Result<Self, DomainError> {
         let cells = layout.layers() * layout.layer_cells();
         let lanes = layout.layers() * layout.layer_groups() * T::Lanes::COUNT;
         let place = |field| Some(fields.iter().position(|own| *own == field)? * layout.pitch);
         let integrals = problem.integrated_fields.iter().filter_map(|&field| place(field));
-        Self {
+        Ok(Self {
             work: WorkSums::default(),
-            dissipation: CellDissipation::new(problem, || allocate_zeros(lanes)),
+            dissipation: CellDissipation::new(problem, || allocate_zeros(lanes))?,
             time_integrals: integrals.map(|place| (place, vec![0.0; cells])).collect(),
             watched_cells: Vec::new(),
             records: vec![Vec::new(); max_pass_steps],
-        }
+        })
     }
 }

@@ -122,7 +122,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub fn new(problem: &Problem<D>) -> Result<Self, DomainError> {
         problem.validate()?;
         let region = problem.whole_region(1);
-        Ok(Self::new_unchecked(&problem.restrict_to(&region), &region, 1))
+        Self::new_unchecked(&problem.restrict_to(&region), &region, 1)
     }
 
     /// Sets the instruction set, by default the widest one; results do not depend on it.

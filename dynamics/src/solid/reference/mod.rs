@@ -107,7 +107,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             fields: vec![vec![T::ZERO; count]; names.len()],
             interlayers: InterlayerFaces::new(&problem),
             work: WorkSums::default(),
-            dissipation: CellDissipation::new(&problem, || vec![0.0; count]),
+            dissipation: CellDissipation::new(&problem, || Ok::<_, DomainError>(vec![0.0; count]))?,
             time_integrals: problem
                 .integrated_fields
                 .iter()
