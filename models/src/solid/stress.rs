@@ -25,6 +25,11 @@ pub enum StressComponent {
 }
 
 impl StressComponent {
+    /// Whether the component is a couple stress, N/m, or else a force stress, Pa.
+    pub fn is_couple(self) -> bool {
+        matches!(self, Self::Couple(..))
+    }
+
     /// Value of the component in `stress`.
     pub fn value_in(self, stress: &Stress) -> f64 {
         match self {

@@ -39,15 +39,20 @@ pub fn tangent(
     let mut tangent = elastic_stiffness.clone();
     let size = stresses.len();
     for (index, condition) in active_conditions.iter().enumerate() {
-        // Rounding bound of the components of a normal: 8 u times the largest component.
+        // Rounding bound of the components of a normal: 8 u times the largest component of the same unit.
         let project_gradient = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
-            let values: Vec<f64> = stresses.iter().map(|c| c.derivative(gradient)).collect();
-            let largest = values.iter().fold(0.0f64, |a, b| a.max(b.abs()));
-            let to_rounded = |&value: &f64| match value {
+            let largest = [false, true].map(|is_couple| {
+                let same_unit = stresses.iter().filter(|c| c.is_couple() == is_couple);
+                same_unit.fold(0.0f64, |largest, c| largest.max(c.derivative(gradient).abs()))
+            });
+            let to_rounded = |c: &StressComponent| match c.derivative(gradient) {
                 0.0 => Rounded::ZERO,
-                _ => Rounded { value, bound: 8.0 * UNIT_ROUNDOFF * largest },
+                value => Rounded {
+                    value,
+                    bound: 8.0 * UNIT_ROUNDOFF * largest[usize::from(c.is_couple())],
+                },
             };
-            values.iter().map(to_rounded).collect()
+            stresses.iter().map(to_rounded).collect()
         };
         let (normal, flow) =
             (project_gradient(&condition.normal), project_gradient(&condition.flow_direction));

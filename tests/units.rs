@@ -1,0 +1,430 @@
+//! Verifies that units of mass, length and time do not matter: scaled by powers of two, cases have the same verdicts, and
+//! runs the same bits, scaled.
+
+mod program;
+
+use program::{create_case_folder, run_with_exit_code};
+use std::fs;
+use std::path::Path;
+use toml::{Table, Value};
+use wellposed::CASES;
+
+const TEST: &str = "units";
+
+/// Exponents of mass, length and time in the unit of a key.
+type Dimension = [i32; 3];
+
+const NUMBER: Dimension = [0, 0, 0];
+const LENGTH: Dimension = [0, 1, 0];
+const TIME: Dimension = [0, 0, 1];
+const RATE: Dimension = [0, 0, -1];
+const VELOCITY: Dimension = [0, 1, -1];
+const STRESS: Dimension = [1, -1, -2];
+/// Couple stress, and force per length.
+const COUPLE_STRESS: Dimension = [1, 0, -2];
+/// Force, and couple per length.
+const FORCE: Dimension = [1, 1, -2];
+
+/// Unit of a key; of a load or an initial value that of its field.
+fn find_dimension(section: &str, key: &str, table: &Table) -> Dimension {
+    if key.ends_with("_deg") {
+        return NUMBER;
+    }
+    match (section, key) {
+        ("model", "lambda" | "mu" | "alpha" | "cohesion" | "rotational_strength") => STRESS,
+        ("model", "beta" | "gamma" | "eta") => FORCE,
+        ("model" | "background", "density") => [1, -3, 0],
+        ("model", "inertia") => [1, -1, 0],
+        ("model", "moment_of_inertia") => [0, 2, 0],
+        ("background", "pressure") => STRESS,
+        ("background", "shear_rate" | "half_vorticity" | "spin") => RATE,
+        ("background", "pressure_gradient") => [1, -2, -2],
+        ("yield", "shear_strength" | "strength" | "hardening") => STRESS,
+        ("yield", "couple_strength") => COUPLE_STRESS,
+        (
+            "yield",
+            "couple_friction" | "couple_dilatancy" | "symmetric_length" | "antisymmetric_length",
+        ) => LENGTH,
+        ("yield", "plastic_rate") => RATE,
+        ("stress", "couple_stress") => COUPLE_STRESS,
+        (
+            "stress",
+            "pressure" | "deviatoric_stress" | "out_of_plane_stress" | "rotational_stress",
+        ) => STRESS,
+        ("wave" | "check", "number" | "numbers" | "greatest_number") => [0, -1, 0],
+        ("grid", "spacing" | "origin" | "length") => LENGTH,
+        ("time", "duration" | "start" | "delay") | ("output", "snapshot_interval") => TIME,
+        ("time", "frequency") => RATE,
+        ("gravity", "acceleration") => [0, 1, -2],
+        ("source", "amplitude") => FORCE,
+        ("initial", "from" | "to")
+            if table.get("kind").and_then(Value::as_str) == Some("noise") =>
+        {
+            NUMBER
+        }
+        (
+            "region" | "load" | "receiver" | "source" | "initial",
+            "from" | "to" | "at" | "radius" | "center",
+        ) => LENGTH,
+        ("load" | "initial", "amplitude") => match table["field"].as_str().unwrap() {
+            // At a point of the plane, a force per length.
+            field if field.starts_with("sigma") && table.contains_key("at") => COUPLE_STRESS,
+            field if field.starts_with("sigma") => STRESS,
+            field if field.starts_with('m') => COUPLE_STRESS,
+            field if field.starts_with('w') => RATE,
+            _ => VELOCITY,
+        },
+        _ => NUMBER,
+    }
+}
+
+/// Multiplies all numbers with a unit by powers of two: units are smaller by 2^`exponents`.
+fn scale_case(table: &mut Table, section: &str, exponents: Dimension) {
+    let units = table.clone();
+    for (key, value) in table.iter_mut() {
+        match value {
+            Value::Table(inner) if ["x", "y"].contains(&key.as_str()) => {
+                let parameter = inner["parameter"].as_str().unwrap().to_owned();
+                let (section, key) = parameter.split_once('.').unwrap();
+                let unit = find_dimension(section, key, &units);
+                for end in ["from", "to"] {
+                    multiply(inner.get_mut(end).unwrap(), compute_factor(unit, exponents));
+                }
+            }
+            Value::Table(inner) => scale_case(inner, key, exponents),
+            Value::Array(list) if list.first().is_some_and(Value::is_table) => {
+                for inner in list {
+                    scale_case(inner.as_table_mut().unwrap(), key, exponents);
+                }
+            }
+            _ => {
+                let unit = find_dimension(section, key, &units);
+                if unit != NUMBER {
+                    multiply(value, compute_factor(unit, exponents));
+                }
+            }
+        }
+    }
+}
+
+fn multiply(value: &mut Value, factor: f64) {
+    match value {
+        Value::Integer(number) => *value = Value::Float(*number as f64 * factor),
+        Value::Float(number) => *number *= factor,
+        Value::Array(list) => list.iter_mut().for_each(|entry| multiply(entry, factor)),
+        _ => panic!("{value} has no unit"),
+    }
+}
+
+fn compute_factor(unit: Dimension, exponents: Dimension) -> f64 {
+    2f64.powi(unit.iter().zip(exponents).map(|(a, b)| a * b).sum())
+}
+
+/// Units in which every case is computed.
+fn unit_systems() -> Vec<Dimension> {
+    let mut all = vec![[60, 60, 60], [-60, -60, -60]];
+    for axis in 0..3 {
+        for power in [-60, 60] {
+            let mut exponents = [0; 3];
+            exponents[axis] = power;
+            all.push(exponents);
+        }
+    }
+    all.push([7, -5, 3]);
+    all
+}
+
+/// Writes a case in other units and returns the folder.
+fn write_case(name: &str, case: &Table, exponents: Dimension) -> std::path::PathBuf {
+    let [mass, length, time] = exponents;
+    let mut case = case.clone();
+    scale_case(&mut case, "", exponents);
+    create_case_folder(
+        TEST,
+        &format!("{name}{mass}_{length}_{time}"),
+        &toml::to_string(&case).unwrap(),
+    )
+}
+
+fn parse_bundled_case(name: &str) -> Table {
+    let (_, text) = CASES.iter().find(|(path, _)| path.ends_with(name)).unwrap();
+    text.parse().unwrap()
+}
+
+/// Sets what has a unit and a default other than zero.
+fn with_explicit_wave(mut case: Table) -> Table {
+    let wave = case.entry("wave").or_insert(Table::new().into()).as_table_mut().unwrap();
+    wave.entry("number").or_insert(Value::Float(1000.0));
+    case
+}
+
+fn read_json(path: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Verifies that verdicts of states are equal in all units.
+#[test]
+fn verdicts_do_not_depend_on_units() {
+    for name in [
+        "granular-flow/noncoaxiality-bound.toml",
+        "granular-flow/dilatant-domain.toml",
+        "granular-flow/plastic-potential.toml",
+        "granular-flow/double-shearing-against-harris-grekova.toml",
+        "flow/decay.toml",
+        "cosserat/flutter.toml",
+        "cosserat/forbidden-band.toml",
+        "cosserat/microrotation.toml",
+        "cosserat/rotation-waves.toml",
+        "cosserat/shear-band.toml",
+        "check/slipping-layers.toml",
+        "check/yielding-cone.toml",
+        "check/cubic-plane.toml",
+    ] {
+        let case = with_explicit_wave(parse_bundled_case(name));
+        let verdict = |exponents| {
+            let here = write_case(&name.replace(['/', '.'], "-"), &case, exponents);
+            run_with_exit_code(0, &here, "point case.toml --out out");
+            let all = read_json(&here.join("out/point.json"));
+            ["verdict", "order", "hyperbolicity", "associated", "active"]
+                .map(|key| all.get(key).cloned().unwrap_or_default())
+        };
+        let own = verdict(NUMBER);
+        for exponents in unit_systems() {
+            assert_eq!(verdict(exponents), own, "{name} in units of 2^{exponents:?}");
+        }
+    }
+}
+
+/// Verifies that every verdict of a map is equal in all units.
+#[test]
+fn maps_do_not_depend_on_units() {
+    for name in [
+        "granular-flow/noncoaxiality-bound.toml",
+        "granular-flow/dilatant-domain.toml",
+        "cosserat/shear-band.toml",
+        "cosserat/microrotation.toml",
+        "cosserat/rotation-waves.toml",
+    ] {
+        let mut case = with_explicit_wave(parse_bundled_case(name));
+        for axis in ["x", "y"] {
+            case["map"][axis]["points"] = Value::Integer(7);
+        }
+        let verdicts = |exponents| {
+            let here =
+                write_case(&format!("map-{}", name.replace(['/', '.'], "-")), &case, exponents);
+            run_with_exit_code(0, &here, "map case.toml --out out");
+            let text = fs::read_to_string(here.join("out/map.csv")).unwrap();
+            let mut rows = text
+                .lines()
+                .filter(|line| !line.starts_with('#'))
+                .map(|line| line.split(',').collect::<Vec<_>>());
+            let column = rows.next().unwrap().iter().position(|name| *name == "verdict").unwrap();
+            rows.map(|row| row[column].to_owned()).collect::<Vec<_>>()
+        };
+        let own = verdicts(NUMBER);
+        assert_eq!(own.len(), 49);
+        for exponents in unit_systems() {
+            assert_eq!(verdicts(exponents), own, "{name} in units of 2^{exponents:?}");
+        }
+    }
+}
+
+/// Unit of a column of `receivers.csv` or `ledger.csv`.
+fn column_unit(name: &str, is_ledger: bool) -> Dimension {
+    if name == "time" {
+        return TIME;
+    }
+    if is_ledger {
+        // Energy per length.
+        return FORCE;
+    }
+    let field = name.rsplit('.').next().unwrap_or(name);
+    match field {
+        _ if field.starts_with("sigma") => STRESS,
+        _ if field.starts_with("psi") || field.starts_with("phi") => NUMBER,
+        "p" => STRESS,
+        _ if field.starts_with('v') => VELOCITY,
+        _ if field.starts_with('u') => LENGTH,
+        _ if field.starts_with('w') || field.starts_with("omega") || field.starts_with("spin") => {
+            RATE
+        }
+        _ if field.starts_with('m') => COUPLE_STRESS,
+        _ => panic!("unit of {name}?"),
+    }
+}
+
+const SOLIDS: [(&str, &str); 3] = [
+    (
+        "cone",
+        "
+[model]
+kind = 'cosserat'
+dimensions = 2
+lambda = 8e7
+mu = 8e7
+alpha = 4e7
+beta = 2e7
+gamma = 2e7
+eta = 2e7
+density = 2000
+inertia = 800
+[yield]
+kind = 'cosserat-mises'
+strength = 1e4
+friction = 0.3
+dilatancy = 0.3
+antisymmetric_weight = 1
+symmetric_length = 0.5
+antisymmetric_length = 0.5
+",
+    ),
+    (
+        "interlayer",
+        "
+[model]
+kind = 'cosserat'
+dimensions = 2
+lambda = 8e7
+mu = 8e7
+alpha = 4e7
+beta = 2e7
+gamma = 2e7
+eta = 2e7
+density = 2000
+inertia = 800
+[yield]
+kind = 'interlayer'
+shear_strength = 1e4
+shear_friction = 0.6
+shear_dilatancy = 0.6
+couple_strength = 1e3
+couple_friction = 0.3
+couple_dilatancy = 0.3
+",
+    ),
+    (
+        "weight",
+        "
+[model]
+kind = 'classical'
+dimensions = 2
+lambda = 1.2e8
+mu = 8e7
+density = 1900
+[yield]
+kind = 'drucker-prager'
+strength = 2e4
+friction = 0.5
+dilatancy = 0.5
+[gravity]
+acceleration = [0, -9.81]
+lateral_ratio = 0.5
+",
+    ),
+];
+
+const ACTIONS: &str = "
+[grid]
+cells = [60, 40]
+spacing = 0.1
+origin = [-3, -4]
+[time]
+duration = 0.03
+[scheme]
+ledger = 'full'
+[[region]]
+shape = 'circle'
+center = [0.05, -3]
+radius = 0.62
+model = { lambda = 4e9, mu = 4e9 }
+[[region]]
+shape = 'rest'
+[[side]]
+side = 'x1-'
+kind = 'non-reflecting'
+[[side]]
+side = 'x2-'
+kind = 'fixed'
+[[load]]
+side = 'x2+'
+field = 'sigma22'
+from = -1
+to = 1
+amplitude = -4e5
+time = { kind = 'pulse', duration = 0.02 }
+[[load]]
+side = 'x2+'
+field = 'sigma12'
+at = -1
+amplitude = 3e4
+time = { kind = 'ricker', frequency = 80 }
+[[source]]
+kind = 'explosion'
+amplitude = 1e5
+at = [1, -2]
+radius = 0.3
+time = { kind = 'pulse', duration = 0.01 }
+[[initial]]
+kind = 'pulse'
+field = 'v1'
+amplitude = 0.01
+at = [-1, -1]
+radius = 0.5
+[[receiver]]
+name = 'edge'
+at = [1.5, -0.07]
+[[receiver]]
+name = 'inside'
+at = [0.3, -2.71]
+[output]
+integrals = ['u2']
+";
+
+/// Compares the tables of a run in other units bit by bit.
+fn compare_tables(name: &str, case: &Table, units: &[Dimension], tables: &[&str]) {
+    let run = |exponents| {
+        let here = write_case(name, case, exponents);
+        run_with_exit_code(0, &here, "run case.toml --out out --threads 1");
+        tables
+            .iter()
+            .map(|table| fs::read_to_string(here.join("out").join(table)).unwrap())
+            .collect::<Vec<_>>()
+    };
+    let own = run(NUMBER);
+    for &exponents in units {
+        for ((table, own), other) in tables.iter().zip(&own).zip(run(exponents)) {
+            assert_eq!(own.lines().count(), other.lines().count(), "{name} {table}");
+            let names: Vec<&str> = own.lines().next().unwrap().split(',').collect();
+            for (row, (a, b)) in own.lines().zip(other.lines()).enumerate().skip(1) {
+                for ((column, a), b) in names.iter().zip(a.split(',')).zip(b.split(',')) {
+                    let unit = column_unit(column, *table == "ledger.csv");
+                    let [a, b] = [a, b].map(|text| text.parse::<f64>().unwrap());
+                    let scaled = a * compute_factor(unit, exponents);
+                    assert_eq!(
+                        scaled, b,
+                        "{name} {table} row {row} {column} in units of 2^{exponents:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Verifies that records and energies of yielding solids are the same bits in all units.
+#[test]
+fn runs_of_solids_do_not_depend_on_units() {
+    for (name, medium) in SOLIDS {
+        let case: Table = format!("{medium}{ACTIONS}").parse().unwrap();
+        compare_tables(name, &case, &unit_systems(), &["receivers.csv", "ledger.csv"]);
+    }
+}
+
+/// Verifies that records of a flow are the same bits in all units.
+#[test]
+fn runs_of_flows_do_not_depend_on_units() {
+    let mut case = parse_bundled_case("flow/decay.toml");
+    case["grid"]["cells"] = Value::Array(vec![Value::Integer(16), Value::Integer(16)]);
+    case["initial"][0]["to"] = Value::Integer(5);
+    case["time"]["duration"] = Value::Float(1e-3);
+    compare_tables("flow", &case, &unit_systems(), &["receivers.csv"]);
+}
