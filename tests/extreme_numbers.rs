@@ -130,11 +130,25 @@ fn loads_below_flush_threshold_are_refused() {
         "load[0].amplitude",
         "f32",
     );
-    assert_refused(&here, "--set load[0].amplitude=1e-290", "load[0].amplitude", "f64");
+    assert_refused(&here, "--set load[0].amplitude=1e-150", "load[0].amplitude", "f64");
     let arguments =
         format!("run case.toml --out out --threads 1 {f32} --set load[0].amplitude=1e-10");
     let (_, stderr) = run_with_exit_code(0, &here, &arguments);
     assert!(!stderr.contains("left over"), "{stderr}");
+}
+
+/// Verifies that sources and initial velocities below the threshold of flushing to zero are refused.
+#[test]
+fn sources_below_flush_threshold_are_refused() {
+    let source = "[[source]]\nkind = 'force'\namplitude = [1e4, 0]\nat = [15, 10]\n\
+                  time = { kind = 'pulse', duration = 0.02 }\n\
+                  [[initial]]\nkind = 'plane-wave'\nbranch = 1\nwavelength = 5\namplitude = 1e-3\n";
+    let case = SOLID_CASE.replace("[output]", &format!("{source}[output]"));
+    let here = create_case_folder(TEST_FOLDER, "sources", &case);
+    for (key, value) in [("source[0].amplitude", "[1e-20, 0]"), ("initial[0].amplitude", "1e-30")] {
+        let settings = format!("--set scheme.precision=\"f32\" --set {key}={value}");
+        assert_refused(&here, &settings.replace(", ", ","), key, "f32");
+    }
 }
 
 #[test]

@@ -1,30 +1,31 @@
-//! Range checks for the precision of the solver: products of constants neither overflow nor underflow, and loads and
-//! initial values exceed the flush-to-zero threshold.
+//! Range checks for the precision of the solver: products of constants neither overflow nor underflow, loads, sources and
+//! initial values exceed the flush-to-zero threshold, and their energies do not underflow.
 
 use crate::Error;
 use crate::case::Case;
 use crate::case::dynamics::{
-    FaceLoad, InitialStateTerm, LoadedArea, Precision, SolidRun, StateComponent,
+    FaceLoad, InitialStateTerm, LoadedArea, PlanePulseInput, Precision, SolidRun, SourceKind,
 };
 use crate::setup::solid;
 use dynamics::medium::Medium;
 use models::InputError;
 use models::solid::waves::SolidField;
 
-/// Allowed ranges of constants and drives (loads and initial values) for a precision.
+/// Allowed ranges of constants and drives (loads, sources and initial values) for a precision.
 struct PrecisionRange {
     name: &'static str,
     /// Largest constant; the smallest is its inverse. Powers up to the third and products of a few moduli, inertias,
     /// impedances and strengths must be representable.
     max_constant: f64,
-    /// Smallest amplitude of a drive, far above the threshold below which the solver flushes decaying values to zero.
+    /// Smallest amplitude of a drive, far above the threshold below which the solver flushes decaying values to zero, and
+    /// with a square that is a normal number: energies are summed in `f64`.
     min_amplitude: f64,
 }
 
 impl PrecisionRange {
     fn from_precision(precision: Precision) -> Self {
         match precision {
-            Precision::F64 => Self { name: "f64", max_constant: 1e90, min_amplitude: 1e-280 },
+            Precision::F64 => Self { name: "f64", max_constant: 1e90, min_amplitude: 1e-140 },
             Precision::F32 => Self { name: "f32", max_constant: 1e15, min_amplitude: 1e-20 },
         }
     }
@@ -59,7 +60,7 @@ pub(super) fn check_constants(case: &Case, dynamics: &SolidRun) -> Result<(), Er
     Ok(())
 }
 
-/// Checks that loads and initial values, and the waves that they excite, exceed the flush-to-zero threshold.
+/// Checks that loads, sources and initial values, and the waves that they excite, exceed the flush-to-zero threshold.
 ///
 /// # Errors
 /// An amplitude is too small.
@@ -77,7 +78,7 @@ pub(super) fn check_amplitudes(dynamics: &SolidRun, media: &[Medium]) -> Result<
         }
     };
     let range = PrecisionRange::from_precision(dynamics.scheme.precision);
-    let check = |key: String, StateComponent(field): StateComponent, amplitude: f64| {
+    let check = |key: String, field: SolidField, amplitude: f64| {
         let size = smaller(field, amplitude);
         if amplitude == 0.0 || size >= range.min_amplitude {
             return Ok(());
@@ -88,18 +89,43 @@ pub(super) fn check_amplitudes(dynamics: &SolidRun, media: &[Medium]) -> Result<
         Err(dynamics.error_at(&format!("{key}.amplitude"), found, allowed))
     };
     for (index, load) in dynamics.loads.iter().enumerate() {
-        check(format!("load[{index}]"), load.component, amplitude_per_face(dynamics, load))?;
+        check(format!("load[{index}]"), load.component.0, amplitude_per_face(dynamics, load))?;
+    }
+    for (index, source) in dynamics.sources.iter().enumerate() {
+        let amplitude = compute_source_stress(&source.kind, &dynamics.grid.spacing);
+        check(format!("source[{index}]"), SolidField::Stress(0, 0), amplitude)?;
     }
     for (index, initial) in dynamics.initial_terms.iter().enumerate() {
         match initial {
             InitialStateTerm::Pulse { component: field, amplitude, .. }
             | InitialStateTerm::Uniform { component: field, amplitude, .. } => {
-                check(format!("initial[{index}]"), *field, *amplitude)?;
+                check(format!("initial[{index}]"), field.0, *amplitude)?;
             }
-            _ => {}
+            InitialStateTerm::PlaneWave { amplitude, .. }
+            | InitialStateTerm::PlanePulse(PlanePulseInput { amplitude, .. }) => {
+                check(format!("initial[{index}]"), SolidField::Velocity(0), *amplitude)?;
+            }
+            InitialStateTerm::Rotation { .. } => {}
         }
     }
     Ok(())
+}
+
+/// Largest component of a source as the stress or couple stress in a cell that takes all of it: a moment by volume, a force
+/// or couple by face area.
+fn compute_source_stress(kind: &SourceKind, spacing: &[f64]) -> f64 {
+    let max_abs = |values: &[f64]| values.iter().fold(0.0f64, |max, value| max.max(value.abs()));
+    let volume: f64 = spacing.iter().product();
+    let min_spacing = spacing.iter().copied().fold(f64::INFINITY, f64::min);
+    match kind {
+        SourceKind::Force(values) | SourceKind::Couple(values) => {
+            max_abs(values) * min_spacing / volume
+        }
+        SourceKind::Moment(rows) => {
+            rows.iter().map(|row| max_abs(row)).fold(0.0, f64::max) / volume
+        }
+        SourceKind::Explosion(moment) => moment.abs() / volume,
+    }
 }
 
 /// Returns the amplitude of a load per face; that of a point load is an integral over the boundary, divided by the face
