@@ -137,3 +137,29 @@ fn dry_run_of_ill_posed_flow_is_refused() {
     let accepted = run_in_root(&[&arguments[..], &["--accept-ill-posed"]].concat());
     assert_eq!(accepted.status.code(), Some(0));
 }
+
+/// Verifies that the plan is JSON where the results would be.
+#[test]
+fn dry_run_prints_json_for_programs() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let out = scratch.path().join("out");
+    let out = out.to_str().expect("text");
+    for (verb, case) in [
+        ("point", "granular-flow/noncoaxiality-bound.toml"),
+        ("map", "granular-flow/noncoaxiality-bound.toml"),
+        ("speeds", "cosserat/flutter.toml"),
+        ("dispersion", "cosserat/forbidden-band.toml"),
+        ("check", "check/cubic-plane.toml"),
+        ("run", "dynamics/point-source.toml"),
+    ] {
+        let case = format!("cases/{case}");
+        let output = run_in_root(&[verb, &case, "--out", out, "--dry-run", "--format", "json"]);
+        assert_eq!(output.status.code(), Some(0), "{verb}");
+        let plan: serde_json::Value = serde_json::from_slice(&output.stdout).expect(verb);
+        assert!(plan["would"].is_string(), "{verb}: {plan}");
+        let paths = plan["would_write"].as_array().expect(verb);
+        assert!(
+            paths.len() > 3 && paths.iter().all(|path| path.as_str().expect(verb).starts_with(out))
+        );
+    }
+}

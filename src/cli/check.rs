@@ -1,7 +1,7 @@
 //! `wellposed check`: compares predicted with measured waves, for a case or for all cases in a folder.
 
 use super::progress::run_with_progress;
-use super::write::{print_planned_files, write_report};
+use super::write::{planned_paths, print_plan, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, OutputError, ResultFolder};
 use crate::cli::options::create_thread_pool;
@@ -33,11 +33,11 @@ fn check_case(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> R
     let plan = CheckPlan::new(&case, CheckExtent::Full)?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     if options.is_dry_run {
-        writeln!(stdout, "would {}", describe_plan(&plan))?;
         // The two pictures of a refinement are the last entries of `CHECK_FILES`.
         let refines = matches!(&plan, CheckPlan::Flow(flow) if !flow.grids.is_empty());
         let count = if refines { folder::CHECK_FILES.len() } else { folder::CHECK_FILES.len() - 2 };
-        return print_planned_files(&folder, &folder::CHECK_FILES[..count], stdout);
+        let paths = planned_paths(&folder, &folder::CHECK_FILES[..count]);
+        return print_plan(&describe_plan(&plan), &paths, options.format, stdout);
     }
     let found = check_with_progress(&case, CheckExtent::Full, pool)?;
     write_report(&found, &case, &folder, options.format, stdout)?;
@@ -91,8 +91,8 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
         return Err(Error::NoCases { folder: options.case_path.display().to_string() });
     }
     if options.is_dry_run {
-        writeln!(stdout, "would check {} cases; would write nothing", files.len())?;
-        return Ok(());
+        let plan = format!("check {} cases and write nothing", files.len());
+        return print_plan(&plan, &[], options.format, stdout);
     }
     let (mut list, mut failed, mut all) = (Vec::new(), 0, 0);
     for path in files {

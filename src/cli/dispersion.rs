@@ -1,7 +1,7 @@
 //! `wellposed dispersion`: computes the dispersion relation of a solid.
 
 use super::progress::run_with_progress;
-use super::write::{print_planned_files, write_report};
+use super::write::{planned_paths, print_plan, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
@@ -23,8 +23,9 @@ pub fn run_dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), E
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     if options.is_dry_run {
         let greatest = format_short(found.max_wave_number);
-        writeln!(stdout, "would follow the waves up to k = {greatest} 1/m")?;
-        return print_planned_files(&folder, &folder::DISPERSION_FILES, stdout);
+        let plan = format!("follow the waves up to k = {greatest} 1/m");
+        let paths = planned_paths(&folder, &folder::DISPERSION_FILES);
+        return print_plan(&plan, &paths, options.format, stdout);
     }
     write_report(&found, &case, &folder, options.format, stdout)
 }

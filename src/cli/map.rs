@@ -1,7 +1,7 @@
 //! `wellposed map`: computes the verdict over two parameters of a case.
 
 use super::progress::run_with_progress;
-use super::write::{print_planned_files, write_report};
+use super::write::{planned_paths, print_plan, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
@@ -28,8 +28,9 @@ pub fn run_map(
         run_with_progress(&pool, "checking states", |on_progress| {
             study::check_map(&case, on_progress)
         })?;
-        writeln!(stdout, "would judge {states} states: {} × {}", map.x, map.y)?;
-        return print_planned_files(&folder, &folder::MAP_FILES, stdout);
+        let plan = format!("judge {states} states: {} × {}", map.x, map.y);
+        let paths = planned_paths(&folder, &folder::MAP_FILES);
+        return print_plan(&plan, &paths, options.format, stdout);
     }
     let pool = create_thread_pool(options.threads)?;
     let found = run_with_progress(&pool, "judging states", |on_progress| {

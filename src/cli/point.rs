@@ -1,7 +1,7 @@
 //! `wellposed point`: analyses one state.
 
 use super::progress::run_with_progress;
-use super::write::{print_planned_files, write_report};
+use super::write::{planned_paths, print_plan, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
@@ -21,11 +21,12 @@ pub fn run_point(options: &Options, stdout: &mut dyn Write) -> Result<(), Error>
     let found =
         run_with_progress(&pool, "point", |on_progress| study::analyse_point(&case, on_progress))?;
     if options.is_dry_run {
-        writeln!(stdout, "would analyse {}", case_title(&case))?;
+        let plan = format!("analyse {}", case_title(&case));
         let written = report::file_names(&found, &case)?;
         let is_written = |name: &&str| written.iter().any(|own| own == name);
         let names: Vec<&str> = folder::POINT_FILES.into_iter().filter(is_written).collect();
-        return print_planned_files(&folder, &names, stdout);
+        let paths = planned_paths(&folder, &names);
+        return print_plan(&plan, &paths, options.format, stdout);
     }
     write_report(&found, &case, &folder, options.format, stdout)
 }

@@ -1,15 +1,19 @@
-//! Progress bar with estimated remaining time, shown on terminals for work longer than one second.
+//! Progress of work longer than a second, with the estimated remaining time: a bar on terminals, elsewhere a line every ten
+//! seconds.
 
+use crate::report::run::DisplayTime;
 use crate::study::ProgressCallback;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::ThreadPool;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::sync::{Once, OnceLock};
+use std::sync::{Mutex, Once, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Delay before the progress bar appears.
 const PROGRESS_BAR_DELAY: Duration = Duration::from_secs(1);
+/// Interval of progress lines where standard error is not a terminal.
+pub(super) const PROGRESS_LINE_INTERVAL: Duration = Duration::from_secs(10);
 
 /// Runs a study on the threads of a pool with a progress bar labelled `name`.
 pub fn run_with_progress<T: Send>(
@@ -28,8 +32,11 @@ pub fn run_with_progress<T: Send>(
 
 /// Thread-safe progress bar on standard error; cleared on drop.
 pub struct DelayedProgressBar {
+    name: &'static str,
     /// `None` if standard error is not a terminal.
     bar: Option<ProgressBar>,
+    /// Time of the last line where standard error is not a terminal.
+    last_line: Mutex<Instant>,
     start_time: Instant,
     show_once: Once,
 }
@@ -43,7 +50,8 @@ impl DelayedProgressBar {
             let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
             bar.with_style(style).with_message(name)
         });
-        Self { bar, start_time: Instant::now(), show_once: Once::new() }
+        let now = Instant::now();
+        Self { name, bar, last_line: Mutex::new(now), start_time: now, show_once: Once::new() }
     }
 
     /// Sets the message beside the bar.
@@ -67,7 +75,25 @@ impl DelayedProgressBar {
             self.show_after_delay(bar);
             bar.set_length(all);
             bar.set_position(done.max(bar.position()));
+        } else {
+            self.print_line(done, all);
         }
+    }
+
+    /// Prints a progress line if the last one is older than [`PROGRESS_LINE_INTERVAL`].
+    fn print_line(&self, done: u64, all: u64) {
+        // Another thread may be printing.
+        let Ok(mut last_line) = self.last_line.try_lock() else { return };
+        if last_line.elapsed() < PROGRESS_LINE_INTERVAL || done == 0 {
+            return;
+        }
+        *last_line = Instant::now();
+        let (done, all) = (done as f64, all as f64);
+        let remaining = DisplayTime(self.start_time.elapsed().as_secs_f64() * (all - done) / done);
+        let percent = 100.0 * done / all;
+        // A closed standard error is ignored.
+        let _ =
+            writeln!(std::io::stderr(), "{}: {percent:.1} %, about {remaining} left", self.name);
     }
 
     fn show_after_delay(&self, bar: &ProgressBar) {

@@ -17,7 +17,7 @@ pub(super) use checkpoint::Checkpoint;
 pub(super) use run_files::read_records;
 
 use super::signals::{self, ProgramStage};
-use super::write::{print_planned_files, print_report};
+use super::write::{planned_paths, print_plan, print_report};
 use crate::case::Case;
 use crate::cli::folder::ResultFolder;
 use crate::cli::options::{check_threads, create_thread_pool};
@@ -61,8 +61,9 @@ pub fn run_simulation(
         if let Some(found) = job.find_ill_posedness()?.filter(|_| !options.accept_ill_posed) {
             return Err(Error::IllPosed(found));
         }
-        writeln!(stdout, "would compute {plan}")?;
-        return print_planned_files(&folder, &planned::planned_file_names(&case)?, stdout);
+        let plan = format!("compute {plan}");
+        let paths = planned_paths(&folder, &planned::planned_file_names(&case)?);
+        return print_plan(&plan, &paths, options.format, stdout);
     }
     // A closed standard error is ignored.
     let _ = writeln!(std::io::stderr(), "{plan}");

@@ -1,7 +1,7 @@
 //! `wellposed speeds`: computes the characteristic speeds of a solid by direction.
 
 use super::progress::run_with_progress;
-use super::write::{print_planned_files, write_report};
+use super::write::{planned_paths, print_plan, write_report};
 use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
@@ -20,13 +20,14 @@ pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     if options.is_dry_run {
-        writeln!(stdout, "would find speeds in {} directions", DirectionalSpeeds::DIRECTIONS)?;
+        let plan = format!("find speeds in {} directions", DirectionalSpeeds::DIRECTIONS);
         let in_plane = folder::SPEEDS_FILES.iter().filter(|name| !name.starts_with("sphere"));
         let names: Vec<&str> = match solid.dimensions {
             3 => folder::SPEEDS_FILES.to_vec(),
             _ => in_plane.copied().collect(),
         };
-        return print_planned_files(&folder, &names, stdout);
+        let paths = planned_paths(&folder, &names);
+        return print_plan(&plan, &paths, options.format, stdout);
     }
     let pool = create_thread_pool(options.threads)?;
     let found = run_with_progress(&pool, "speeds", |on_progress| {

@@ -3,7 +3,8 @@
 use super::folder::ResultFolder;
 use super::{Error, OutputFormat};
 use crate::case::Case;
-use crate::report::{RenderedReport, Report};
+use crate::report::{RenderedReport, Report, SCHEMA_VERSION};
+use serde_json::json;
 use std::io::Write;
 
 /// Writes all files of a report to the results folder, and its text or JSON to standard output.
@@ -49,14 +50,30 @@ pub(super) fn print_report(
     Ok(())
 }
 
-/// Prints the names of the files that would be written: the common files and `names`.
-pub(super) fn print_planned_files(
-    folder: &ResultFolder,
-    names: &[impl AsRef<str>],
+/// Paths of the files that a verb would write: the common files and `names`.
+pub(super) fn planned_paths(folder: &ResultFolder, names: &[impl AsRef<str>]) -> Vec<String> {
+    let names = ResultFolder::COMMON_FILES.into_iter().chain(names.iter().map(AsRef::as_ref));
+    names.map(|name| folder.path().join(name).display().to_string()).collect()
+}
+
+/// Prints what a verb would do, as in "judge 12 states", and the files that it would write.
+pub(super) fn print_plan(
+    plan: &str,
+    paths: &[String],
+    format: OutputFormat,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    for name in ResultFolder::COMMON_FILES.into_iter().chain(names.iter().map(AsRef::as_ref)) {
-        writeln!(stdout, "would write {}", folder.path().join(name).display())?;
+    match format {
+        OutputFormat::Json => {
+            let plan = json!({ "schema": SCHEMA_VERSION, "would": plan, "would_write": paths });
+            writeln!(stdout, "{plan:#}")?;
+        }
+        OutputFormat::Text => {
+            writeln!(stdout, "would {plan}")?;
+            for path in paths {
+                writeln!(stdout, "would write {path}")?;
+            }
+        }
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use wellposed::CASES;
 use wellposed::case::Case;
 
 /// Replacement values of a number: limits, extremes, other types.
-const REPLACEMENT_VALUES: &[&str] = &[
+pub const REPLACEMENT_VALUES: &[&str] = &[
     "0",
     "-0.0",
     "1",

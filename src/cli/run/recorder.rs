@@ -6,7 +6,7 @@ use super::checkpoint_timer::CheckpointTimer;
 use super::run_files::{RunFiles, read_records};
 use crate::Error;
 use crate::cli::folder::{RunFolder, snapshot_name};
-use crate::cli::progress::DelayedProgressBar;
+use crate::cli::progress::{DelayedProgressBar, PROGRESS_LINE_INTERVAL};
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
 use crate::report::run::{DisplayTime, create_image};
@@ -17,9 +17,6 @@ use dynamics::simulation::{RegularTimes, SimulationState};
 use files::lock::Lock;
 use std::io::{IsTerminal as _, Write as _};
 use std::time::Instant;
-
-/// Wall time between two progress lines if standard error is not a terminal, s.
-const PROGRESS_LINE_INTERVAL: f64 = 10.0;
 
 /// Number of increments of the progress bar.
 const PROGRESS_STEPS: f64 = 1000.0;
@@ -87,10 +84,10 @@ impl<'a> FileRecorder<'a> {
         self.progress_steps = steps;
     }
 
-    /// Prints progress every [`PROGRESS_LINE_INTERVAL`] seconds if standard error is not a terminal.
+    /// Prints progress every [`PROGRESS_LINE_INTERVAL`] if standard error is not a terminal.
     fn print_progress(&mut self, progress: &RunProgress) {
         if std::io::stderr().is_terminal()
-            || self.last_progress_line.elapsed().as_secs_f64() < PROGRESS_LINE_INTERVAL
+            || self.last_progress_line.elapsed() < PROGRESS_LINE_INTERVAL
         {
             return;
         }
