@@ -59,6 +59,19 @@ fn solid_states_with_extreme_parameters_are_finite_or_refused() {
     assert!(computed > 25, "{computed}");
 }
 
+/// Verifies that waves whose speeds overflow are refused.
+#[test]
+fn dispersion_with_infinite_speeds_is_refused() {
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/cosserat/forbidden-band.toml");
+    let here = create_case_folder(TEST_FOLDER, "speeds", "");
+    for value in ["1e-300", "1e-305"] {
+        let arguments =
+            format!("dispersion {} --out out --set model.density={value}", case.display());
+        let (stdout, stderr) = run_with_exit_code(2, &here, &arguments);
+        assert!(stdout.is_empty() && stderr.contains("frequencies and speeds"), "{stdout}{stderr}");
+    }
+}
+
 /// Verifies that constants whose products overflow are refused: a yielding solid would behave as an elastic one.
 #[test]
 fn overflowing_constants_are_refused() {

@@ -129,13 +129,16 @@ pub fn compute_dispersion(
     };
     let groups = group_branches(&solid, setup::solid::wave_normal(&wave), max_wave_number, false)
         .map_err(|error| setup::locate_state_error(&case.material, error.into()))?;
-    let is_finite = |p: &BranchPoint| p.frequency.is_finite() && p.growth_rate.is_finite();
+    let is_finite = |p: &BranchPoint| {
+        [p.frequency, p.growth_rate, p.phase_speed, p.group_speed].into_iter().all(f64::is_finite)
+    };
     let ends = [wave.wave_number, max_wave_number];
     if !ends.iter().all(|&k| groups.iter().all(|group| group.points_at(k).iter().all(is_finite))) {
         let error = InputError {
             input: "model",
             rejected_value: "numbers whose waves cannot be followed".into(),
-            allowed_values: "moduli, inertias and wave numbers whose frequencies are finite".into(),
+            allowed_values:
+                "moduli, inertias and wave numbers whose frequencies and speeds are finite".into(),
         };
         return Err(case.locate_error(error).into());
     }
