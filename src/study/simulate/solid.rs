@@ -36,9 +36,19 @@ const DEFAULT_LEDGER_ROWS: usize = 1000;
 /// Memory of the program and its pictures, bytes.
 const PROGRAM_MEMORY: f64 = 36.0 * 1048576.0;
 
-/// Numbers per field that the solver stores for each line along the last axis, in two dimensions.
-const NUMBERS_PER_LINE_2D: f64 = 36.0;
-const NUMBERS_PER_LINE_3D: f64 = 4.0;
+/// Numbers that the solver stores per pair of waves and line along the last axis in two dimensions, or along the last two
+/// axes in three, by measurement: interface states and boundary values.
+const NUMBERS_PER_LINE_2D: f64 = 108.0;
+const NUMBERS_PER_LINE_3D: f64 = 12.0;
+
+/// Lanes that pad a row of lines, by measurement.
+const PADDING_LANES: usize = 10;
+
+/// Copies of a snapshot that are in memory while it is written, by measurement: interpolated, encoded and in buffers.
+const SNAPSHOT_COPIES: f64 = 3.8;
+
+/// Numbers that the full ledger keeps per field and cell, by measurement.
+const FULL_LEDGER_NUMBERS: f64 = 1.2;
 
 /// Simulation of a solid with its media.
 pub(super) struct SolidJob<'a> {
@@ -68,20 +78,25 @@ impl<'a> SolidJob<'a> {
             Precision::F64 => (memory_bytes::<f64>(&self.solver_cells(), fields), size_of::<f64>()),
             Precision::F32 => (memory_bytes::<f32>(&self.solver_cells(), fields), size_of::<f32>()),
         };
-        // Interface states and boundary values of the lines along the last axis, per field; constants by measurement.
-        let cells = self.solver_cells();
-        let lines: usize = cells.iter().rev().skip(1).product();
-        let of_line = if cells.len() == 2 { NUMBERS_PER_LINE_2D } else { NUMBERS_PER_LINE_3D };
-        let lines = (lines * fields * number) as f64 * of_line;
+        let numbers_in_lines = match self.solver_cells()[..] {
+            [n1, _] => n1 as f64 * NUMBERS_PER_LINE_2D,
+            [n1, n2, n3] => ((n1 + PADDING_LANES) * (n2 + n3)) as f64 * NUMBERS_PER_LINE_3D,
+            _ => 0.0,
+        };
+        let pairs = self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
+        let lines = numbers_in_lines * (pairs * number) as f64;
         let wide = size_of::<f64>() as f64;
         let saved = (fields * number) as f64;
         let shown = wide * self.quantity_names.len() as f64;
         let checkpoint = 2.0 * saved + 2.0 * wide * output.integrated_components.len() as f64;
         let result = saved + shown;
-        // Solver states before and after the snapshot, interpolated fields and file buffers, which do not all coexist.
         let snapshot = match output.snapshot_interval > 0.0 {
-            true => saved + 2.5 * shown + 2.0 * wide * self.numbers_per_snapshot_cell() as f64,
+            true => SNAPSHOT_COPIES * wide * self.numbers_per_snapshot_cell() as f64,
             false => 0.0,
+        };
+        let ledger = match scheme.ledger_detail {
+            LedgerKind::TotalsAndDissipation => FULL_LEDGER_NUMBERS * wide * fields as f64,
+            LedgerKind::Totals => 0.0,
         };
         let kept = match keeps_snapshots {
             true => snapshot_count(output.snapshot_interval, self.dynamics.time.duration),
@@ -89,6 +104,7 @@ impl<'a> SolidJob<'a> {
         };
         let copies = checkpoint.max(result).max(snapshot)
             + kept * shown
+            + ledger
             + wide * initial.len() as f64
             + size_of::<u16>() as f64;
         Bytes(PROGRAM_MEMORY + solver + lines + grid.cell_count() as f64 * copies)

@@ -9,6 +9,7 @@
 //! [`HALO`](crate::solid::line::HALO) cells for each step of a pass, and [`GHOSTS`] more along the first axis for
 //! alternating sweeps. Cell indices count all cells, halo included, unless they are called owned cells.
 
+use super::schedule::CHUNK_SIZE;
 use crate::simd::{LaneGroup, Real};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
@@ -284,5 +285,6 @@ pub fn memory_bytes<T: Real>(cells: &[usize], fields: usize) -> f64 {
     let count: f64 = cells.iter().map(|&count| count as f64).product();
     let groups = min_groups::<T>(length);
     let per_row = pitch(groups) * fields * size_of::<T::Lanes>() + groups * size_of::<u32>();
-    count / length as f64 * per_row as f64 + count * size_of::<u16>() as f64
+    let rows = count / length as f64 + (2 * GHOSTS * CHUNK_SIZE) as f64;
+    rows * per_row as f64 + count * size_of::<u16>() as f64
 }
