@@ -77,7 +77,8 @@ const ELASTIC_WIDTH: f64 = 2.8;
 const FLUTTER_COLOUR: Colour = RGBColor(253, 226, 212);
 /// Colour of the arcs that hatch flutter sectors, for greyscale.
 const FLUTTER_ARC_COLOUR: Colour = RGBColor(240, 184, 160);
-const IMAGINARY_COLOUR: Colour = RGBColor(222, 226, 238);
+/// Fill colour of sectors in which a speed is imaginary.
+const IMAGINARY_SECTOR_COLOUR: Colour = RGBColor(222, 226, 238);
 /// Colour of the rays that hatch sectors of imaginary speeds, for greyscale.
 const IMAGINARY_RAY_COLOUR: Colour = RGBColor(150, 158, 186);
 /// Minimum width of a drawn sector, degrees.
@@ -173,7 +174,7 @@ impl SpeedsFigure {
         }
         if !Self::to_start_and_width(&self.imaginary_sectors).is_empty() {
             let swatch = |picture: &mut Picture, area: Rectangle| {
-                picture.fill_rectangle(area, IMAGINARY_COLOUR);
+                picture.fill_rectangle(area, IMAGINARY_SECTOR_COLOUR);
                 for share in [0.2, 0.4, 0.6, 0.8] {
                     let x = area.left + share * area.width();
                     picture.draw_line([[x, area.top], [x, area.bottom]], 1.2, IMAGINARY_RAY_COLOUR);
@@ -222,9 +223,10 @@ impl SpeedsFigure {
         // Infinite speeds are drawn just inside the rim.
         let to_radius = |speed: f64| radius * (speed.abs() / rim_speed).min(0.985);
 
-        for (ends, ground) in
-            [(&self.imaginary_sectors, IMAGINARY_COLOUR), (&self.flutter_sectors, FLUTTER_COLOUR)]
-        {
+        for (ends, ground) in [
+            (&self.imaginary_sectors, IMAGINARY_SECTOR_COLOUR),
+            (&self.flutter_sectors, FLUTTER_COLOUR),
+        ] {
             for [from, width] in Self::to_start_and_width(ends) {
                 for turn in [0.0, 180.0] {
                     let sector = sector_polygon(centre, radius, from + turn, width);

@@ -202,7 +202,8 @@ fn constants_out_of_range_are_rejected_by_name() {
 
 // ---------------------------------------------------------------- Tangent stiffness
 
-fn project_gradient(stresses: &[StressComponent], gradient: &Stress) -> Vec<f64> {
+/// Derivatives of a function of the stress with respect to the components, from its gradient with respect to all entries.
+fn component_derivatives(stresses: &[StressComponent], gradient: &Stress) -> Vec<f64> {
     stresses.iter().map(|c| c.derivative(gradient)).collect()
 }
 
@@ -324,8 +325,9 @@ fn tangent_annihilates_normals_and_flow_directions() {
         several += usize::from(conditions.len() > 1);
         let size = elastic_stiffness.map(|x| x.value).amax();
         for condition in conditions.iter().filter(|c| c.hardening == 0.0) {
-            let normal = DVector::from_vec(project_gradient(&stresses, &condition.normal));
-            let flow = DVector::from_vec(project_gradient(&stresses, &condition.flow_direction));
+            let normal = DVector::from_vec(component_derivatives(&stresses, &condition.normal));
+            let flow =
+                DVector::from_vec(component_derivatives(&stresses, &condition.flow_direction));
             let null = (own.transpose() * normal).amax().max((&own * flow).amax()) / size;
             worst_null = worst_null.max(null);
             assert!(null <= 1e-13, "{null:e}");
@@ -378,7 +380,7 @@ fn rounding_bounds_of_the_tangent_cover_the_direct_formula() {
                 conditions
                     .iter()
                     .map(|condition| {
-                        let values = project_gradient(&stresses, of(condition));
+                        let values = component_derivatives(&stresses, of(condition));
                         let largest = values.iter().fold(0.0f64, |x, y| x.max(y.abs()));
                         let bound = 8.0 * UNIT_ROUNDOFF * largest;
                         let moved = |x: DoubleDouble| match x.high {
@@ -520,7 +522,7 @@ fn stress_rate(
     }
     let condition = set.condition(&tensor).expect("off the axis");
     let [n, m] = [condition.normal, condition.flow_direction]
-        .map(|g| DVector::from_vec(project_gradient(components, &g)));
+        .map(|g| DVector::from_vec(component_derivatives(components, &g)));
     let rate = n.dot(&(elastic_stiffness * strain)) / n.dot(&(elastic_stiffness * &m));
     elastic_stiffness * (strain - m * rate)
 }
@@ -547,8 +549,9 @@ fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface()
         let stiffness = solid.stiffness(layout.all_stresses());
         let elastic_stiffness = rounded_values(&stiffness);
         let plastic_rate = random.uniform(0.2, 2.0);
-        let strain = DVector::from_vec(project_gradient(&components, &condition.flow_direction))
-            * plastic_rate;
+        let strain =
+            DVector::from_vec(component_derivatives(&components, &condition.flow_direction))
+                * plastic_rate;
         let at = |stress: &DVector<f64>| {
             stress_rate(&elastic_stiffness, &set, &components, stress, &strain)
         };

@@ -40,7 +40,7 @@ pub fn tangent(
     let size = stresses.len();
     for (index, condition) in active_conditions.iter().enumerate() {
         // Rounding bound of the components of a normal: 8 u times the largest component of the same unit.
-        let project_gradient = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
+        let component_derivatives = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
             let largest = [false, true].map(|is_couple| {
                 let same_unit = stresses.iter().filter(|c| c.is_couple() == is_couple);
                 same_unit.fold(0.0f64, |largest, c| largest.max(c.derivative(gradient).abs()))
@@ -54,8 +54,10 @@ pub fn tangent(
             };
             stresses.iter().map(to_rounded).collect()
         };
-        let (normal, flow) =
-            (project_gradient(&condition.normal), project_gradient(&condition.flow_direction));
+        let (normal, flow) = (
+            component_derivatives(&condition.normal),
+            component_derivatives(&condition.flow_direction),
+        );
         let sum = |terms: &mut dyn Iterator<Item = Rounded>| {
             terms.fold(Rounded::ZERO, std::ops::Add::add)
         };

@@ -25,7 +25,7 @@ impl Report for CheckResult {
     fn to_text(&self, case: &Case) -> String {
         match &self.outcome {
             CheckOutcome::NotMeasurable { reason } => {
-                let (title, medium) = (case_title(case), &self.model);
+                let (title, medium) = (case_title(case), &self.medium_title);
                 format!("{title}\n{medium}\n\nnot measurable: {reason}\n")
             }
             CheckOutcome::Flow(own) => own.to_text(case),
@@ -36,7 +36,7 @@ impl Report for CheckResult {
     fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error> {
         Ok(match &self.outcome {
             CheckOutcome::NotMeasurable { reason } => {
-                let (title, subtitle) = (case_title(case), self.model.clone());
+                let (title, subtitle) = (case_title(case), self.medium_title.clone());
                 let figure =
                     NoteFigure { title, subtitle, text: format!("not measurable: {reason}") };
                 vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))]

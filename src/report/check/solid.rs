@@ -36,7 +36,7 @@ impl MediumCheck {
         } else {
             format!("{}: ", self.region_key)
         };
-        let _ = writeln!(text, "{place}{}", self.model);
+        let _ = writeln!(text, "{place}{}", self.medium_title);
         self.write_table_head(text);
         let mut last: Option<WaveVector> = None;
         for row in &self.rows {
@@ -130,7 +130,7 @@ impl MediumCheck {
             title: case_title(case),
             subtitle: format!(
                 "{}: curves from the analysis, rings from the solver{}{}",
-                self.model,
+                self.medium_title,
                 if is_alike { ", all directions" } else { "" },
                 format_unmeasured_count(self.unmeasured_count()),
             ),

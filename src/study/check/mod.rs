@@ -19,8 +19,9 @@ use solid::SolidCheck;
 /// Comparison of measured with predicted waves.
 #[derive(Clone, Debug, Serialize)]
 pub struct CheckResult {
-    /// Description of the medium.
-    pub model: String,
+    /// Title of the medium.
+    #[serde(rename = "model")]
+    pub medium_title: String,
     /// Whether all measurements agree; `None` without any.
     pub agrees: Option<bool>,
     /// Result of the check.
@@ -89,7 +90,7 @@ pub fn check_agreement(
         }
         CheckPlan::NotMeasurable(reason) => (None, CheckOutcome::NotMeasurable { reason }),
     };
-    Ok(CheckResult { model: case.medium().title(), agrees, outcome })
+    Ok(CheckResult { medium_title: case.medium().title(), agrees, outcome })
 }
 
 impl CheckResult {

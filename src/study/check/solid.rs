@@ -29,8 +29,9 @@ pub struct MediumCheck {
     /// Position in the case; empty if everywhere.
     #[serde(rename = "place")]
     pub region_key: String,
-    /// Description of the medium.
-    pub model: String,
+    /// Title of the medium.
+    #[serde(rename = "model")]
+    pub medium_title: String,
     /// Whether all measurements agree; `None` without any.
     pub agrees: Option<bool>,
     /// Check results by branch, for all waves.
@@ -220,7 +221,7 @@ impl MediumCheck {
             bands.iter().all(|band| band.is_confirmed) && measured.iter().all(|agrees| *agrees);
         Ok(Self {
             region_key,
-            model: material.medium().title(),
+            medium_title: material.medium().title(),
             agrees: (!measured.is_empty()).then_some(all_agree),
             rows,
             forbidden_bands: bands.iter().map(ForbiddenBandCheck::from).collect(),
