@@ -4,7 +4,9 @@ mod mutation;
 mod program;
 
 use mutation::{generate_mutants, shrink_map_grid};
-use program::{PROGRAM_PATH, create_folder, list_entries, run_with_exit_code};
+use program::{
+    PROGRAM_PATH, SOLID_CASE, create_case_folder, create_folder, list_entries, run_with_exit_code,
+};
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -89,6 +91,24 @@ fn every_bundled_case_runs() {
         assert_eq!(program["version"], env!("CARGO_PKG_VERSION"));
         assert!(program["commit"].is_string());
     }
+}
+
+/// Verifies that verbs read former names of sections and print a warning with file and line.
+#[test]
+fn former_names_print_a_warning() {
+    let case = SOLID_CASE.replace("[[boundary]]", "[[side]]");
+    let here = create_case_folder(TEST_FOLDER, "former-names", &case);
+    let line = 1 + case.lines().position(|line| line == "[[side]]").unwrap();
+    let hint = "[[side]] is now [[boundary]]; the old name is read for one more version";
+    for verb in ["run", "check", "dispersion", "speeds"] {
+        let (_, stderr) = run_with_exit_code(0, &here, &format!("{verb} case.toml --dry-run"));
+        let warning = format!("warning: case.toml:{line}: {hint}");
+        assert_eq!(stderr.lines().filter(|line| *line == warning).count(), 1, "{verb}: {stderr}");
+    }
+    fs::write(here.join("case.toml"), SOLID_CASE).unwrap();
+    let set = "side[0].kind=free";
+    let (_, stderr) = run_with_exit_code(0, &here, &format!("run case.toml --dry-run --set {set}"));
+    assert!(stderr.contains(&format!("warning: --set {set}: {hint}\n")), "{stderr}");
 }
 
 #[test]

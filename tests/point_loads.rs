@@ -31,7 +31,7 @@ fn plane_source_converges_at_second_order_at_any_position() {
         let (at, receiver) = (7.0 * wavelength + offset * h, 9.0 * wavelength + 0.71 * offset * h);
         let case = format!(
             "{MODEL_SECTION}[grid]\ncells=[{length}, 1]\nspacing={h:?}\n[time]\nduration={:?}\ncourant=1\n\
-             [[side]]\nside='x2-'\nkind='periodic'\n[[side]]\nside='x2+'\nkind='periodic'\n\
+             [[boundary]]\nside='x2-'\nkind='periodic'\n[[boundary]]\nside='x2+'\nkind='periodic'\n\
              [[source]]\nkind='force'\namplitude=[{:?}, 0]\nat=[{at:?}, 0]\n{kernel}\n\
              time={{kind='ricker', frequency={frequency}}}\n\
              [[receiver]]\nname='r'\nat=[{receiver:?}, 0]\nfields=['v1']\n",
@@ -75,7 +75,7 @@ fn symmetric_submodels_move_like_complete_model() {
         );
         run_and_read_arrays(&case, "fields.npz")
     };
-    let plane = |side: &str| format!("[[side]]\nside='{side}'\nkind='symmetry'\n");
+    let plane = |side: &str| format!("[[boundary]]\nside='{side}'\nkind='symmetry'\n");
     for kernel in ["", "radius=1.3"] {
         let load = |at: [f64; 2], amplitude: f64| {
             format!(
@@ -170,7 +170,7 @@ fn sources_at_symmetry_corners_act_as_in_complete_model() {
             );
             for axis in (1..=dimensions).filter(|_| is_reduced) {
                 let kind = if is_force && axis == 1 { "antisymmetry" } else { "symmetry" };
-                case += &format!("[[side]]\nside='x{axis}-'\nkind='{kind}'\n");
+                case += &format!("[[boundary]]\nside='x{axis}-'\nkind='{kind}'\n");
             }
             let at = vec![0.0; dimensions];
             case += &if is_force { force(&at) } else { explosion(&at) };
@@ -203,7 +203,7 @@ fn sources_at_symmetry_corners_act_as_in_complete_model() {
 fn forces_normal_to_symmetry_plane_are_refused() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let case = format!(
-        "{MODEL_SECTION}[grid]\ncells=[8, 8]\nspacing=1\n[time]\nduration=0.01\n[[side]]\nside='x1-'\n\
+        "{MODEL_SECTION}[grid]\ncells=[8, 8]\nspacing=1\n[time]\nduration=0.01\n[[boundary]]\nside='x1-'\n\
          kind='symmetry'\n[[source]]\nkind='force'\namplitude=[1, 0]\nat=[0, 4]\n\
          time={{kind='pulse', duration=0.01}}\n"
     );

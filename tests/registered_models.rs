@@ -425,10 +425,10 @@ cells = [4, 60]
 spacing = 1.0
 [time]
 duration = 0.03
-[[side]]
+[[boundary]]
 side = 'x1-'
 kind = 'periodic'
-[[side]]
+[[boundary]]
 side = 'x1+'
 kind = 'periodic'
 [[load]]

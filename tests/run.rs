@@ -122,10 +122,10 @@ fn format_layered_case(extra: &str) -> String {
         [gravity]
         acceleration = [0, -9.81]
         lateral_ratio = 0.5
-        [[side]]
+        [[boundary]]
         side = 'x1-'
         kind = 'non-reflecting'
-        [[side]]
+        [[boundary]]
         side = 'x2-'
         kind = 'fixed'
         [[receiver]]
@@ -398,7 +398,7 @@ fn later_boundaries_override_and_periodic_ones_wrap() {
     };
     let format_boundaries = |kind: &str| {
         format!(
-            "[[side]]\nside = 'x1-'\nkind = '{kind}'\n[[side]]\nside = 'x1+'\nkind = '{kind}'\n"
+            "[[boundary]]\nside = 'x1-'\nkind = '{kind}'\n[[boundary]]\nside = 'x1+'\nkind = '{kind}'\n"
         )
     };
     let (periodic, free) = (format_boundaries("periodic"), format_boundaries("free"));

@@ -339,10 +339,10 @@ radius = 0.62
 model = { lambda = 4e9, mu = 4e9 }
 [[region]]
 shape = 'rest'
-[[side]]
+[[boundary]]
 side = 'x1-'
 kind = 'non-reflecting'
-[[side]]
+[[boundary]]
 side = 'x2-'
 kind = 'fixed'
 [[load]]

@@ -400,7 +400,7 @@ fn half_space_resonates_at_natural_rotation_frequency() {
             format!("load[0].time.frequency={:?}", ratio / period),
         ];
         if let SurfaceCondition::ShearFree = surface {
-            sets.push("side[2].held=[\"v2\"]".into());
+            sets.push("boundary[2].fixed_components=[\"v2\"]".into());
         }
         let results = run_case_file(bundled_case("dynamics/resonance.toml"), &sets);
         let time = results.column("time");

@@ -5,6 +5,7 @@ use super::dynamics::{PlottedQuantity, SolidGrid, SolidRun, TimeFunction};
 use super::entries::{CaseEntries, find_model_kind};
 use super::error::{CaseError, SourcePosition};
 use super::flow::{FlowPerturbation, FlowRun};
+use super::former_names::CaseHint;
 use super::key_positions::KeyPositions;
 use super::keys::SweepParameter;
 use super::kind::{MediumKind, ModelKind};
@@ -51,6 +52,7 @@ pub struct Case {
     pub flow_run: Option<FlowRun>,
     /// Section `[check]`: waves and grids of `wellposed check`, if present.
     pub check_options: Option<CheckOptions>,
+    hints: Vec<CaseHint>,
     source_path: Option<PathBuf>,
 }
 
@@ -183,7 +185,6 @@ impl Case {
         let dynamics = grid.map(read_dynamics).transpose()?;
         let read_flow = |own| FlowRun::read(&entries.structured_reader(scope(2)), own, folder);
         let flow = rotation.map(read_flow).transpose()?;
-        let source = None;
         Ok(Self {
             name,
             title,
@@ -193,13 +194,19 @@ impl Case {
             solid_run: dynamics,
             flow_run: flow,
             check_options: check,
-            source_path: source,
+            hints: entries.hints.0.clone(),
+            source_path: None,
         })
     }
 
     /// Returns the path of the file from which the case was loaded.
     pub fn source_path(&self) -> Option<&Path> {
         self.source_path.as_deref()
+    }
+
+    /// Returns hints on former names that the case file or an option uses.
+    pub fn hints(&self) -> &[CaseHint] {
+        &self.hints
     }
 
     /// Returns the paths of the input files named by the case: sample tables and initial-field archives.

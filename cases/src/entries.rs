@@ -1,6 +1,7 @@
 //! Parsing of TOML text and `--set` options to values by key with positions.
 
 use super::error::{CaseError, SourcePosition, escape};
+use super::former_names::HintList;
 use super::key_positions::{KeyPositions, is_inside};
 use super::keys::{Key, KeyStorage, keys};
 use super::kind::{MediumKind, ModelKind};
@@ -21,10 +22,11 @@ const MAX_KEYS: usize = 500_000;
 pub(super) struct CaseEntries<'a> {
     scalar_values: BTreeMap<&'static str, CaseValue>,
     /// Content of the structured sections: time-domain sections and `[check]`.
-    structured_sections: NodeTable<'a>,
+    pub(super) structured_sections: NodeTable<'a>,
     /// Schemas of the structured sections.
-    schemas: &'static CaseSchemas,
+    pub(super) schemas: &'static CaseSchemas,
     pub(super) positions: KeyPositions,
+    pub(super) hints: HintList,
 }
 
 impl<'a> CaseEntries<'a> {
@@ -49,6 +51,11 @@ impl<'a> CaseEntries<'a> {
         let mut found = Vec::new();
         collect_entries("", document.get_ref(), &mut found);
         found.sort_by_key(|entry| entry.offset);
+        let line = build_line_index(text);
+        let hints = rename_former_sections(&mut found, forms, |offset| SourcePosition::Line {
+            file: file.to_owned(),
+            line: line(offset),
+        })?;
 
         let mut places = KeyPositions::new(file);
         let mut structured = NodeTable::default();
@@ -62,7 +69,6 @@ impl<'a> CaseEntries<'a> {
                 structured.insert(&entry.name, node);
             }
         }
-        let line = build_line_index(text);
         for (name, offset) in parts {
             places.add_line(name, line(offset));
         }
@@ -71,7 +77,9 @@ impl<'a> CaseEntries<'a> {
             structured_sections: structured,
             schemas: forms,
             positions: places,
+            hints,
         };
+        entries.rename_former_keys()?;
         let mut unknown = None;
         for DocumentEntry { name, value, .. } in &found {
             match Key::find_by_name(name) {
@@ -123,6 +131,7 @@ impl<'a> CaseEntries<'a> {
         if name.is_empty() {
             return refused(set, "no key before '='", "write --set section.key=value".into());
         }
+        let name = &*self.hints.resolve_option_key(name, self.schemas, set);
         let Some(key) = Key::find_by_name(name) else {
             if self.schemas.has_section(name.split(['.', '[']).next().unwrap_or_default()) {
                 return self.apply_structured_option(set, name, text).map(|()| None);
@@ -166,7 +175,7 @@ impl<'a> CaseEntries<'a> {
         )?;
         self.positions.remove_key(&key);
         self.positions.add_option(key, set);
-        Ok(())
+        self.rename_former_keys()
     }
 
     /// Returns the reader of the root table of the structured sections.
@@ -191,6 +200,7 @@ impl<'a> CaseEntries<'a> {
             structured_sections: structured,
             schemas: self.schemas,
             positions: places,
+            hints: HintList::default(),
         };
         let mut given = Vec::new();
         for (section, kind_key) in [("model", "model.kind"), ("yield", "yield.kind")] {
@@ -386,6 +396,23 @@ fn collect_entries<'d, 'a>(
         }
         found.push(DocumentEntry { name, value, offset: key.span().start });
     }
+}
+
+/// Replaces former names of sections by the current names; returns hints.
+fn rename_former_sections(
+    found: &mut [DocumentEntry],
+    schemas: &CaseSchemas,
+    locate: impl Fn(usize) -> SourcePosition,
+) -> Result<HintList, CaseError> {
+    let mut hints = HintList::default();
+    for index in 0..found.len() {
+        let DocumentEntry { name, offset, .. } = &found[index];
+        let Some(form) = schemas.find_by_former_name(name) else { continue };
+        let has_current_name = found.iter().any(|entry| entry.name == form.name);
+        hints.add_section_of_file(locate(*offset), form, name, has_current_name)?;
+        form.name.clone_into(&mut found[index].name);
+    }
+    Ok(hints)
 }
 
 fn is_section(name: &str) -> bool {

@@ -295,19 +295,32 @@ fn add_simulation_sections(
             for form in &forms {
                 let own = format!("{name}.{}d.{}", dimensions, form.name);
                 let reference = json!({ "$ref": format!("#/$defs/{own}") });
-                object_entry(then, "properties").insert(form.name.to_owned(), reference);
+                let sections = object_entry(then, "properties");
+                if let Some(name) = form.former_name {
+                    let mut deprecated = reference.clone();
+                    deprecated["deprecated"] = json!(true);
+                    sections.insert(name.to_owned(), deprecated);
+                }
+                sections.insert(form.name.to_owned(), reference);
                 definitions.entry(own).or_insert_with(|| build_table_schema(form, &scope));
             }
         }
         let then = branches.requirements_under(own);
         for form in &forms {
-            properties.entry(form.name).or_insert_with(|| json!({}));
             let needed: Vec<&str> = forms
                 .iter()
                 .filter(|other| other.is_required && other.name != form.name)
                 .map(|other| other.name)
                 .collect();
-            object_entry(then, "dependentRequired").insert(form.name.to_owned(), json!(needed));
+            for name in [form.name].into_iter().chain(form.former_name) {
+                properties.entry(name).or_insert_with(|| json!({}));
+                object_entry(then, "dependentRequired").insert(name.to_owned(), json!(needed));
+            }
+            if let Some(name) = form.former_name {
+                // The section has one of both names.
+                let both = json!({ "properties": { name: false } });
+                object_entry(then, "dependentSchemas").insert(form.name.to_owned(), both);
+            }
         }
     }
     // Refuse the sections that only other kinds of model have.
@@ -320,7 +333,10 @@ fn add_simulation_sections(
                     "kind",
                     &[kind.name()],
                 ));
-                object_entry(then, "properties").insert(form.name.to_owned(), json!(false));
+                let sections = object_entry(then, "properties");
+                for name in [form.name].into_iter().chain(form.former_name) {
+                    sections.insert(name.to_owned(), json!(false));
+                }
             }
         }
     }
@@ -379,15 +395,18 @@ fn build_keys_schema(form: &'static TableSchema, scope: &SchemaScope) -> Value {
         // Conditions on the dimensions cannot be evaluated inside the table if the dimensions are unknown.
         let is_everywhere = known.len() == conditions.len();
         let is_required = matches!(item.presence, KeyPresence::Required(_)) && is_everywhere;
-        if known.is_empty() {
+        if known.is_empty() && item.former_name.is_none() {
             merge_key_schema(&mut properties, item, scope);
             if is_required {
                 required.push(item.name);
             }
             continue;
         }
-        properties.entry(item.name).or_insert_with(|| json!({}));
+        for name in [item.name].into_iter().chain(item.former_name) {
+            properties.entry(name).or_insert_with(|| json!({}));
+        }
         let condition = match &known[..] {
+            [] => json!(true),
             [one] => one.clone(),
             all => json!({ "allOf": all }),
         };
@@ -398,13 +417,18 @@ fn build_keys_schema(form: &'static TableSchema, scope: &SchemaScope) -> Value {
         }
         let then = branches.requirements_under(condition);
         merge_key_schema(object_entry(then, "properties"), item, scope);
-        if is_required {
-            append_unique(then, "required", item.name);
+        match item.former_name {
+            Some(name) => add_former_name(then, item, name, is_required),
+            None if is_required => append_unique(then, "required", item.name),
+            None => {}
         }
     }
     for (name, conditions) in allowed {
         let then = branches.requirements_under(json!({ "not": { "anyOf": conditions } }));
-        object_entry(then, "properties").insert(name.to_owned(), json!(false));
+        let renamed = form.renamed_keys().filter(|(_, current_name)| *current_name == name);
+        for name in renamed.map(|(former_name, _)| former_name).chain([name]) {
+            object_entry(then, "properties").insert(name.to_owned(), json!(false));
+        }
     }
     let mut schema = build_object_schema(properties, required);
     let branches = branches.into_if_then_list();
@@ -412,6 +436,26 @@ fn build_keys_schema(form: &'static TableSchema, scope: &SchemaScope) -> Value {
         schema["allOf"] = json!(branches);
     }
     schema
+}
+
+/// Adds the former name of a key to the requirements `then`, which have the key with its current name. A table has one
+/// of both names.
+fn add_former_name(
+    then: &mut Map<String, Value>,
+    item: &KeySchema,
+    former_name: &str,
+    is_required: bool,
+) {
+    let properties = object_entry(then, "properties");
+    let mut deprecated = properties[item.name].clone();
+    deprecated["deprecated"] = json!(true);
+    properties.insert(former_name.to_owned(), deprecated);
+    let (former, current) =
+        (json!({ "required": [former_name] }), json!({ "required": [item.name] }));
+    match is_required {
+        true => then.insert("oneOf".into(), json!([current, former])),
+        false => then.insert("not".into(), json!({ "required": [former_name, item.name] })),
+    };
 }
 
 /// Adds a key; a key whose type depends on the dimensions accepts each of its types.

@@ -58,6 +58,17 @@ impl KeyPositions {
         standing.options.retain(|name, _| is_kept(name));
     }
 
+    /// Moves the position of a key to its new name.
+    pub(super) fn rename_key(&mut self, key: &str, new_name: String) {
+        let table = Arc::make_mut(&mut self.position_table);
+        if let Some(line) = table.lines.remove(key) {
+            table.lines.insert(new_name.clone(), line);
+        }
+        if let Some(option) = table.options.remove(key) {
+            table.options.insert(new_name, option);
+        }
+    }
+
     /// Records the full name of a key overridden by a region.
     pub(super) fn add_alias(&mut self, key: &'static str, name: String) {
         self.aliases.insert(key, name);

@@ -198,6 +198,29 @@ impl<'a> NodeTable<'a> {
         }
     }
 
+    /// Returns the tables of a section or of a list of sections, with their dotted keys.
+    pub(super) fn tables_of_section(
+        &mut self,
+        name: &str,
+    ) -> impl Iterator<Item = (String, &mut NodeTable<'a>)> {
+        let tables: Vec<_> = match self.node_mut(name) {
+            Some(Node::Table(table)) => vec![(name.to_owned(), table)],
+            Some(Node::Tables(tables)) => {
+                let path = |(index, table)| (format!("{name}[{index}]"), table);
+                tables.iter_mut().enumerate().map(path).collect()
+            }
+            _ => Vec::new(),
+        };
+        tables.into_iter()
+    }
+
+    /// Renames an entry.
+    pub(super) fn rename(&mut self, name: &str, new_name: &str) {
+        if let Some((own, _)) = self.0.iter_mut().find(|(own, _)| own == name) {
+            new_name.clone_into(own);
+        }
+    }
+
     fn node_mut(&mut self, name: &str) -> Option<&mut Node<'a>> {
         self.0.iter_mut().find(|(own, _)| own == name).map(|(_, node)| node)
     }

@@ -142,6 +142,10 @@ fn append_table(page: &mut String, form: &'static TableSchema) {
     if form.is_required && form.layout != TableLayout::InlineTable {
         page.push_str("A run in time must have it.\n");
     }
+    if let Some(name) = form.former_name {
+        let header = form.layout.format_header(name);
+        let _ = writeln!(page, "The former name `{header}` is read for one more version.");
+    }
     if form.groups.is_empty() {
         append_stress_table(page);
         return;
@@ -157,13 +161,19 @@ fn append_table(page: &mut String, form: &'static TableSchema) {
         };
         let conditions: Vec<String> =
             when.iter().chain(item.conditions).map(format_condition).collect();
+        let meaning = match item.former_name {
+            Some(name) => {
+                format!("{}; former name, read for one more version: `{name}`", item.meaning)
+            }
+            None => item.meaning.to_owned(),
+        };
         let (name, value) = (format_code(item.name), describe_type(&item.value_type));
         page.push_str(&format_row(&[
             &name,
             &value,
             item.unit,
             &default,
-            item.meaning,
+            &meaning,
             &conditions.join(", "),
         ]));
     }

@@ -14,6 +14,8 @@ pub use models::common::range::AllowedRange;
 pub struct TableSchema {
     /// Name of the section, or of the key whose value is the table.
     pub name: &'static str,
+    /// Former name of the section, which is read for one more version.
+    pub former_name: Option<&'static str>,
     /// Notation of the table.
     pub layout: TableLayout,
     /// Meaning of the table, in one line.
@@ -51,6 +53,8 @@ pub struct KeyGroup {
 pub struct KeySchema {
     /// Name inside the table.
     pub name: &'static str,
+    /// Former name of the key, which is read for one more version.
+    pub former_name: Option<&'static str>,
     /// Type and range.
     pub value_type: ValueType,
     /// Unit; empty for texts and dimensionless numbers.
@@ -193,6 +197,17 @@ pub enum ListLength {
     SpinComponents,
 }
 
+impl TableLayout {
+    /// Returns the header of a table of this name as written in a case file.
+    pub(crate) fn format_header(self, name: &str) -> String {
+        match self {
+            Self::Section => format!("[{name}]"),
+            Self::List => format!("[[{name}]]"),
+            Self::InlineTable => format!("{name} = {{ … }}"),
+        }
+    }
+}
+
 impl TableSchema {
     /// Builds the schema of a section that may occur once.
     pub(crate) const fn new_section(
@@ -201,7 +216,7 @@ impl TableSchema {
         groups: &'static [KeyGroup],
     ) -> Self {
         let (layout, is_required, remedy) = (TableLayout::Section, false, "");
-        Self { name, layout, meaning, is_required, remedy, groups }
+        Self { name, former_name: None, layout, meaning, is_required, remedy, groups }
     }
 
     /// Builds the schema of a list of sections.
@@ -227,13 +242,19 @@ impl TableSchema {
         Self { is_required: true, remedy, ..self }
     }
 
+    /// Sets the former name of the section.
+    pub(crate) const fn with_former_name(self, former_name: &'static str) -> Self {
+        Self { former_name: Some(former_name), ..self }
+    }
+
     /// Returns the header of the table as written in a case file.
     pub fn header(&self) -> String {
-        match self.layout {
-            TableLayout::Section => format!("[{}]", self.name),
-            TableLayout::List => format!("[[{}]]", self.name),
-            TableLayout::InlineTable => format!("{} = {{ … }}", self.name),
-        }
+        self.layout.format_header(self.name)
+    }
+
+    /// Returns the former and the current name of each renamed key.
+    pub(crate) fn renamed_keys(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        self.keys().filter_map(|(_, item)| Some((item.former_name?, item.name)))
     }
 
     /// Returns all keys with the conditions of their groups; a name may occur several times.
@@ -294,6 +315,7 @@ impl KeySchema {
     ) -> Self {
         Self {
             name,
+            former_name: None,
             value_type: value,
             unit,
             presence: need,
@@ -335,6 +357,11 @@ impl KeySchema {
         meaning: &'static str,
     ) -> Self {
         Self::new(name, value, unit, KeyPresence::Optional(example), meaning)
+    }
+
+    /// Sets the former name of the key.
+    pub(crate) const fn with_former_name(self, former_name: &'static str) -> Self {
+        Self { former_name: Some(former_name), ..self }
     }
 
     /// Adds a note for messages, printed in parentheses.
@@ -385,7 +412,16 @@ pub(crate) struct CaseSchemas {
 impl CaseSchemas {
     /// Returns whether `section` is a structured section.
     pub(crate) fn has_section(&self, section: &str) -> bool {
-        let mut all = self.solids.iter().chain(self.flows).chain([&self.check]);
-        all.any(|form| form.name == section)
+        self.all().any(|form| form.name == section)
+    }
+
+    /// Returns all schemas.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &'static TableSchema> + use<> {
+        self.solids.iter().chain(self.flows).copied().chain([self.check])
+    }
+
+    /// Finds the schema of a section by its former name.
+    pub(crate) fn find_by_former_name(&self, name: &str) -> Option<&'static TableSchema> {
+        self.all().find(|form| form.former_name == Some(name))
     }
 }

@@ -26,9 +26,9 @@ const EXAMPLE_SOLID_RUN: &[ExampleSection] = &[
     ("grid", &[("cells", "[200, 100]"), ("spacing", "1.0"), ("origin", "[-100.0, -100.0]")]),
     ("time", &[("duration", "0.05")]),
     ("scheme", &[]),
-    ("side", &[("side", "\"x1-\""), ("kind", "\"non-reflecting\"")]),
-    ("side", &[("side", "\"x1+\""), ("kind", "\"non-reflecting\"")]),
-    ("side", &[("side", "\"x2-\""), ("kind", "\"non-reflecting\"")]),
+    ("boundary", &[("side", "\"x1-\""), ("kind", "\"non-reflecting\"")]),
+    ("boundary", &[("side", "\"x1+\""), ("kind", "\"non-reflecting\"")]),
+    ("boundary", &[("side", "\"x2-\""), ("kind", "\"non-reflecting\"")]),
     (
         "load",
         &[

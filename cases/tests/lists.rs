@@ -80,7 +80,7 @@ const PROGRAM_ONLY_ERRORS: [&str; 8] = [
     "receiver Longer",
     "receiver.#.fields Empty",
     "region Longer",
-    "side Shorter",
+    "boundary Shorter",
 ];
 
 /// Returns the texts of all templates and resolved bundled cases, with their file names.

@@ -38,15 +38,27 @@ fn collect_schema_keys(names: &mut KeyNames, path: &str, form: &'static TableSch
     }
 }
 
-/// Collects the keys of an object of the JSON Schema and of nested objects, including conditional ones.
+/// Returns the former names of sections and of keys by section.
+fn former_names() -> KeyNames {
+    let schemas = all_schemas().into_iter().flat_map(|(_, forms)| forms);
+    let in_schema = |form: &'static TableSchema| {
+        let keys = form.keys().filter_map(|(_, item)| item.former_name);
+        let keys = keys.map(|name| format!("{}.{name}", form.name));
+        form.former_name.map(str::to_owned).into_iter().chain(keys)
+    };
+    schemas.flat_map(in_schema).collect()
+}
+
+/// Collects the keys of an object of the JSON Schema and of nested objects, including conditional ones, without former
+/// names.
 fn collect_properties(schema: &Value, root: &Value, path: &str, names: &mut KeyNames) {
     if let Some(reference) = schema["$ref"].as_str() {
         let inner = root.pointer(reference.trim_start_matches('#')).expect("a definition");
         return collect_properties(inner, root, path, names);
     }
     for (name, inner) in schema["properties"].as_object().into_iter().flatten() {
-        if *inner != json!(false) {
-            let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        if *inner != json!(false) && !former_names().contains(&path) {
             collect_properties(inner, root, &path, names);
             names.insert(path);
         }
@@ -192,6 +204,66 @@ fn parse_to_json(text: &str) -> Value {
 }
 
 #[test]
+fn former_names_are_read_with_hints() {
+    let former = SOLID_CASE.replace("[[boundary]]", "[[side]]").replace("fixed_components", "held");
+    let current = Case::parse(SOLID_CASE, "x.toml", &[]).expect("a case");
+    let read = Case::parse(&former, "x.toml", &[]).expect("a case");
+    assert!(read == current && read.to_toml() == current.to_toml());
+    assert!(read.to_toml().contains("[[boundary]]") && current.hints().is_empty());
+    let hints: Vec<String> = read.hints().iter().map(ToString::to_string).collect();
+    let line = |text: &str| 1 + former.lines().position(|own| own.starts_with(text)).expect("it");
+    let end = "the old name is read for one more version";
+    let expected = [
+        format!("x.toml:{}: [[side]] is now [[boundary]]; {end}", line("[[side]]")),
+        format!("x.toml:{}: held is now fixed_components; {end}", line("held")),
+    ];
+    assert_eq!(hints, expected);
+    assert!(build_validator().is_valid(&parse_to_json(&former)));
+
+    // Options: keys with former names, and former names inside a value.
+    for set in [
+        "side[0].held=['v2']",
+        "boundary[0].held=['v2']",
+        "boundary[0].fixed_components=['v2']",
+        "side[0]={ side = 'x1-', kind = 'mixed', held = ['v2'] }",
+    ] {
+        for text in [SOLID_CASE, &former] {
+            let case = Case::parse(text, "x.toml", &[set.to_owned()]).expect("a case");
+            let resolved = case.to_toml();
+            assert!(resolved.contains("fixed_components = [\"v2\"]"), "{set}: {resolved}");
+            let uses_former = text == former || set.contains("side[") || set.contains("held");
+            assert_eq!(!case.hints().is_empty(), uses_former, "{set}");
+        }
+    }
+    let sets = ["side[0].kind=free".to_owned(), "boundary[0].held=['v1']".to_owned()];
+    let error = Case::parse(SOLID_CASE, "x.toml", &sets).expect_err("an unused key").to_string();
+    assert!(error.starts_with("--set boundary[0].held=['v1']: boundary[0]."), "{error}");
+}
+
+#[test]
+fn former_and_current_name_together_are_refused() {
+    let validator = build_validator();
+    for (found, replacement, message) in [
+        (
+            "[[load]]",
+            "[[side]]\nside = 'x1+'\nkind = 'free'\n[[load]]",
+            "side: found [[side]] and [[boundary]]; write [[boundary]] alone; [[side]] is its former name",
+        ),
+        (
+            "fixed_components = ['v1']",
+            "fixed_components = ['v1']\nheld = ['v2']",
+            "boundary[0].held: found held and fixed_components; write fixed_components alone; held is \
+             its former name",
+        ),
+    ] {
+        let text = SOLID_CASE.replace(found, replacement);
+        let error = Case::parse(&text, "x.toml", &[]).expect_err("both names").to_string();
+        assert!(error.starts_with("x.toml:") && error.ends_with(message), "{error}");
+        assert!(!validator.is_valid(&parse_to_json(&text)), "{replacement}");
+    }
+}
+
+#[test]
 fn bundled_resolved_and_template_cases_are_valid() {
     let validator = build_validator();
     let check = |what: &str, text: &str| {
@@ -238,10 +310,10 @@ axis = 2
 from = 0
 to = 10
 model = { mu = 2e9 }
-[[side]]
+[[boundary]]
 side = 'x1-'
 kind = 'mixed'
-held = ['v1']
+fixed_components = ['v1']
 [[load]]
 side = 'x2+'
 field = 'sigma22'
@@ -301,7 +373,7 @@ const INVALID_MODIFICATIONS: &[(&str, &str, &str)] = &[
     (SOLID_CASE, "mu = 1e9", "mu = 1e9\nalpha = 1"),
     (SOLID_CASE, "[gravity]", "[gravty]"),
     (SOLID_CASE, "spacing = 1", "spacing = 1\nlength = 1"),
-    (SOLID_CASE, "held = ['v1']", "held = ['v1']\nshape = 'box'"),
+    (SOLID_CASE, "fixed_components = ['v1']", "fixed_components = ['v1']\nshape = 'box'"),
     (SOLID_CASE, "axis = 2\n", "axis = 2\nradius = 1\n"),
     (SOLID_CASE, "frequency = 5 }", "frequency = 5, duration = 1 }"),
     (SOLID_CASE, "model = { mu = 2e9 }", "model = { mv = 2e9 }"),
@@ -314,7 +386,7 @@ const INVALID_MODIFICATIONS: &[(&str, &str, &str)] = &[
     // Wrong types.
     (SOLID_CASE, "mu = 1e9", "mu = '1e9'"),
     (SOLID_CASE, "cells = [20, 10]", "cells = [20.5, 10]"),
-    (SOLID_CASE, "held = ['v1']", "held = 'v1'"),
+    (SOLID_CASE, "fixed_components = ['v1']", "fixed_components = 'v1'"),
     (SOLID_CASE, "time = { kind = 'ricker', frequency = 5 }", "time = 'ricker'"),
     (SOLID_CASE, "count = 3", "count = true"),
     (FLOW_CASE, "amplitude = 1e-4", "amplitude = [1e-4]"),
@@ -325,7 +397,7 @@ const INVALID_MODIFICATIONS: &[(&str, &str, &str)] = &[
     (SOLID_CASE, "friction = 0.5\n", ""),
     (SOLID_CASE, "[time]\nduration = 1\n", ""),
     (SOLID_CASE, "duration = 1\n", ""),
-    (SOLID_CASE, "held = ['v1']\n", ""),
+    (SOLID_CASE, "fixed_components = ['v1']\n", ""),
     (SOLID_CASE, "to = 10\n", ""),
     (SOLID_CASE, ", frequency = 5", ""),
     (SOLID_CASE, "count = 3\n", ""),

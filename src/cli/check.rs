@@ -1,5 +1,6 @@
 //! `wellposed check`: compares predicted with measured waves, for a case or for all cases in a folder.
 
+use super::load::{load_case, print_hints};
 use super::progress::run_with_progress;
 use super::write::{planned_paths, print_plan, write_report};
 use crate::case::Case;
@@ -29,7 +30,7 @@ pub fn run_check(options: &Options, stdout: &mut dyn Write) -> Result<(), Error>
 }
 
 fn check_case(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case_path, &options.settings)?;
+    let case = load_case(options)?;
     let plan = CheckPlan::new(&case, CheckExtent::Full)?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     if options.is_dry_run {
@@ -97,6 +98,7 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
     let (mut list, mut failed, mut all) = (Vec::new(), 0, 0);
     for path in files {
         let case = Case::load(&path, &options.settings)?;
+        print_hints(&case);
         let name = path.display().to_string();
         let line = match check_with_progress(&case, CheckExtent::Short, pool) {
             Ok(found) => CaseLine::from_result(&name, &found),

@@ -1,8 +1,8 @@
 //! `wellposed dispersion`: computes the dispersion relation of a solid.
 
+use super::load::load_case;
 use super::progress::run_with_progress;
 use super::write::{planned_paths, print_plan, write_report};
-use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{Error, Options};
@@ -15,7 +15,7 @@ use std::io::Write;
 /// # Errors
 /// The case is invalid, or results cannot be written.
 pub fn run_dispersion(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case_path, &options.settings)?;
+    let case = load_case(options)?;
     let pool = create_thread_pool(options.threads)?;
     let found = run_with_progress(&pool, "dispersion", |on_progress| {
         study::compute_dispersion(&case, on_progress)

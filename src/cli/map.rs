@@ -1,8 +1,8 @@
 //! `wellposed map`: computes the verdict over two parameters of a case.
 
+use super::load::load_case;
 use super::progress::run_with_progress;
 use super::write::{planned_paths, print_plan, write_report};
-use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{Error, Options};
@@ -19,7 +19,7 @@ pub fn run_map(
     map_options: MapOptions,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
-    let case = Case::load(&options.case_path, &options.settings)?;
+    let case = load_case(options)?;
     let map = *case.require_map()?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;
     let states = map.x.point_count * map.y.point_count;

@@ -5,6 +5,7 @@ mod check;
 mod dispersion;
 mod error;
 pub mod folder;
+mod load;
 mod map;
 pub mod new;
 mod options;

@@ -1,5 +1,6 @@
 //! `wellposed plot`: redraws the pictures of a finished run from its result files.
 
+use super::load::print_hints;
 use super::run::{ANIMATION_FILE, AnimationOutput, draw_animation, read_records};
 use crate::case::TimeDomainRun;
 use crate::cli::Error;
@@ -19,6 +20,7 @@ const FIELDS_ARCHIVE: &str = "fields.npz";
 /// The folder holds no finished run, or a result file cannot be read or written.
 pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
     let (folder, case) = ResultFolder::open_finished_run(path)?;
+    print_hints(&case);
     folder.check_files(|name| {
         let is_table = [AppendedFile::Receivers, AppendedFile::Ledger, AppendedFile::Spectrum];
         is_snapshot(name)

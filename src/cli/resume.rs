@@ -1,5 +1,6 @@
 //! `wellposed resume`: resumes a run from its last checkpoint.
 
+use super::load::print_hints;
 use super::run::{Checkpoint, CheckpointSettings, RunContext, execute_run};
 use crate::case::TimeDomainRun;
 use crate::cli::folder::{ResultFolder, UnfinishedRun};
@@ -20,6 +21,7 @@ pub fn resume(
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
     let UnfinishedRun { folder, case, lock } = ResultFolder::open_unfinished_run(path)?;
+    print_hints(&case);
     let job = create_job(&case)?;
     let plan = job.plan(false)?;
     let found = Checkpoint::read(&folder)?;

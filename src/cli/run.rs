@@ -16,6 +16,7 @@ pub(super) use animation::{ANIMATION_FILE, AnimationOutput, draw_animation};
 pub(super) use checkpoint::Checkpoint;
 pub(super) use run_files::read_records;
 
+use super::load::print_hints;
 use super::signals::{self, ProgramStage};
 use super::write::{planned_paths, print_plan, print_report};
 use crate::case::Case;
@@ -49,6 +50,7 @@ pub fn run_simulation(
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
     let case = Case::load_simulation(&options.case_path, &options.settings)?;
+    print_hints(&case);
     let job = create_job(&case)?;
     let plan = job.plan(false)?;
     if !options.force {

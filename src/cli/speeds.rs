@@ -1,8 +1,8 @@
 //! `wellposed speeds`: computes the characteristic speeds of a solid by direction.
 
+use super::load::load_case;
 use super::progress::run_with_progress;
 use super::write::{planned_paths, print_plan, write_report};
-use crate::case::Case;
 use crate::cli::folder::{self, ResultFolder};
 use crate::cli::options::create_thread_pool;
 use crate::cli::{Error, Options};
@@ -15,7 +15,7 @@ use std::io::Write;
 /// # Errors
 /// The case is invalid, or results cannot be written.
 pub fn run_speeds(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
-    let case = Case::load(&options.case_path, &options.settings)?;
+    let case = load_case(options)?;
     let solid =
         setup::solid::create_solid(&case.material).map_err(|error| case.locate_error(error))?;
     let folder = ResultFolder::from_case(&case, options.output_folder.as_deref(), options.force)?;

@@ -145,7 +145,7 @@ impl<const D: usize> SolidSetup<D> {
 fn locate_domain_error(dynamics: &SolidRun, error: &DomainError) -> CaseError {
     let key = match error {
         DomainError::Courant { .. } => "time.courant",
-        DomainError::ConditionCount { .. } | DomainError::Periodic(_) => "side",
+        DomainError::ConditionCount { .. } | DomainError::Periodic(_) => "boundary",
         DomainError::Load(_) => "load",
         DomainError::Source(_) => "source",
         DomainError::InitialStress => "initial_stress",

@@ -54,15 +54,15 @@ yield = { kind = 'none' }
 shape = 'rest'
 yield = { kind = 'von-mises', strength = 5 }
 
-[[side]]
+[[boundary]]
 side = 'x2-'
 kind = 'fixed'
-[[side]]
+[[boundary]]
 side = 'x2-'
 kind = 'mixed'
 from = [-1]
 to = [1]
-held = ['v2', 'w3']
+fixed_components = ['v2', 'w3']
 [[load]]
 side = 'x2+'
 field = 'sigma22'
@@ -180,13 +180,13 @@ point = [0, 0, 2]
 normal = [0, 0, 1]
 model = { kind = 'classical', lambda = 0, mu = 5e8 }
 yield = { kind = 'drucker-prager', strength = 1e6, friction = 0.5, dilatancy = 0.5 }
-[[side]]
+[[boundary]]
 side = 'x1-'
 kind = 'periodic'
-[[side]]
+[[boundary]]
 side = 'x1+'
 kind = 'periodic'
-[[side]]
+[[boundary]]
 side = 'x2+'
 kind = 'non-reflecting'
 from = [0, 0]

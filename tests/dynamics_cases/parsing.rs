@@ -168,7 +168,7 @@ fn settings_reach_all_sections() {
             "region[1].yield.strength=8",
             "output.picture=speed",
             "scheme.ledger=full",
-            "side[0].kind=free",
+            "boundary[0].kind=free",
             "receiver[0].name=here",
         ],
     )

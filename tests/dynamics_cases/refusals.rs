@@ -37,7 +37,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
     #[rustfmt::skip]
     let table: &[(&str, &str, &str)] = &[
         // sections and keys
-        ("[grid]", "[grdi]", "19: grdi: unknown key; did you mean 'grid'? allowed here: title, name, [model], [yield], [stress], [wave], [map], [check], [grid], [time], [scheme], [[region]], [[side]], [[load]], [[source]], [[initial]], [initial_stress], [gravity], [[receiver]], [output]"),
+        ("[grid]", "[grdi]", "19: grdi: unknown key; did you mean 'grid'? allowed here: title, name, [model], [yield], [stress], [wave], [map], [check], [grid], [time], [scheme], [[region]], [[boundary]], [[load]], [[source]], [[initial]], [initial_stress], [gravity], [[receiver]], [output]"),
         ("[[receiver]]", "[[reciever]]", "134: reciever: unknown key; did you mean 'receiver'? allowed here: "),
         ("spacing = [0.5, 1]", "spacin = 1", "19: grid.spacing: missing; add spacing to [grid]: expected a positive number or a list of 2 positive numbers in m (edges of a cell)"),
         ("origin = [-5, 0]", "orign = [-5, 0]", "22: grid.orign: unknown key; did you mean 'origin'? allowed here: cells, spacing, origin"),
@@ -72,12 +72,12 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("to = [0, 10]", "to = [0, 0]", "33: region[0].to: found [0.0, 0.0] with from = [-5.0, 0.0]; to must be greater than from along each axis"),
         ("radius = 1.5", "radius = 0", "38: region[1].radius: found the integer 0; expected a positive number in m"),
         // boundaries and loads
-        ("side = 'x2-'\nkind = 'fixed'", "side = 'x3-'\nkind = 'fixed'", "45: side[0].side: found 'x3-'; did you mean 'x1-'? allowed: x1-, x1+, x2-, x2+"),
-        ("kind = 'fixed'", "kind = 'periodic'", "46: side[0].kind: found periodic on x2- alone; add [[side]] with side = \"x2+\", kind = \"periodic\""),
-        ("kind = 'fixed'", "kind = 'fixd'", "46: side[0].kind: found 'fixd'; did you mean 'fixed'? allowed: free, fixed, symmetry, antisymmetry, periodic, non-reflecting, mixed"),
-        ("from = [-1]\n", "", "47: side[1].from: missing; give both ends of a part, from and to"),
-        ("held = ['v2', 'w3']", "held = ['v2', 'w1']", "52: side[1].held: found 'w1'; did you mean 'v1'? allowed: v1, v2, w3"),
-        ("held = ['v2', 'w3']\n", "", "47: side[1].held: missing; add held, a list with any of v1, v2, w3"),
+        ("side = 'x2-'\nkind = 'fixed'", "side = 'x3-'\nkind = 'fixed'", "45: boundary[0].side: found 'x3-'; did you mean 'x1-'? allowed: x1-, x1+, x2-, x2+"),
+        ("kind = 'fixed'", "kind = 'periodic'", "46: boundary[0].kind: found periodic on x2- alone; add [[boundary]] with side = \"x2+\", kind = \"periodic\""),
+        ("kind = 'fixed'", "kind = 'fixd'", "46: boundary[0].kind: found 'fixd'; did you mean 'fixed'? allowed: free, fixed, symmetry, antisymmetry, periodic, non-reflecting, mixed"),
+        ("from = [-1]\n", "", "47: boundary[1].from: missing; give both ends of a part, from and to"),
+        ("fixed_components = ['v2', 'w3']", "fixed_components = ['v2', 'w1']", "52: boundary[1].fixed_components: found 'w1'; did you mean 'v1'? allowed: v1, v2, w3"),
+        ("fixed_components = ['v2', 'w3']\n", "", "47: boundary[1].fixed_components: missing; add fixed_components, a list with any of v1, v2, w3"),
         ("side = 'x2+'\nfield = 'sigma22'", "side = 'x3+'\nfield = 'sigma22'", "54: load[0].side: found 'x3+'; did you mean 'x1+'? allowed: x1-, x1+, x2-, x2+"),
         ("field = 'sigma22'", "field = 'sigma21'", "55: load[0].field: found 'sigma21'; did you mean 'sigma12'? allowed: v1, v2, w3, sigma12, sigma22, m32"),
         ("at = [0.5]", "at = [50]", "62: load[1].at: found [50.0], outside the grid; the grid has x1 from -5.0 to 5.0 m"),
@@ -149,15 +149,15 @@ fn time_domain_runs_need_a_solid_and_a_grid() {
              classical solid are equal",
         ),
         (
-            "[[side]]\nside = 'x1-'\nkind = 'periodic'\n[[side]]\nside = 'x1+'\nkind = 'periodic'\n\
+            "[[boundary]]\nside = 'x1-'\nkind = 'periodic'\n[[boundary]]\nside = 'x1+'\nkind = 'periodic'\n\
              [[load]]\nside = 'x1+'\n",
             "load[0].side: found x1+, which is periodic; a periodic side has no load; give \
              [[source]], or another side",
         ),
         (
-            "[[side]]\nside = 'x1-'\nkind = 'periodic'\n[[side]]\nside = 'x1+'\nkind = 'periodic'\n\
-             [[side]]\nside = 'x1+'\nkind = 'free'\nfrom = [0, 0]\nto = [1, 1]\n",
-            "side[2].side: found a part of x1+, which is periodic; leave the part out: a side is \
+            "[[boundary]]\nside = 'x1-'\nkind = 'periodic'\n[[boundary]]\nside = 'x1+'\nkind = 'periodic'\n\
+             [[boundary]]\nside = 'x1+'\nkind = 'free'\nfrom = [0, 0]\nto = [1, 1]\n",
+            "boundary[2].side: found a part of x1+, which is periodic; leave the part out: a side is \
              periodic as a whole",
         ),
         ("side = 3\n", "time.side: unknown key; allowed here: duration, courant, rotation_deg"),

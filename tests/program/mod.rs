@@ -30,7 +30,7 @@ spacing = 0.5
 duration = 0.15
 [scheme]
 ledger = 'full'
-[[side]]
+[[boundary]]
 side = 'x1-'
 kind = 'non-reflecting'
 [[load]]

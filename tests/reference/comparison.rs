@@ -135,7 +135,7 @@ impl AxisMapping {
     pub fn format_boundaries(self, kind: &str, sides: &[(usize, bool)]) -> String {
         let entry = |(coordinate, is_upper): &(usize, bool)| {
             let side = self.boundary_name(*coordinate, *is_upper);
-            format!("[[side]]\nside = \"{side}\"\nkind = \"{kind}\"\n")
+            format!("[[boundary]]\nside = \"{side}\"\nkind = \"{kind}\"\n")
         };
         sides.iter().map(entry).collect()
     }

@@ -53,7 +53,8 @@ pub fn replace_first(text: &str, old: &str, new: &str) -> String {
 
 /// Sections of a case that make boundaries periodic.
 pub fn format_periodic_boundaries(boundaries: &[&str]) -> String {
-    let section = |boundary: &&str| format!("[[side]]\nside = '{boundary}'\nkind = 'periodic'\n");
+    let section =
+        |boundary: &&str| format!("[[boundary]]\nside = '{boundary}'\nkind = 'periodic'\n");
     boundaries.iter().map(section).collect()
 }
 

@@ -1,4 +1,4 @@
-//! The sections `[[side]]`: boundary conditions on the faces of the grid.
+//! The sections `[[boundary]]`: boundary conditions on the faces of the grid.
 
 use super::component::{StateComponent, component_names, components_in_scope};
 use super::reader::SolidReader;
@@ -43,10 +43,10 @@ pub(super) const UPPER_CORNER_KEY: KeySchema = KeySchema::new_optional(
 )
 .with_note("an end of the part");
 
-/// Schema of the sections `[[side]]`.
+/// Schema of the sections `[[boundary]]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
-    "side",
-    "a condition on a side of the grid; a side that is not named is free, and later entries hold over earlier ones",
+    "boundary",
+    "boundary condition on a side of the grid; sides without an entry are traction-free, and later entries override earlier ones",
     &[
         KeyGroup::new(&[
             FACE_KEY,
@@ -55,13 +55,13 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::OneOf(|_| BoundaryConditionKind::NAMES.map(str::to_owned).to_vec()),
                 "",
                 "\"non-reflecting\"",
-                "what holds there: no traction, no velocity, mirror image, the side across, waves along the normal leave, or held",
+                "free: no traction; fixed: no velocity; symmetry, antisymmetry: a mirror plane; periodic: joined to the opposite side; non-reflecting: waves along the normal leave; mixed: fixed components",
             ),
         ]),
         KeyGroup::with_conditions(
             &[When::HasValue("kind", &["mixed"])],
             &[KeySchema::new_required(
-                "held",
+                "fixed_components",
                 ValueType::AnyOf(|scope| {
                     let mut all = components_in_scope(scope);
                     all.retain(|component| component.is_velocity());
@@ -70,7 +70,8 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 "",
                 "[\"v2\"]",
                 "velocities and spins that vanish; the tractions and couples of the others do",
-            )],
+            )
+            .with_former_name("held")],
         ),
         KeyGroup::with_conditions(
             &[When::HasValue(
@@ -80,7 +81,8 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             &[LOWER_CORNER_KEY, UPPER_CORNER_KEY],
         ),
     ],
-);
+)
+.with_former_name("side");
 
 /// A boundary face of the grid, normal to an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -163,7 +165,7 @@ pub enum BoundaryConditionKind {
     Periodic,
     /// Non-reflecting: waves along the normal leave the grid without reflection.
     NonReflecting,
-    /// Mixed: the velocities and spins in `held` are zero; the tractions and couples of the other components are zero.
+    /// Mixed: the velocities and spins in `fixed_components` are zero; the tractions and couples of the other components are zero.
     Mixed {
         /// Velocities and spins that are zero.
         fixed_components: Vec<StateComponent>,
@@ -206,13 +208,13 @@ pub(super) fn periodic_faces(
 }
 
 impl FaceCondition {
-    /// Formats the section `[[side]]` as TOML with all values.
+    /// Formats the section `[[boundary]]` as TOML with all values.
     pub(super) fn to_toml(&self) -> String {
         let mut resolved = TableWriter::default()
             .with_text("side", self.face.name())
             .with_text("kind", self.condition.name());
-        if let BoundaryConditionKind::Mixed { fixed_components: held } = &self.condition {
-            resolved = resolved.with_text_list("held", held);
+        if let BoundaryConditionKind::Mixed { fixed_components } = &self.condition {
+            resolved = resolved.with_text_list("fixed_components", fixed_components);
         }
         let resolved = match &self.rectangle {
             Some(part) => part.write_keys(resolved),
@@ -255,7 +257,7 @@ impl SolidReader<'_> {
         }
     }
 
-    /// Reads all sections `[[side]]`.
+    /// Reads all sections `[[boundary]]`.
     pub(super) fn read_boundary_conditions(
         &self,
         root: &SectionReader,
@@ -288,15 +290,16 @@ impl SolidReader<'_> {
             let (own, across) = (side.name(), side.opposite_face().name());
             if !is_periodic(side.opposite_face()) {
                 let found = format!("found periodic on {own} alone");
-                let allowed = format!("add [[side]] with side = \"{across}\", kind = \"periodic\"");
-                return Err(root.error_at(&format!("side[{index}].kind"), found, allowed));
+                let allowed =
+                    format!("add [[boundary]] with side = \"{across}\", kind = \"periodic\"");
+                return Err(root.error_at(&format!("boundary[{index}].kind"), found, allowed));
             }
         }
         let is_part = |entry: &FaceCondition| entry.rectangle.is_some() && is_periodic(entry.face);
         if let Some(index) = sides.iter().position(is_part) {
             let found = format!("found a part of {}, which is periodic", sides[index].face.name());
             let allowed = "leave the part out: a side is periodic as a whole";
-            return Err(root.error_at(&format!("side[{index}].side"), found, allowed));
+            return Err(root.error_at(&format!("boundary[{index}].side"), found, allowed));
         }
         Ok(sides)
     }
@@ -311,9 +314,10 @@ impl SolidReader<'_> {
         among.retain(|component| component.is_velocity());
         let names = component_names(&among);
         let find = |name: &str| StateComponent::find_by_name(name, self.theory, &among);
-        section.read_distinct_list("held", &names, find)?.ok_or_else(|| {
-            let allowed = format!("add held, a list with any of {}", join_with_commas(&names));
-            section.error_at("held", "missing", allowed)
+        section.read_distinct_list("fixed_components", &names, find)?.ok_or_else(|| {
+            let allowed =
+                format!("add fixed_components, a list with any of {}", join_with_commas(&names));
+            section.error_at("fixed_components", "missing", allowed)
         })
     }
 }

@@ -57,9 +57,9 @@ impl GridConverter<'_> {
                         _ => Vec::new(),
                     }
                 }
-                ConditionKind::Mixed { fixed_components: held } => pairs
+                ConditionKind::Mixed { fixed_components } => pairs
                     .iter()
-                    .map(|pair| match held.contains(&StateComponent(pair.velocity)) {
+                    .map(|pair| match fixed_components.contains(&StateComponent(pair.velocity)) {
                         true => Condition::Velocity(0.0),
                         false => Condition::Traction(0.0),
                     })
@@ -74,7 +74,7 @@ impl GridConverter<'_> {
                     }
                 }
             }
-            self.check_not_empty(is_empty, &format!("side[{index}]"))?;
+            self.check_not_empty(is_empty, &format!("boundary[{index}]"))?;
         }
         // A load sets the type of condition on its faces; two loads must not set different types.
         let mut said = vec![vec![None; faces.len()]; pairs.len()];

@@ -1,0 +1,20 @@
+//! Loading of case files, with hints on standard error.
+
+use super::{Error, Options};
+use crate::case::Case;
+use std::io::Write;
+
+/// Loads the case of a verb and prints its hints.
+pub(super) fn load_case(options: &Options) -> Result<Case, Error> {
+    let case = Case::load(&options.case_path, &options.settings)?;
+    print_hints(&case);
+    Ok(case)
+}
+
+/// Prints the hints on former names in a case to standard error.
+pub(super) fn print_hints(case: &Case) {
+    for hint in case.hints() {
+        // A closed standard error is ignored.
+        let _ = writeln!(std::io::stderr(), "warning: {hint}");
+    }
+}
