@@ -147,7 +147,7 @@ fn loads_below_flush_threshold_are_refused() {
     let arguments =
         format!("run case.toml --out out --threads 1 {f32} --set load[0].amplitude=1e-10");
     let (_, stderr) = run_with_exit_code(0, &here, &arguments);
-    assert!(!stderr.contains("left over"), "{stderr}");
+    assert!(!stderr.contains("residual of the energy ledger"), "{stderr}");
 }
 
 /// Verifies that sources and initial velocities below the threshold of flushing to zero are refused.

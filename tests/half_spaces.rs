@@ -240,7 +240,7 @@ fn lamb_problem_with_rigid_block_is_symmetric_and_dissipative() {
             }
         }
         let last = |name: &str| output.ledger[name].last().copied().expect("lines");
-        let share = last("balance") / last("sides");
+        let share = last("balance") / last("boundary_work");
         println!("{cells} cells: the scheme took {:.1} % of the work", -100.0 * share);
         let snapshots = output.files.iter().filter(|name| name.ends_with(".vti")).count();
         assert_eq!(snapshots, if cells == 40 { 3 } else { 0 });
@@ -284,7 +284,7 @@ fn run_surface_pulse(cells: usize, sets: &[&str]) -> (PlasticEffects, HalfSpaceR
     let effects = PlasticEffects {
         yielded_area: dissipation.iter().filter(|density| **density > 30.0).count() as f64 * h * h,
         mean_rotations: [mean([1.6, -0.8]), mean([1.6, -1.6])],
-        dissipated_energy: *output.ledger["plastic"].last().expect("lines"),
+        dissipated_energy: *output.ledger["plastic_dissipation"].last().expect("lines"),
     };
     (effects, output)
 }
@@ -336,7 +336,7 @@ fn ledger_of_surface_pulse_closes() {
     println!("residual {residual:.2e} of {max_energy:.4e} J/m");
     assert!(residual < 1e-12 * max_energy, "{residual:e} of {max_energy:e}");
     // In the step in which a front leaves through a boundary, reconstruction may add a small energy.
-    let numerical = &output.ledger["numerical"];
+    let numerical = &output.ledger["numerical_dissipation"];
     assert!(numerical.windows(2).all(|pair| pair[1] - pair[0] > -0.01 * max_magnitude(numerical)));
     assert!(numerical.last().expect("lines") > &0.0);
     let triangle = "{ kind = \"triangle\", duration = 0.02 }";

@@ -176,7 +176,7 @@ fn results_are_bit_identical_for_any_number_of_threads() {
         let largest = kinetic.iter().zip(stored).map(|(a, b)| a + b).fold(0.0, f64::max);
         assert!(residual < 1e-12 * largest, "{residual:e} of {largest:e}");
         let [plastic, initial_stress_work] =
-            ["plastic", "initial_stress"].map(|name| column_values(&ledger, name));
+            ["plastic_dissipation", "initial_stress_work"].map(|name| column_values(&ledger, name));
         assert!(*plastic.last().expect("lines") > 0.01 * largest);
         assert!(initial_stress_work.last().expect("lines").abs() > 1e-3 * largest);
         results.push(files);

@@ -40,7 +40,7 @@ impl Report for RunResult {
         let unit = self.ledger.unit.replace("m3", "m³");
         for (name, description) in terms {
             let Some(value) = self.ledger.term(name) else { continue };
-            if *name == "initial_stress" && value == 0.0 {
+            if *name == "initial_stress_work" && value == 0.0 {
                 continue;
             }
             let unit: &str = if *name == "power" { "W/m³" } else { &unit };
@@ -68,25 +68,25 @@ impl Report for RunResult {
 
 /// Terms of the energy ledger of a solid with their descriptions, in the order of the report.
 const SOLID_LEDGER_TERMS: &[(&str, &str)] = &[
-    ("at_start", "energy at the start"),
+    ("at_start", "initial energy"),
     ("kinetic", "kinetic energy"),
     ("stored", "stored energy"),
-    ("sides", "work at the sides"),
-    ("sources", "work of sources and weight"),
-    ("initial_stress", "released by the initial stress"),
-    ("plastic", "plastic dissipation"),
-    ("numerical", "dissipation of the scheme"),
-    ("residual", "left over (rounding)"),
-    ("balance", "balance (the scheme's, not counted)"),
+    ("boundary_work", "work of the boundaries"),
+    ("source_work", "work of sources and gravity"),
+    ("initial_stress_work", "work of the initial stress"),
+    ("plastic_dissipation", "plastic dissipation"),
+    ("numerical_dissipation", "numerical dissipation"),
+    ("residual", "residual (rounding)"),
+    ("balance", "balance (numerical dissipation)"),
 ];
 
 /// Terms of the energy ledger of a flow with their descriptions, in the order of the report.
 const FLOW_LEDGER_TERMS: &[(&str, &str)] = &[
-    ("at_start", "kinetic energy at the start"),
+    ("at_start", "initial kinetic energy"),
     ("kinetic", "kinetic energy"),
-    ("background", "given by the mean flow"),
+    ("background", "energy from the mean flow"),
     ("stress", "work of the stress"),
-    ("balance", "left over (error of the steps)"),
+    ("balance", "residual (time-step error)"),
     ("power", "internal power"),
 ];
 
@@ -99,8 +99,8 @@ impl RunResult {
         for (own, quantity) in shown.iter().zip(&self.fields.quantities) {
             let [least, greatest] = value_range(&quantity.values);
             let unit = quantity_unit(own.name());
-            write_value_line(text, &format!("least {own}"), own.to_display_unit(least), unit);
-            write_value_line(text, &format!("greatest {own}"), own.to_display_unit(greatest), unit);
+            write_value_line(text, &format!("minimum {own}"), own.to_display_unit(least), unit);
+            write_value_line(text, &format!("maximum {own}"), own.to_display_unit(greatest), unit);
         }
     }
 }

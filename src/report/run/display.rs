@@ -111,8 +111,8 @@ impl Display for SimulationWarning {
             }
             Self::LedgerResidual { relative_residual: part } => write!(
                 formatter,
-                "{} % of the energy is left over in the ledger, more than rounding: numbers may be too large or too \
-                 small for scheme.precision",
+                "the residual of the energy ledger is {} % of its largest term, more than rounding: numbers may be too \
+                 large or too small for scheme.precision",
                 format_short(100.0 * part)
             ),
             Self::Sawtooth { entry } => write!(

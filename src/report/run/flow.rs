@@ -28,9 +28,9 @@ pub(super) fn create_pictures(
     pictures.extend(records.receivers.as_ref().map(|table| create_seismograms(case, table)));
     let describe_term = |name: &str| match name {
         "kinetic" => "kinetic energy of the perturbation",
-        "background" => "given by the mean flow",
+        "background" => "energy from the mean flow",
         "stress" => "work of the stress",
-        _ => "left over: error of the steps",
+        _ => "residual: time-step error",
     };
     pictures.extend(create_ledger_picture(case, &records.ledger, describe_term));
     pictures

@@ -29,13 +29,14 @@ pub(super) fn create_pictures(
     let describe_term = |name: &str| match name {
         "kinetic" => "kinetic energy",
         "stored" => "stored energy",
-        "sides" => "work at the sides",
-        "sources" => "work of sources and weight",
-        "initial_stress" => "released by the initial stress",
-        "plastic" => "plastic dissipation",
-        "numerical" => "dissipation of the scheme",
-        "residual" => "left over",
-        _ => "balance: the scheme's, not counted",
+        // Finished runs of earlier versions have the second names.
+        "boundary_work" | "sides" => "work of the boundaries",
+        "source_work" | "sources" => "work of sources and gravity",
+        "initial_stress_work" | "initial_stress" => "work of the initial stress",
+        "plastic_dissipation" | "plastic" => "plastic dissipation",
+        "numerical_dissipation" | "numerical" => "numerical dissipation",
+        "residual" => "residual",
+        _ => "balance: numerical dissipation",
     };
     pictures.extend(create_ledger_picture(case, &records.ledger, describe_term));
     if !fields.dissipation.is_empty() && dynamics.output.plotted_quantity != Shown::Dissipation {

@@ -312,14 +312,14 @@ impl SolidJob<'_> {
             ("kinetic", energy.kinetic),
             ("stored", energy.stored),
             ("at_start", initial_energy),
-            ("sides", ledger.boundary_work),
-            ("sources", ledger.source_work),
-            ("initial_stress", ledger.initial_stress_work),
-            ("plastic", ledger.plastic_dissipation),
+            ("boundary_work", ledger.boundary_work),
+            ("source_work", ledger.source_work),
+            ("initial_stress_work", ledger.initial_stress_work),
+            ("plastic_dissipation", ledger.plastic_dissipation),
         ];
         let is_full = dynamics.scheme.ledger_detail == LedgerKind::TotalsAndDissipation;
         if is_full {
-            terms.push(("numerical", ledger.numerical_dissipation));
+            terms.push(("numerical_dissipation", ledger.numerical_dissipation));
         }
         terms.push((if is_full { "residual" } else { "balance" }, found.final_account.balance()));
         let receiver = |own: &crate::case::dynamics::ReceiverPoint<_>| RunReceiver {
@@ -356,10 +356,17 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
     }
 
     fn account_tables(&self) -> Vec<TableHeader> {
-        let mut header =
-            vec!["time", "kinetic", "stored", "sides", "sources", "initial_stress", "plastic"];
+        let mut header = vec![
+            "time",
+            "kinetic",
+            "stored",
+            "boundary_work",
+            "source_work",
+            "initial_stress_work",
+            "plastic_dissipation",
+        ];
         header.extend(match self.dynamics.scheme.ledger_detail {
-            LedgerKind::TotalsAndDissipation => ["numerical", "residual"].as_slice(),
+            LedgerKind::TotalsAndDissipation => ["numerical_dissipation", "residual"].as_slice(),
             LedgerKind::Totals => &["balance"],
         });
         let header = header.into_iter().map(str::to_owned).collect();
