@@ -147,8 +147,12 @@ impl CaseLine {
         let left = format_unmeasured_count(found.unmeasured_count());
         let verdict = match (greatest, agrees) {
             (None, _) => "nothing measured".to_owned(),
-            (Some(greatest), true) => format!("{} off: agrees", format_scientific(greatest)),
-            (Some(greatest), false) => format!("{} off: DISAGREES", format_scientific(greatest)),
+            (Some(greatest), true) => {
+                format!("maximum error {}: agrees", format_scientific(greatest))
+            }
+            (Some(greatest), false) => {
+                format!("maximum error {}: DISAGREES", format_scientific(greatest))
+            }
         };
         Self {
             text: format!("{rows:>3} waves, {verdict}{left}"),

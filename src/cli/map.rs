@@ -28,12 +28,12 @@ pub fn run_map(
         run_with_progress(&pool, "checking states", |on_progress| {
             study::check_map(&case, on_progress)
         })?;
-        let plan = format!("judge {states} states: {} × {}", map.x, map.y);
+        let plan = format!("assess {states} states: {} × {}", map.x, map.y);
         let paths = planned_paths(&folder, &folder::MAP_FILES);
         return print_plan(&plan, &paths, options.format, stdout);
     }
     let pool = create_thread_pool(options.threads)?;
-    let found = run_with_progress(&pool, "judging states", |on_progress| {
+    let found = run_with_progress(&pool, "assessing states", |on_progress| {
         study::compute_map(&case, map_options, on_progress)
     })?;
     write_report(&found, &case, &folder, options.format, stdout)

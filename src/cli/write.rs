@@ -56,7 +56,7 @@ pub(super) fn planned_paths(folder: &ResultFolder, names: &[impl AsRef<str>]) ->
     names.map(|name| folder.path().join(name).display().to_string()).collect()
 }
 
-/// Prints what a verb would do, as in "judge 12 states", and the files that it would write.
+/// Prints what a verb would do, as in "assess 12 states", and the files that it would write.
 pub(super) fn print_plan(
     plan: &str,
     paths: &[String],

@@ -72,14 +72,14 @@ impl SpeedsResult {
         for wave in 0..self.directional_speeds.curves[0].1.len() {
             let number = wave + 1;
             let _ = match speed_range(&self.directional_speeds, of_wave(wave).into_iter()) {
-                Some([_, 0.0]) => writeln!(text, "  {number}  0: does not travel"),
+                Some([_, 0.0]) => writeln!(text, "  {number}  0: does not propagate"),
                 Some([low, high]) if high - low <= EQUAL_SPEED_TOLERANCE * high => {
                     writeln!(text, "  {number}  {}", format_short(high))
                 }
                 Some([low, high]) => {
                     writeln!(text, "  {number}  {} … {}", format_short(low), format_short(high))
                 }
-                None => writeln!(text, "  {number}  never real"),
+                None => writeln!(text, "  {number}  real in no direction"),
             };
         }
     }

@@ -1,7 +1,7 @@
 //! Check report of a flow: table and pictures.
 
 use super::{
-    format_agreement, format_max_difference, format_scientific, format_signed_scientific,
+    format_agreement, format_max_error, format_scientific, format_signed_scientific,
     format_significant, format_unmeasured_count,
 };
 use crate::case::Case;
@@ -26,13 +26,13 @@ impl FlowCheck {
     pub(super) fn to_text(&self, case: &Case) -> String {
         let mut text = format!("{}\n{}\n", case_title(case), case.medium().title());
         text.push_str(
-            "growth rates γ in 1/s of waves that the mean flow carries along; differences as parts of the \
-             rate, or of the shear rate Q_D where that is greater\n\n",
+            "growth rates γ in 1/s of waves advected by the mean flow; errors relative to max(|γ|, Q_D), Q_D \
+             the shear rate\n\n",
         );
         let _ = writeln!(
             text,
-            "{:<24}{:>13}{:>13}{:>10}{:>10}{:>7}{:>15}",
-            "", "predicted", "measured", "differs", "within", "order", "frozen, in Q_D"
+            "{:<24}{:>13}{:>13}{:>10}{:>11}{:>7}{:>21}",
+            "", "predicted", "measured", "error", "tolerance", "order", "(γ_frozen − γ)/Q_D"
         );
         let mut last = None;
         for row in &self.rows {
@@ -53,9 +53,9 @@ impl FlowCheck {
             (0, _) => ": all agree".to_owned(),
             (some, _) => format!(": {some} of {all} DISAGREE"),
         };
-        let off = format_max_difference(self.max_relative_difference());
+        let error = format_max_error(self.max_relative_difference());
         let _ =
-            writeln!(text, "\n{off}{found}{}", format_unmeasured_count(self.unmeasured_count()));
+            writeln!(text, "\n{error}{found}{}", format_unmeasured_count(self.unmeasured_count()));
         text
     }
 
@@ -76,7 +76,7 @@ impl FlowCheck {
                 case.medium().title(),
                 format_unmeasured_count(self.unmeasured_count()),
             ),
-            x_label: "wave number k at the beginning, 1/m".to_owned(),
+            x_label: "initial wave number k, 1/m".to_owned(),
             y_label: "growth or decay rate |γ|, 1/s".to_owned(),
             spectra: self.curves.iter().map(line).collect(),
             measured_points: self.curves.iter().map(|curve| curve.measured.clone()).collect(),
@@ -108,7 +108,11 @@ impl FlowCheck {
             x_label: format!("its wave number k on {} points, 1/m", counts.join(", ")),
             y_label: "growth rate γ, 1/s".to_owned(),
             spectra: self.refinements.iter().map(line).collect(),
-            measured_points: self.refinements.iter().map(|own| points(own, |grid| grid.measured)).collect(),
+            measured_points: self
+                .refinements
+                .iter()
+                .map(|own| points(own, |grid| grid.measured))
+                .collect(),
         })
     }
 }
@@ -127,7 +131,7 @@ impl ModeCheck {
         };
         let _ = writeln!(
             text,
-            "  {:<22}{:>13}{:>13}{:>10}{:>10}{:>7}{:>15}  {}",
+            "  {:<22}{:>13}{:>13}{:>10}{:>11}{:>7}{:>21}  {}",
             name,
             format_significant(predicted),
             format_significant(limit.growth_rate),

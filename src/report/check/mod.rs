@@ -62,10 +62,10 @@ impl Report for CheckResult {
     }
 }
 
-/// Describes the largest relative difference of the measured waves.
-fn format_max_difference(greatest: Option<f64>) -> String {
-    greatest.map_or("nothing measured".to_owned(), |own| {
-        format!("{} off at most", format_scientific(own))
+/// Describes the largest relative error of the measured waves.
+fn format_max_error(largest: Option<f64>) -> String {
+    largest.map_or("nothing measured".to_owned(), |error| {
+        format!("maximum error {}", format_scientific(error))
     })
 }
 

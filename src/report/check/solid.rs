@@ -1,7 +1,7 @@
 //! Check report of a solid: table and picture.
 
 use super::{
-    format_agreement, format_max_difference, format_scientific, format_signed_scientific,
+    format_agreement, format_max_error, format_scientific, format_signed_scientific,
     format_significant, format_unmeasured_count,
 };
 use crate::case::Case;
@@ -56,7 +56,7 @@ impl MediumCheck {
             let at = |own: Option<f64>| own.map_or("none".to_owned(), format_significant);
             let _ = writeln!(
                 text,
-                "\nno {} waves between {} and {} rad/s: measured next to it {} and {}  {}",
+                "\nno {} waves between {} and {} rad/s: nearest measured {} and {}  {}",
                 band.polarisation,
                 format_significant(band.lower_edge),
                 format_significant(band.upper_edge),
@@ -75,7 +75,7 @@ impl MediumCheck {
             text,
             "\n{} waves, {}{verdict}{}",
             self.rows.len(),
-            format_max_difference(self.max_relative_difference()),
+            format_max_error(self.max_relative_difference()),
             format_unmeasured_count(self.unmeasured_count()),
         );
     }
@@ -88,21 +88,21 @@ impl MediumCheck {
         let coarse = cells.first().map_or("–", String::as_str);
         let _ = writeln!(
             text,
-            "frequencies ω in rad/s; differences and growth rates γ as parts of ω; {} cells to a period \
-             along each axis\n",
+            "frequencies ω in rad/s; errors and growth rates γ relative to ω; {} cells per period along \
+             each axis\n",
             cells.join(", ")
         );
         let _ = writeln!(
             text,
-            "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>10}{:>10}{:>6}",
+            "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>11}{:>16}{:>6}",
             "",
             "predicted",
             "measured",
-            "differs",
+            "error",
             "expected",
             "growth",
-            "within",
-            format!("at {coarse}"),
+            "tolerance",
+            format!("error (N = {coarse})"),
             "order",
         );
     }
@@ -221,7 +221,7 @@ impl BranchCheck {
         };
         let _ = writeln!(
             text,
-            "  {:<40}{:>12}{:>12}{:>10}{:>10}{:>10}{:>10}{:>10}{:>6}  {}",
+            "  {:<40}{:>12}{:>12}{:>10}{:>10}{:>10}{:>11}{:>16}{:>6}  {}",
             name,
             format_significant(predicted),
             format_significant(limit.frequency),

@@ -183,7 +183,7 @@ fn format_verdict(analysis: &FlowAnalysis) -> String {
     if let (Some(order), Some([from, to])) = (state.fitted_order, state.fitted_wave_numbers) {
         let _ = writeln!(
             text,
-            "  fitted order {:.3}: greatest Re ς over all directions, k from {} to {} 1/m",
+            "  fitted order {:.3}: maximum Re ς over all directions, k from {} to {} 1/m",
             (1e3 * order).round() / 1e3 + 0.0,
             format_short(from),
             format_short(to)

@@ -105,7 +105,7 @@ fn create_growth_figure(case: &Case, shown: &[PlottedModel]) -> GrowthFigure {
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
-            "greatest Re ς of all roots; left: k = {} 1/m, degenerate directions dashed; right: in \
+            "maximum Re ς over all roots; left: k = {} 1/m, degenerate directions dashed; right: in \
              the worst direction at each k",
             format_short(wave.wave_number),
         ),
@@ -162,7 +162,7 @@ fn create_polar_figure(case: &Case, shown: &[PlottedModel]) -> PolarFigure {
     PolarFigure {
         title: case_title(case),
         subtitle: format!(
-            "greatest growth rate Re ς of all roots at k = {} 1/m; angle: wave vector, anticlockwise \
+            "maximum growth rate Re ς over all roots at k = {} 1/m; angle: wave vector, anticlockwise \
              from x₁",
             format_short(case.material.numbers.wave.wave_number)
         ),

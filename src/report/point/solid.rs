@@ -86,13 +86,15 @@ fn write_speeds(case: &Case, found: &SolidPoint, text: &mut String) {
         let _ = writeln!(text, "  yielding  {}", format_speeds(&found.squared_speeds));
     }
     if matches!(case.material.kind, ModelKind::Solid(solid) if solid.theory == Theory::Reduced) {
-        let _ =
-            writeln!(text, "  where 0 is the rotation: without couple stress it does not travel");
+        let _ = writeln!(
+            text,
+            "  speed 0 is the rotation, which does not propagate without couple stress"
+        );
     }
     let _ = writeln!(
         text,
         "  and {} of speed zero among {} unknowns: stresses without traction or couple \
-         on the front, which no motion relieves",
+         on the front, which do not propagate",
         found.zero_root_count, found.unknown_count
     );
 }
@@ -119,7 +121,7 @@ fn write_extremes(found: &SolidPoint, text: &mut String) {
             at(slowest.normal.vector),
             match &found.solid.plastic_state {
                 Some(own) if own.set.half_spaces().is_some() => {
-                    " (slip along a layer stands still always)"
+                    " (slip along a layer always has zero speed)"
                 }
                 _ => ", the onset of a shear band",
             }
@@ -143,12 +145,12 @@ fn write_energy(found: &SolidPoint, text: &mut String) {
     let mut line = |name: &str, value: f64| {
         let _ = writeln!(text, "  {name:<58}{value:.1e}");
     };
-    line("least eigenvalue of the symmetriser (unit diagonal)", energy.definiteness);
+    line("smallest eigenvalue of the symmetriser (unit diagonal)", energy.definiteness);
     line("asymmetry of B, elastic", energy.asymmetry);
     line("asymmetry of Q + Qᵀ, elastic", energy.antisymmetry_defect);
-    line("greatest |Re ς|/|ς| of many waves, elastic", energy.elastic_growth);
+    line("maximum |Re ς|/|ς| over sampled waves, elastic", energy.elastic_growth);
     if found.solid.plastic_state.is_some() {
-        line("greatest |Re ς|/|ς| of many waves, yielding", energy.yielding_growth);
+        line("maximum |Re ς|/|ς| over sampled waves, yielding", energy.yielding_growth);
     }
 }
 
@@ -220,7 +222,7 @@ fn create_figure(case: &Case, found: &SolidPoint) -> GrowthFigure {
     GrowthFigure {
         title: case_title(case),
         subtitle: format!(
-            "{}: greatest Re ς of all roots; left: k = {} 1/m{above}",
+            "{}: maximum Re ς over all roots; left: k = {} 1/m{above}",
             case.medium().title(),
             format_short(wave.wave_number)
         ),
