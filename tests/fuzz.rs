@@ -247,7 +247,7 @@ fn find_fault(here: &Path, words: &[String], end: &ProgramEnd) -> Option<String>
     if is_json && !is_usage {
         let object = end.stderr.lines().find(|line| line.starts_with('{'));
         if matches!(code, 2 | 3)
-            && !object.is_some_and(|text| serde_json::from_str::<serde_json::Value>(text).is_ok())
+            && object.is_none_or(|text| serde_json::from_str::<serde_json::Value>(text).is_err())
         {
             return Some("an error that is no JSON object".to_owned());
         }

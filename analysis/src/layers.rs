@@ -278,7 +278,7 @@ fn search_facet(
     let infinite = face.zeros_of_coefficient(face.degree());
     let vanishing = face.zeros_of_coefficient(0);
     let mut special: StackList<f64> =
-        infinite.iter().chain(&vanishing).copied().filter(|a| is_off_axes(a)).collect();
+        infinite.iter().chain(&vanishing).copied().filter(is_off_axes).collect();
     special.extend([0.0, FRAC_PI_2]);
     special.sort_by(f64::total_cmp);
     special.dedup_by(|a, b| (*a - *b).abs() < 1e-9);

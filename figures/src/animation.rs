@@ -133,7 +133,7 @@ impl<W: Write> GifAnimation<W> {
             delay: self.frame_delay,
             width,
             height,
-            buffer: encoder.palette.to_indices(&small).into(),
+            buffer: encoder.palette.index_pixels(&small).into(),
             ..gif::Frame::default()
         };
         Ok(encoder.gif_encoder.write_frame(&frame)?)
@@ -238,7 +238,7 @@ impl Palette {
     }
 
     /// Returns the palette index of the nearest colour for each pixel.
-    fn to_indices(&mut self, pixels: &[u8]) -> Vec<u8> {
+    fn index_pixels(&mut self, pixels: &[u8]) -> Vec<u8> {
         let Self { colours, nearest_index } = self;
         let pixels = pixels.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
         let index = |pixel: [u8; 3]| {

@@ -20,7 +20,7 @@ const PREDICTION_STEPS_PER_SAMPLE: usize = 50;
 
 impl PlaneWave<2> {
     /// Wave vector k, 1/m.
-    pub(super) fn to_wave_vector(&self) -> [f64; 2] {
+    pub(super) fn to_wave_vector(self) -> [f64; 2] {
         let [n1, n2] = self.normal;
         [self.wave_number * n1, self.wave_number * n2]
     }

@@ -52,7 +52,7 @@ pub struct PointFields<T> {
 }
 
 impl<T: DifferentiableReal> PrescribedFields<T> {
-    pub fn to_dual(&self) -> PrescribedFields<Dual<T>> {
+    pub fn to_dual(self) -> PrescribedFields<Dual<T>> {
         PrescribedFields {
             rotation: self.rotation,
             friction_angle: Dual::from_value(self.friction_angle),
@@ -69,7 +69,7 @@ impl<T: DifferentiableReal> PrescribedFields<T> {
 }
 
 impl<T: DifferentiableReal> PointFields<T> {
-    pub fn to_dual(&self) -> PointFields<Dual<T>> {
+    pub fn to_dual(self) -> PointFields<Dual<T>> {
         PointFields {
             z: self.z.map(Dual::from_value),
             time_derivatives: self.time_derivatives.map(Dual::from_value),

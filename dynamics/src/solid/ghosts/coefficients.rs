@@ -153,7 +153,7 @@ impl<N: Number> GhostCoefficients<N> {
 
     /// Stores the coefficients as a group of lanes.
     #[inline(always)]
-    pub(crate) fn to_lanes<T: Real>(&self) -> GhostCoefficients<T::Lanes>
+    pub(crate) fn to_lanes<T: Real>(self) -> GhostCoefficients<T::Lanes>
     where
         N: Vector<T>,
     {
