@@ -147,7 +147,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
         "cells = [32, 24]",
         "cells = [32, 15]",
         "folder/x.toml:14: grid.cells: found [32, 15]; expected a list of 2 even whole numbers of at \
-             least 8 (points along each axis)",
+             least 8 (grid points along each axis)",
     ),
     (
         "cells = [32, 24]",
@@ -167,8 +167,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "length = [0.2, 0.1]",
         "spacing = 0.01",
-        "folder/x.toml:15: grid.spacing: found for a flow; give length, the edges of the box at the \
-             beginning in m, in its place",
+        "folder/x.toml:15: grid.spacing: found for a flow; give length, the edge lengths of the box at t = 0 in m, instead",
     ),
     (
         "length = [0.2, 0.1]",
@@ -194,8 +193,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "mode = [2, -1]",
         "mode = [2, -8]",
-        "folder/x.toml:21: initial[0].mode: found [2, -8] with 32 × 24 points; at most 10 and 7: add \
-             points, or a longer wave",
+        "folder/x.toml:21: initial[0].mode: found [2, -8] with 32 × 24 points; at most 10 and 7: use more grid points, or a longer wave",
     ),
     (
         "field = 'v'",
@@ -211,8 +209,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "to = 6.5",
         "to = 8",
-        "folder/x.toml:36: initial[2].to: found 8.0 with 32 × 24 points; at most 7.0: add points, or \
-             take longer waves",
+        "folder/x.toml:36: initial[2].to: found 8.0 with 32 × 24 points; at most 7.0: use more grid points, or longer waves",
     ),
     (
         "to = 6.5",
@@ -222,7 +219,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "from = 1\nto = 6.5",
         "from = 1.1\nto = 1.2",
-        "folder/x.toml:36: initial[2].to: no whole numbers m₁, m₂ between 1.1 and 1.2; a wider band",
+        "folder/x.toml:36: initial[2].to: no mode with √(m₁² + m₂²) between 1.1 and 1.2; use a wider band",
     ),
     (
         "seed = 12",
@@ -348,7 +345,7 @@ fn states_without_solver_are_refused() {
         ),
         (
             "pressure_gradient = [0, 1]",
-            ":13: background.pressure_gradient: found [0.0, 1.0]; leave it out: the flow that is run in time is uniform",
+            ":13: background.pressure_gradient: found [0.0, 1.0]; leave it out: simulated mean flows are uniform",
         ),
         ("stress_angle_gradient_deg = [1, 0]", ":13: background.stress_angle_gradient_deg: found"),
         ("spin_gradient = [1, 0]", ":13: background.spin_gradient: found"),
@@ -377,8 +374,7 @@ fn states_without_solver_are_refused() {
         "dilatancy_angle_deg = 10\nmoment_of_inertia",
     );
     let error = refused(&dilatant);
-    let message =
-        ":5: model.dilatancy_angle_deg: found 10.0; flows are run in time at constant volume: 0";
+    let message = ":5: model.dilatancy_angle_deg: found 10.0; 0: simulated flows are isochoric";
     assert_eq!(error, message);
     let error =
         refused(&replace_first(FLOW_CASE, "noncoaxiality_deg = 20", "noncoaxiality_deg = -45"));
@@ -391,8 +387,7 @@ fn states_without_solver_are_refused() {
     assert!(error.contains("background.spin"), "{error}");
     let error = refused(&new::generate_state_template(ModelKind::flow_kinds()[3]));
     assert!(
-        error
-            .ends_with("nothing determines the spin of this one, so that it cannot be run in time")
+        error.ends_with("this one does not determine the spin, so that it cannot be simulated")
     );
     if Path::new("/proc/meminfo").exists() {
         let large = replace_first(FLOW_CASE, "cells = [32, 24]", "cells = [16384, 16384]");

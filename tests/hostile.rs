@@ -274,7 +274,7 @@ fn case_size_is_limited() {
     for (case, expected) in [
         (
             SOLID_CASE.to_owned() + &filled("[[receiver]]\nat = [1, 1]\n", 40_000_000),
-            "so no case file",
+            "the maximum size of a case file",
         ),
         (
             SOLID_CASE.to_owned() + &filled("[[receiver]]\nat = [1, 1]\n", filling_length),

@@ -276,7 +276,7 @@ fn invalid_runs_are_refused() {
             format_classical_case(
                 "[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n[[region]]\nshape = 'layer'\naxis = 1\nfrom = 4\nto = 8\n",
             ),
-            "give every cell to one region",
+            "regions must not overlap",
         ),
         (
             format_classical_case("[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 5\n"),

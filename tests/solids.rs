@@ -390,7 +390,7 @@ fn invalid_solids_are_refused_with_location_and_remedy() {
         &change("shear_dilatancy = 0.05", "shear_dilatancy = -5"),
         &["no response while yielding"],
     );
-    refused(&(LAYERED_CASE.to_owned() + "[stress]\npressure = 1\n"), &["either decides"]);
+    refused(&(LAYERED_CASE.to_owned() + "[stress]\npressure = 1\n"), &["not both"]);
     let cone = |from: &str, to: &str| DRUCKER_PRAGER_CASE.replace(from, to);
     refused(&cone("pressure = 0.4", "pressure = -2"), &["stress.pressure", "within the yield set"]);
     refused(
@@ -410,7 +410,7 @@ pressure = 1
     let flow = wellposed::cli::new::generate_state_template(
         wellposed::case::ModelKind::from_name("double-shearing").expect("a kind"),
     );
-    refused(&(flow + "\n[yield]\nkind = 'von-mises'\n"), &["yield", "flows yield"]);
+    refused(&(flow + "\n[yield]\nkind = 'von-mises'\n"), &["yield", "built-in yield condition"]);
 }
 
 #[test]

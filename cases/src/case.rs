@@ -103,7 +103,7 @@ impl Case {
             .and_then(|file| file.take(MAX_FILE_SIZE + 1).read_to_end(&mut bytes))
             .map_err(|error| unreadable(error.to_string()))?;
         if bytes.len() as u64 > MAX_FILE_SIZE {
-            return Err(unreadable("larger than 16 MiB, so no case file".into()));
+            return Err(unreadable("larger than 16 MiB, the maximum size of a case file".into()));
         }
         let file = path.display().to_string();
         match std::str::from_utf8(&bytes) {
@@ -345,8 +345,8 @@ fn missing_grid_error(places: &KeyPositions, kind: ModelKind) -> CaseError {
     match kind {
         ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
             let found = format!("found {}", kind.name());
-            let allowed = "another model: nothing determines the spin of this one, so that it \
-                           cannot be run in time";
+            let allowed = "use another model: this one does not determine the spin, so that it \
+                           cannot be simulated";
             places.error_at("model.kind", found, allowed)
         }
         ModelKind::Flow(_) => {

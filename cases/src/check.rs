@@ -25,14 +25,14 @@ pub const MIN_CELLS: usize = 8;
 /// Schema of the section `[check]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
     "check",
-    "what wellposed check sends; what is left out is chosen to suit the model",
+    "waves and grids of wellposed check; omitted keys are chosen to suit the model",
     &[KeyGroup::new(&[
         KeySchema::new_optional(
             "numbers",
             ValueType::NumberList(1, AllowedRange::Positive),
             "1/m",
             "[0.5, 2.0]",
-            "wave numbers; default: the solid's own wave number times 1, ¼, ½, 2, 4, where it yields times 1; of a classical solid that of [wave]; of a flow that of [wave] times 1, 4 and 16",
+            "wave numbers; default for Cosserat solids: the characteristic wave number of the solid times 1, ¼, ½, 2, 4, or times 1 only if it yields; for classical solids: wave.number; for flows: wave.number times 1, 4 and 16",
         )
         .with_note("wave numbers"),
         KeySchema::new_optional(
@@ -40,7 +40,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::NumberList(1, AllowedRange::Finite),
             "deg",
             "[0.0, 30.0]",
-            "directions of the wave vector from x₁, with the elevation of [wave]; default: that of [wave], and oblique ones",
+            "directions of the wave vector from x₁, with the elevation of [wave]; default: direction of [wave], and oblique directions",
         )
         .with_note("directions of the wave vector from x1"),
         KeySchema::new_optional(
@@ -48,9 +48,9 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::CountList { length: [2, MAX_GRIDS], minimum: MIN_CELLS, order: CountConstraint::Ascending },
             "",
             "[20, 30, 40]",
-            "cells to a period along each axis of two or three grids, ascending; of a flow points along each axis of the grids that its perturbation is refined on",
+            "grid sizes, ascending; solids: cells per period along each axis of two or three grids; flows: points along each axis of the grids of the convergence study",
         )
-        .with_note("cells to a period"),
+        .with_note("cells per period"),
     ])],
 );
 

@@ -153,7 +153,7 @@ impl Case {
     pub fn simulation_rotation(&self) -> Result<RotationKind, CaseError> {
         self.material.kind.simulation_rotation().ok_or_else(|| {
             let found = format!("found {}", self.material.kind.name());
-            let allowed = "a flow whose stress angle is determined: nothing determines it here";
+            let allowed = "use a flow model that determines the stress angle";
             self.material.positions.error_at("model.kind", found, allowed)
         })
     }
@@ -173,9 +173,9 @@ impl Case {
                 continue;
             }
             let allowed = match name {
-                "model.dilatancy_angle_deg" => "flows are run in time at constant volume: 0",
+                "model.dilatancy_angle_deg" => "0: simulated flows are isochoric",
                 "background.velocity" => "leave it out: the box moves with the mean flow",
-                _ => "leave it out: the flow that is run in time is uniform",
+                _ => "leave it out: simulated mean flows are uniform",
             };
             return Err(self.material.positions.error_at(name, format!("found {value}"), allowed));
         }
@@ -197,14 +197,15 @@ impl Case {
                 };
                 let place = if region == YieldRegion::OutsideYield { "outside" } else { "inside" };
                 let found = format!("found {value:?}, {place} yield");
-                let allowed = "leave it out: what is run in time deforms, on yield";
+                let allowed = "leave it out: simulated flows are at yield";
                 return Err(self.material.positions.error_at(key, found, allowed));
             }
         };
         let is_undecided = (2.0 * flow.rounded_noncoaxiality()).cos().sign().is_none();
         if flow.spin.is_some() && is_undecided {
             let found = format!("found |Δ| = {:?}°", flow.noncoaxiality.abs().to_degrees());
-            let allowed = "another one: on the bound the spin determines no stress angle";
+            let allowed =
+                "use another value: at the bound the spin does not determine the stress angle";
             return Err(self.material.positions.error_at(
                 "background.noncoaxiality_deg",
                 found,

@@ -187,7 +187,7 @@ impl SolidRun {
         let mut media = Vec::new();
         if media.try_reserve_exact(count).is_err() {
             let found = format!("no memory for {count} cells");
-            return Err(self.positions.error_at("grid.cells", found, "ask for fewer"));
+            return Err(self.positions.error_at("grid.cells", found, "reduce the number of cells"));
         }
         if self.regions.is_empty() {
             media.resize(count, 0);
@@ -203,7 +203,7 @@ impl SolidRun {
             let Some(medium) = medium else {
                 return Err(self.positions.error_at(
                     "region",
-                    format!("no region holds the cell at {centre:?}"),
+                    format!("no region contains the cell at {centre:?}"),
                     "add [[region]] with shape = \"rest\", or make the regions larger",
                 ));
             };
@@ -220,8 +220,8 @@ impl SolidRun {
         match is_used.iter().position(|is_used| !is_used) {
             Some(unused) => Err(self.positions.error_at(
                 &format!("region[{unused}]"),
-                "no cell has its centre in it",
-                "make it larger than a cell, move it into the grid, or leave it out",
+                "contains no cell centre",
+                "make it larger than a cell, move it into the grid, or remove it",
             )),
             None => Ok(media),
         }
@@ -237,7 +237,7 @@ impl SolidRun {
             (Some(first), Some(second)) => {
                 let place = self.positions.locate(&format!("region[{first}]"));
                 let found = format!("overlaps region[{first}] ({place}) in the cell at {x:?}");
-                let allowed = "give every cell to one region: move or shrink one of the two";
+                let allowed = "regions must not overlap: move or shrink one of the two";
                 Err(self.positions.error_at(&format!("region[{second}]"), found, allowed))
             }
             _ => Ok(first),

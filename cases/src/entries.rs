@@ -361,7 +361,7 @@ fn check_entry_counts(text: &str, file: &str) -> Result<(), CaseError> {
         [(tables, MAX_TABLES, "sections and tables"), (count(b'='), MAX_KEYS, "keys")]
     {
         if found > most {
-            let cause = format!("about {found} {what}, more than the {most} that a case may have");
+            let cause = format!("about {found} {what}, more than the maximum of {most}");
             return Err(CaseError::Unreadable { path: file.into(), cause });
         }
     }

@@ -66,11 +66,11 @@ impl MediumKind {
 /// Error: a kind of model does not admit a yield set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{} cannot yield by {}; allowed: {}",
+    "{} does not admit the yield set {}; allowed: {}",
     kind.name(),
     set.name,
     match kind.admissible_yield_sets().as_slice() {
-        [] => "no yield set, flows have their own".to_owned(),
+        [] => "none, flow models have a built-in yield condition".to_owned(),
         sets => sets.iter().map(|set| set.name).collect::<Vec<_>>().join(", "),
     }
 )]

@@ -96,7 +96,7 @@ impl MapAxes {
             return Err(entries.positions.error_at(
                 larger,
                 format!("a grid of {} × {} points", x.point_count, y.point_count),
-                format!("expected at most {MAX_MAP_POINTS} points in all"),
+                format!("expected at most {MAX_MAP_POINTS} points in total"),
             ));
         }
         let map = Self { x, y };
@@ -106,13 +106,14 @@ impl MapAxes {
             (swept.into_iter().find(|s| of_stress(&s.1)), has_active)
         {
             let found = format!("a sweep of {} beside yield.active", sweep.parameter.name());
-            let allowed = "leave yield.active out: either decides what yields";
+            let allowed =
+                "leave yield.active out: it and [stress] both determine the active conditions";
             return Err(entries.positions.error_at(axis, found, allowed));
         }
         let sweeps_elevation =
             [x, y].iter().any(|sweep| sweep.parameter.name() == "wave.elevation_deg");
         if sweeps_elevation && numbers.dimensions == 2 {
-            let allowed = "waves stay in the plane, unless model.dimensions = 3";
+            let allowed = "set model.dimensions = 3: waves of plane strain have elevation 0";
             let found = "a sweep of wave.elevation_deg in plane strain";
             return Err(entries.positions.error_at("map", found, allowed));
         }
@@ -209,10 +210,10 @@ fn unknown_parameter_error(
         Some(key) if !key.is_used_by(medium) => {
             format!("'{shown}' is not used by {}", medium.title())
         }
-        Some(_) => format!("'{shown}' is no single number"),
+        Some(_) => format!("'{shown}' is not a single number"),
         None => {
             meant = format_suggestion(find_similar_name(name, names.iter().map(String::as_str)));
-            format!("there is no '{shown}' to sweep")
+            format!("no parameter is called '{shown}'")
         }
     };
     entries.positions.error_at(place, found, format!("{meant}allowed: {}", names.join(", ")))

@@ -46,7 +46,7 @@ impl Material {
             &entries.positions,
         )?;
         let ModelKind::Solid(_) = kind else {
-            let allowed = format!("solids alone: {}", join_names(&ModelKind::solid_kinds()));
+            let allowed = format!("solids only: {}", join_names(&ModelKind::solid_kinds()));
             return Err(entries.positions.error_at(
                 MODEL_KIND_KEY,
                 format!("found {}, a flow", kind.name()),
@@ -60,7 +60,7 @@ impl Material {
                 kind.admissible_yield_sets().iter().map(|set| set.name).collect();
             return Err(entries.positions.error_at(
                 MODEL_KIND_KEY,
-                format!("found {}, which cannot yield by {}", kind.name(), set.name),
+                format!("found {}, which does not admit the yield set {}", kind.name(), set.name),
                 format!("add yield = {{ kind = ... }} with one of none, {}", names.join(", ")),
             ));
         }
@@ -185,7 +185,7 @@ pub(super) fn check_dimensions(
     }
     if dimensions != d {
         let found = format!("found {dimensions} in a grid of {d} dimensions");
-        let allowed = format!("give as many as entries of grid.cells, {d}, or leave it out");
+        let allowed = format!("give {d}, the number of entries of grid.cells, or leave it out");
         return Err(positions.error_at("model.dimensions", found, allowed));
     }
     Ok(())

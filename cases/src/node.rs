@@ -122,7 +122,7 @@ impl<'a> NodeTable<'a> {
         let Some(steps) = steps else {
             return Err(OptionError {
                 key: key.to_owned(),
-                found: "no key".into(),
+                found: "not a key".into(),
                 allowed: "write section.key or section[0].key, the index counted from 0".into(),
             });
         };
@@ -158,13 +158,13 @@ impl<'a> NodeTable<'a> {
                     format!("a list of {}", tables.len()),
                     format!("write {path}[0] with an index from 0 to {}", tables.len() - 1),
                 ),
-                _ => refused("no section".into(), "a key inside it cannot be set".into()),
+                _ => refused("not a section".into(), "a key inside it cannot be set".into()),
             };
         };
         let count = match self.node_mut(name) {
             Some(Node::Tables(tables)) => tables.len(),
             Some(Node::Table(_)) => {
-                return refused(format!("the index {index}"), format!("{path} is no list"));
+                return refused(format!("the index {index}"), format!("{path} is not a list"));
             }
             Some(Node::Value(value)) if value.as_array().is_none_or(|list| !list.is_empty()) => {
                 return refused(format!("the index {index}"), "set the value as a whole".into());
@@ -188,7 +188,7 @@ impl<'a> NodeTable<'a> {
                 }
             }
             _ if count == 0 => refused(
-                format!("the index {index} of no entry"),
+                format!("the index {index} of an empty list"),
                 format!("add [[{path}]] to the file first"),
             ),
             _ => refused(

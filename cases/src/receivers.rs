@@ -23,7 +23,7 @@ pub(super) const NAME_KEY: KeySchema = KeySchema::new_optional(
     ValueType::Name,
     "",
     "\"surface\"",
-    "names the record; of a line name-1, name-2, …, of a grid name-1-1, name-2-1, …; default r1, r2, …",
+    "name of the record; points of a line are named name-1, name-2, …, points of a grid name-1-1, name-2-1, …; default: r1, r2, …",
 )
 .with_note("letters, digits, '-', '_' and '.'");
 
@@ -44,9 +44,9 @@ pub(super) const FIRST_POINT_KEY: KeySchema = KeySchema::new_optional(
     ValueType::Numbers(ListLength::GridAxes),
     "m",
     "[0.0, 0.0]",
-    "in place of at: the first point of a line or grid of points",
+    "first point of a line or grid of points; replaces at",
 )
-.with_note("the first point");
+.with_note("first point of a line or grid");
 
 /// Key `to`: last point of a line of receivers, or list of the other corners of a grid.
 pub(super) const LAST_POINT_KEY: KeySchema = KeySchema::new_required(
@@ -54,10 +54,10 @@ pub(super) const LAST_POINT_KEY: KeySchema = KeySchema::new_required(
     ValueType::PointList,
     "m",
     "[0.05, 0.0]",
-    "the last point of the line; of a grid a list of the corners beside the first one",
+    "last point of the line; for a grid a list of the corners adjacent to the first point",
 )
-.with_note("the last point of a line")
-.with_remark(", or for a grid a list of such corners")
+.with_note("last point of a line")
+.with_remark(", or for a grid a list of the adjacent corners")
 .with_conditions(LINE_CONDITION);
 
 /// Key `count`: number of points of a line, or along each edge of a grid.
@@ -66,9 +66,9 @@ pub(super) const POINT_COUNT_KEY: KeySchema = KeySchema::new_required(
     ValueType::PointCounts,
     "",
     "5",
-    "points of the line, both ends among them; of a grid a list of the points along each edge",
+    "number of points of the line, ends included; for a grid a list of the numbers along each edge",
 )
-.with_note("points of the line, both ends among them")
+.with_note("number of points of the line, ends included")
 .with_conditions(LINE_CONDITION);
 
 named_enum! {
@@ -136,11 +136,11 @@ pub(super) fn read_receivers<F: Clone + PartialEq + Display>(
         let points = compute_points(&section, domain)?;
         let count = receivers.len() + points.len();
         if count > MAX_RECEIVERS {
-            let found = format!("{count} points with those of this entry");
+            let found = format!("{count} points including this entry");
             return Err(root.error_at(
                 "receiver",
                 found,
-                format!("at most {MAX_RECEIVERS} in all"),
+                format!("at most {MAX_RECEIVERS} in total"),
             ));
         }
         let interpolation = match domain.has_interpolation {
@@ -160,7 +160,7 @@ pub(super) fn read_receivers<F: Clone + PartialEq + Display>(
             if let Some(first) = taken.insert(name.clone(), index) {
                 let place = root.locate(&format!("receiver[{first}]"));
                 let found = format!("found '{name}', the name of receiver[{first}] ({place})");
-                return Err(section.error_at("name", found, "give each receiver its own name"));
+                return Err(section.error_at("name", found, "give each receiver a unique name"));
             }
             receivers.push(ReceiverPoint {
                 name,
@@ -193,7 +193,8 @@ fn compute_points(
     let Some(from) = from else {
         for key in ["to", "count"] {
             if section.has_key(key) {
-                let allowed = "add from, the first point of a line or grid, or give at, a point";
+                let allowed =
+                    "add from, the first point of a line or grid, or give at for a single point";
                 return Err(section.error_at(key, "found without from", allowed));
             }
         }
@@ -203,7 +204,7 @@ fn compute_points(
         return Ok(vec![(String::new(), at)]);
     };
     if section.has_key("at") {
-        let allowed = "give one of the two, a point or a line or grid of points";
+        let allowed = "give either at (a point) or from (a line or grid of points), not both";
         return Err(section.error_at("at", "found beside from", allowed));
     }
     let to: Vec<Vec<f64>> = section.read_required("to")?;
@@ -231,7 +232,7 @@ fn compute_points(
         return Err(section.error_at(
             "count",
             found,
-            format!("at most {MAX_POINTS_PER_ENTRY} points in all"),
+            format!("at most {MAX_POINTS_PER_ENTRY} points in total"),
         ));
     };
     let mut points = Vec::with_capacity(total);

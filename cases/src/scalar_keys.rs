@@ -46,7 +46,7 @@ pub(super) fn read_yield_set(
             true => Err(entries.positions.error_at(
                 "stress",
                 "a stress without a yield set",
-                "add a section [yield], or leave this one out: elastic waves do not see the stress",
+                "add a section [yield], or leave this one out: elastic waves do not depend on the stress",
             )),
             false => Ok(None),
         };
@@ -57,7 +57,7 @@ pub(super) fn read_yield_set(
         return Err(entries.positions.error_at(
             "yield",
             found,
-            "leave the section out: flows yield",
+            "leave the section out: flow models have a built-in yield condition",
         ));
     }
     let name = entries.require_text(YIELD_KIND_KEY)?;
@@ -95,7 +95,7 @@ pub(super) fn read_active_conditions(
         return Err(entries.positions.error_at(
             YIELD_ACTIVE_KEY,
             found,
-            "give one of the two: either decides",
+            "give either yield.active or [stress], not both",
         ));
     }
     let known = medium.yield_condition_names();
@@ -171,18 +171,18 @@ pub(super) fn read_numbers(
     }
     if let dimensions @ (1 | 4..) = numbers.dimensions {
         let found = format!("found {dimensions}");
-        let allowed = "2 for plane strain or 3 for space";
+        let allowed = "expected 2 (plane strain) or 3";
         return Err(entries.positions.error_at("model.dimensions", found, allowed));
     }
     let elevation = numbers.wave.elevation_deg;
     if numbers.dimensions == 2 && elevation != 0.0 {
         let found = format!("found {elevation:?} in plane strain");
-        let allowed = "0: waves stay in the plane, unless model.dimensions = 3";
+        let allowed = "expected 0, or model.dimensions = 3";
         return Err(entries.positions.error_at("wave.elevation_deg", found, allowed));
     }
     if let Some(set) = media[0].yield_set.filter(|set| set.is_plane && numbers.dimensions == 3) {
         let found = format!("found 3 with the yield set {}", set.name);
-        let allowed = "2: it is a set of plane strain";
+        let allowed = "expected 2: this yield set requires plane strain";
         return Err(entries.positions.error_at("model.dimensions", found, allowed));
     }
     for key in keys().iter().filter(|key| key.split_section().0 == "wave") {
@@ -212,7 +212,7 @@ pub(super) fn read_compared_kinds(
         for name in listed {
             let kind = find_model_kind(name, COMPARE_KINDS_KEY, &entries.positions)?;
             if let ModelKind::Solid(_) = kind {
-                let allowed = format!("flows alone: {}", join_names(&ModelKind::flow_kinds()));
+                let allowed = format!("flows only: {}", join_names(&ModelKind::flow_kinds()));
                 return Err(entries.positions.error_at(
                     COMPARE_KINDS_KEY,
                     format!("found {name}, a solid"),

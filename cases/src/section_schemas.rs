@@ -27,7 +27,11 @@ pub(crate) fn simulation_schemas(kind: ModelKind) -> Vec<&'static TableSchema> {
 /// Returns the schemas of all structured sections in three groups: time-domain solids, time-domain flows and `[check]`.
 pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 3] {
     let CaseSchemas { solids, flows, check, .. } = CASE_SCHEMAS;
-    [("solids in time", solids.to_vec()), ("flows in time", flows.to_vec()), ("check", vec![check])]
+    [
+        ("time-domain simulation of solids", solids.to_vec()),
+        ("time-domain simulation of flows", flows.to_vec()),
+        ("check", vec![check]),
+    ]
 }
 
 /// Returns whether the case describes a time-domain simulation, i.e. has a section `[grid]`.
@@ -45,8 +49,8 @@ pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bo
         };
         let allowed = match kind {
             ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {
-                "leave it out: nothing determines the spin of this model, so that it cannot be \
-                 run in time"
+                "leave it out: this model does not determine the spin, so that it cannot be \
+                 simulated"
                     .to_owned()
             }
             _ if foreign == "limits" => {

@@ -76,7 +76,7 @@ const EXAMPLE_FLOW_RUN: &[ExampleSection] = &[
 
 /// Section `[compare]`, with kinds of model whose keys all flows have.
 const COMPARE_COMMENT: &str = "\
-# compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # for point: models side by side on this state
+# compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # wellposed point: models compared at this state
 ";
 
 /// Redundant keys of a state: derived from other keys, and checked where given.
@@ -103,7 +103,7 @@ pub fn generate_template(medium: MediumKind, purpose: TemplateKind) -> String {
         let names: Vec<&str> = sets.iter().map(|set| set.name).collect();
         let _ = write!(
             text,
-            "\n# A solid that yields: wellposed new {}{} --yield SET, SET one of\n# {}.\n",
+            "\n# Template of a yielding solid: wellposed new {}{} --yield SET, with SET one of\n# {}.\n",
             kind.name(),
             if purpose == TemplateKind::Simulation { " --run" } else { "" },
             names.join(", ")
@@ -133,35 +133,35 @@ fn format_header(medium: MediumKind, purpose: TemplateKind) -> String {
     format!(
         "\
 # {what}. SI units; angles in degrees, anticlockwise from x₁.
-# A key behind a '#' shows its default, or an example where there is none: take away the '#' to
-# set it.
+# Keys that are commented out show the default, or an example if there is none; remove the '#' to
+# set them.
 #
 {verbs}
 
 title = \"{title}: a first case\"
-# name = \"{name}\"  # names the folder of results; absent: the name of this file
+# name = \"{name}\"  # name of the results folder; default: name of this file
 {compare}
 [model]
 kind = \"{name}\"
 ",
         what = match purpose {
-            TemplateKind::SingleState => "One state of one material",
-            TemplateKind::Simulation if is_flow => "A flow in time",
-            TemplateKind::Simulation => "A dynamic problem in plane strain",
+            TemplateKind::SingleState => "Analysis of one state of one material",
+            TemplateKind::Simulation if is_flow => "Time-domain simulation of a flow",
+            TemplateKind::Simulation => "Time-domain simulation of a solid in plane strain",
         },
         verbs = match kind {
             _ if purpose == TemplateKind::Simulation =>
-                "# wellposed run FILE    fields, records of receivers, ledger of energy",
+                "# wellposed run FILE    fields, receiver records, energy ledger",
             ModelKind::Flow(_) => {
-                "# wellposed point FILE    everything about this state
-# wellposed map FILE      verdict over the two parameters of [map]"
+                "# wellposed point FILE    full report on this state
+# wellposed map FILE      verdicts over the two parameters of [map]"
             }
             ModelKind::Solid(_) => {
-                "# wellposed dispersion FILE    frequencies and speeds of waves against wave number
+                "# wellposed dispersion FILE    dispersion relation: frequencies and speeds against wave number
 # wellposed speeds FILE        characteristic speeds against direction
-# wellposed check FILE         frequencies of the analysis held against those of the solver
-# wellposed point FILE         everything about this state
-# wellposed map FILE           verdict over the two parameters of [map]"
+# wellposed check FILE         predicted frequencies compared with those of the solver
+# wellposed point FILE         full report on this state
+# wellposed map FILE           verdicts over the two parameters of [map]"
             }
         },
         title = medium.title(),
@@ -217,8 +217,8 @@ fn write_keys(text: &mut String, medium: MediumKind, purpose: TemplateKind) {
                 if let (Some(first), TemplateKind::SingleState) = (conditions.first(), purpose) {
                     let _ = writeln!(
                         text,
-                        "# Any of {}; or else a section [stress] with pressure, deviatoric_stress,\n\
-                         # stress_angle_deg and so on, which is scaled until it yields.\n\
+                        "# Any of {}; alternatively a section [stress] with pressure, deviatoric_stress,\n\
+                         # stress_angle_deg etc., which is scaled to the yield surface.\n\
                          active = [\"{first}\"]",
                         conditions.join(", "),
                     );

@@ -175,7 +175,7 @@ pub(super) fn describe_value(value: &DeValue) -> String {
                 false => !item.is_array() && parse_number(item).is_none(),
             });
             match odd {
-                Some(item) => format!("a list that holds {}", describe_value(item)),
+                Some(item) => format!("a list that contains {}", describe_value(item)),
                 None => format!("a list of {}", array.len()),
             }
         }

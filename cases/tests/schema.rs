@@ -151,12 +151,12 @@ fn collect_template_keys(text: &str, names: &mut KeyNames) {
         let name = if section.is_empty() { key.into() } else { format!("{section}.{key}") };
         // Keys of an inline table, and keys in space that its comment lists.
         for (inner, _) in value.split(['{', ',']).filter_map(|part| part.split_once(" = ")) {
-            let inner = inner.trim().trim_start_matches("in space also ");
+            let inner = inner.trim().trim_start_matches("in 3D also ");
             if value.starts_with('{') && is_key(inner) {
                 names.insert(format!("{name}.{inner}"));
             }
         }
-        if let Some((_, rest)) = value.split_once("in space also ") {
+        if let Some((_, rest)) = value.split_once("in 3D also ") {
             names.insert(format!("{name}.{}", rest.split(' ').next().unwrap_or_default()));
         }
         names.insert(name);

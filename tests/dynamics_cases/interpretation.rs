@@ -38,9 +38,8 @@ fn run_template_contains_every_key() {
         };
         let header = header.split('#').next().unwrap().trim();
         let lines: Vec<_> = lines.lines().filter_map(parse_template_line).collect();
-        let is_selected = |line: &(&str, &str, bool)| {
-            (line.2 || !is_active) && !line.1.contains("in space alone")
-        };
+        let is_selected =
+            |line: &(&str, &str, bool)| (line.2 || !is_active) && !line.1.contains("3D only");
         let selected =
             lines.iter().filter(|line| is_selected(line)).map(|line| format!("{}\n", line.1));
         let text = format!("{header}\n{}", selected.collect::<String>());
@@ -121,19 +120,17 @@ fn every_cell_has_one_medium() {
     assert_eq!(media(model).unwrap(), [0; 4 * 6 * 8]);
 
     let error = media(&replace_first(PLANE_CASE, "to = [0, 10]", "to = [1.5, 10]")).unwrap_err();
-    let end = "region[1]: overlaps region[0] (folder/x.toml:30) in the cell at [1.25, 4.5]; give \
-               every cell to one region: move or shrink one of the two";
+    let end = "region[1]: overlaps region[0] (folder/x.toml:30) in the cell at [1.25, 4.5]; regions must not overlap: move or shrink one of the two";
     assert_eq!(error, format!("folder/x.toml:35: {end}"));
     let text =
         replace_first(PLANE_CASE, "shape = 'rest'", "shape = 'box'\nfrom = [0, 0]\nto = [5, 4]");
     let error = media(&text).unwrap_err();
-    let end = "region: no region holds the cell at [0.25, 4.5]; add [[region]] with shape = \
+    let end = "region: no region contains the cell at [0.25, 4.5]; add [[region]] with shape = \
                \"rest\", or make the regions larger";
     assert_eq!(error, format!("folder/x.toml:30: {end}"));
     let error =
         media(&replace_first(PLANE_CASE, "center = [2.5, 5]", "center = [25, 5]")).unwrap_err();
-    let end = "region[1]: no cell has its centre in it; make it larger than a cell, move it into \
-               the grid, or leave it out";
+    let end = "region[1]: contains no cell centre; make it larger than a cell, move it into the grid, or remove it";
     assert_eq!(error, format!("folder/x.toml:35: {end}"));
 }
 

@@ -278,17 +278,17 @@ fn tables_are_read_relative_to_case() {
         (
             "0,1\n1,x\n",
             2,
-            "found '1,x'; expected two finite numbers with a comma between them, time in s and value",
+            "found '1,x'; expected two finite numbers separated by a comma, time in s and value",
         ),
         (
             "t,v\nt,v\n",
             2,
-            "found 't,v'; expected two finite numbers with a comma between them, time in s and value",
+            "found 't,v'; expected two finite numbers separated by a comma, time in s and value",
         ),
         (
             "# a\n0,inf\n",
             2,
-            "found '0,inf'; expected two finite numbers with a comma between them, time in s and value",
+            "found '0,inf'; expected two finite numbers separated by a comma, time in s and value",
         ),
     ] {
         std::fs::write(&table, content).unwrap();
@@ -297,12 +297,9 @@ fn tables_are_read_relative_to_case() {
     for (content, end) in [
         (
             "0,1\n",
-            "'data/load.csv' has 1 sample; expected at least two lines of a time in s and a value",
+            "'data/load.csv' has 1 sample; expected at least two lines with time in s and value",
         ),
-        (
-            "",
-            "'data/load.csv' has 0 samples; expected at least two lines of a time in s and a value",
-        ),
+        ("", "'data/load.csv' has 0 samples; expected at least two lines with time in s and value"),
     ] {
         std::fs::write(&table, content).unwrap();
         let error = load().unwrap_err();

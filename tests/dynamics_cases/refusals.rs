@@ -39,7 +39,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         // sections and keys
         ("[grid]", "[grdi]", "19: grdi: unknown key; did you mean 'grid'? allowed here: title, name, [model], [yield], [stress], [wave], [map], [check], [grid], [time], [scheme], [[region]], [[boundary]], [[load]], [[source]], [[initial]], [initial_stress], [gravity], [[receiver]], [output]"),
         ("[[receiver]]", "[[reciever]]", "134: reciever: unknown key; did you mean 'receiver'? allowed here: "),
-        ("spacing = [0.5, 1]", "spacin = 1", "19: grid.spacing: missing; add spacing to [grid]: expected a positive number or a list of 2 positive numbers in m (edges of a cell)"),
+        ("spacing = [0.5, 1]", "spacin = 1", "19: grid.spacing: missing; add spacing to [grid]: expected a positive number or a list of 2 positive numbers in m (cell size)"),
         ("origin = [-5, 0]", "orign = [-5, 0]", "22: grid.orign: unknown key; did you mean 'origin'? allowed here: cells, spacing, origin"),
         ("courant = 0.9", "courant = 1.5", "25: time.courant: found the number 1.5; expected a number above 0 and at most 1 (Courant number): a sweep is unstable above 1"),
         ("courant = 0.9", "courat = 0.9", "25: time.courat: unknown key; did you mean 'courant'? allowed here: duration, courant, rotation_deg"),
@@ -51,23 +51,23 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         // grid
         ("cells = [20, 10]", "cells = [20, 10, 5, 3]", "20: grid.cells: found [20, 10, 5, 3]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
         ("cells = [20, 10]", "cells = [20, 0]", "20: grid.cells: found [20, 0]; expected a list of 2 or 3 whole numbers of at least 1 (cells along each axis)"),
-        ("cells = [20, 10]", "cells = [2000000, 1000000]", "20: grid.cells: a grid of 2000000 × 1000000; expected at most 4000000000 cells in all"),
-        ("spacing = [0.5, 1]", "spacing = 1e-300", "21: grid.spacing: cells of 1e-300 m from -5.0 to -5.0; expected coordinates that tell cells apart along x1"),
-        ("lambda = 2e9", "dimensions = 3\nlambda = 2e9", "4: model.dimensions: found 3 in a grid of 2 dimensions; give as many as entries of grid.cells, 2, or leave it out"),
+        ("cells = [20, 10]", "cells = [2000000, 1000000]", "20: grid.cells: a grid of 2000000 × 1000000; expected at most 4000000000 cells in total"),
+        ("spacing = [0.5, 1]", "spacing = 1e-300", "21: grid.spacing: cells of 1e-300 m from -5.0 to -5.0; expected a spacing at which cell coordinates along x1 differ in double precision"),
+        ("lambda = 2e9", "dimensions = 3\nlambda = 2e9", "4: model.dimensions: found 3 in a grid of 2 dimensions; give 2, the number of entries of grid.cells, or leave it out"),
         // regions
         ("model = { mu = 3e9 }", "model = { mu = 3e9, a1 = 4 }", "34: region[0].model.a1: not used by the model cosserat; leave it out (it belongs to cosserat-compliances)"),
         ("model = { mu = 3e9 }", "model = { mu = '3e9' }", "34: region[0].model.mu: found the text '3e9'; expected a finite number in Pa (shear modulus μ; > 0)"),
-        ("model = { mu = 3e9 }", "model = { kind = 'classical' }", "34: region[0].model.kind: found classical, which cannot yield by cosserat-mises; add yield = { kind = ... } with one of none, interlayer, von-mises, drucker-prager"),
+        ("model = { mu = 3e9 }", "model = { kind = 'classical' }", "34: region[0].model.kind: found classical, which does not admit the yield set cosserat-mises; add yield = { kind = ... } with one of none, interlayer, von-mises, drucker-prager"),
         ("model = { mu = 3e9 }", "model = { kind = 'reduced-cosserat', mu = 1, lambda = 1, density = 1, inertia = 1 }", "34: region[0].model.alpha: missing; add alpha to region[0].model: expected a finite number in Pa (modulus α of the antisymmetric strain; > 0)"),
-        ("model = { mu = 3e9 }", "model = { dimensions = 3 }", "34: region[0].model.dimensions: found 3 in a grid of 2 dimensions; give as many as entries of grid.cells, 2, or leave it out"),
-        ("model = { mu = 3e9 }", "model = { kind = 'double-shearing' }", "34: region[0].model.kind: found double-shearing, a flow; solids alone: classical, reduced-cosserat, cosserat, cosserat-compliances"),
+        ("model = { mu = 3e9 }", "model = { dimensions = 3 }", "34: region[0].model.dimensions: found 3 in a grid of 2 dimensions; give 2, the number of entries of grid.cells, or leave it out"),
+        ("model = { mu = 3e9 }", "model = { kind = 'double-shearing' }", "34: region[0].model.kind: found double-shearing, a flow; solids only: classical, reduced-cosserat, cosserat, cosserat-compliances"),
         ("model = { mu = 3e9 }", "model = 3", "34: region[0].model: found the integer 3; expected a table in braces { key = value, ... }"),
         ("model = { mu = 3e9 }", "modl = { mu = 3e9 }", "34: region[0].modl: unknown key; did you mean 'model'? allowed here: shape, from, to, model, yield"),
         ("yield = { kind = 'none' }", "yield = { kind = 'non' }", "39: region[1].yield.kind: found 'non'; did you mean 'none'? allowed for cosserat: interlayer, von-mises, drucker-prager, cosserat-mises, none"),
         ("yield = { kind = 'none' }", "yield = { kind = 'none', strength = 1 }", "39: region[1].yield.strength: not used by an elastic solid; leave it out (it belongs to von-mises, drucker-prager, cosserat-mises)"),
         ("yield = { kind = 'von-mises', strength = 5 }", "yield = { kind = 'von-mises' }", "42: region[2].yield.strength: missing; add strength to region[2].yield: expected a finite number in Pa (strength k in shear; > 0)"),
         ("shape = 'circle'", "shape = 'rest'", "37: region[1].center: unknown key; allowed here: shape, model, yield"),
-        ("shape = 'circle'\ncenter = [2.5, 5]\nradius = 1.5", "shape = 'rest'", "39: region[2].shape: a second rest besides region[1] (folder/x.toml:35); give one region the rest"),
+        ("shape = 'circle'\ncenter = [2.5, 5]\nradius = 1.5", "shape = 'rest'", "39: region[2].shape: a second region with shape rest, after region[1] (folder/x.toml:35); use shape = \"rest\" once"),
         ("shape = 'circle'", "shape = 'sphere'", "36: region[1].shape: found 'sphere' in a grid of 2 dimensions; write circle"),
         ("to = [0, 10]", "to = [0, 0]", "33: region[0].to: found [0.0, 0.0] with from = [-5.0, 0.0]; to must be greater than from along each axis"),
         ("radius = 1.5", "radius = 0", "38: region[1].radius: found the integer 0; expected a positive number in m"),
@@ -81,27 +81,27 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("side = 'x2+'\nfield = 'sigma22'", "side = 'x3+'\nfield = 'sigma22'", "54: load[0].side: found 'x3+'; did you mean 'x1+'? allowed: x1-, x1+, x2-, x2+"),
         ("field = 'sigma22'", "field = 'sigma21'", "55: load[0].field: found 'sigma21'; did you mean 'sigma12'? allowed: v1, v2, w3, sigma12, sigma22, m32"),
         ("at = [0.5]", "at = [50]", "62: load[1].at: found [50.0], outside the grid; the grid has x1 from -5.0 to 5.0 m"),
-        ("at = [0.5]\n", "", "62: load[1].radius: found without at; add at, the point that it is about, or leave it out"),
-        ("from = [2]\nto = [4]", "at = [4]", "69: load[2].at: found for the velocity v1; a stress or couple stress, or from and to in place of at"),
+        ("at = [0.5]\n", "", "62: load[1].radius: found without at; add at, the centre of the kernel, or leave it out"),
+        ("from = [2]\nto = [4]", "at = [4]", "69: load[2].at: found for the velocity v1; give a stress or couple stress, or from and to instead of at"),
         ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'triangel' }", "57: load[0].time.kind: found 'triangel'; did you mean 'triangle'? allowed: step, triangle, pulse, ricker, sine, table"),
-        ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'triangle' }", "57: load[0].time.duration: missing; add duration to load[0].time: expected a positive number in s (how long it lasts)"),
-        ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'table', file = 'none.csv' }", "57: load[0].time.file: 'none.csv': No such file or directory (os error 2); name a CSV file of two columns, time in s and value, in a folder as seen from that of the case"),
+        ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'triangle' }", "57: load[0].time.duration: missing; add duration to load[0].time: expected a positive number in s (duration)"),
+        ("time = { kind = 'triangle', duration = 0.01 }", "time = { kind = 'table', file = 'none.csv' }", "57: load[0].time.file: 'none.csv': No such file or directory (os error 2); name a CSV file with two columns, time in s and value, by its path relative to the folder of the case file"),
         ("time = { kind = 'triangle', duration = 0.01 }\n", "", "53: load[0].time: missing; add time to load[0]: expected a table { kind = ..., ... } (kind: step, triangle, pulse, ricker, sine, table)"),
         // sources and the initial state
         ("at = [0, 5]\nradius = 1", "at = [0, 50]\nradius = 1", "76: source[0].at: found [0.0, 50.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
-        ("amplitude = [1, 2]", "amplitude = 1", "75: source[0].amplitude: found the integer 1; expected a list of 2 finite numbers in N/m (force by components)"),
-        ("branch = 2", "branch = 4", "110: initial[2].branch: found the integer 4; expected a whole number from 1 to 3 (1 is the greatest frequency)"),
+        ("amplitude = [1, 2]", "amplitude = 1", "75: source[0].amplitude: found the integer 1; expected a list of 2 finite numbers in N/m (force vector)"),
+        ("branch = 2", "branch = 4", "110: initial[2].branch: found the integer 4; expected a whole number from 1 to 3 (1 is the branch of highest frequency)"),
         ("field = 'sigma33'", "field = 'sigma34'", &format!("123: initial[4].field: found 'sigma34'; did you mean 'sigma33'? allowed: {FIELD_NAMES}")),
         ("normal = [0, 1]", "normal = [0, 0]", "118: initial[3].normal: found [0, 0]; expected a list of 2 numbers, not all 0 (points into the shape)"),
         ("m31 = 4", "m33 = 4", "129: initial_stress.m33: unknown key; did you mean 'm31'? allowed here: sigma11, sigma12, sigma21, sigma22, sigma33, m31, m32, m13, m23"),
         ("acceleration = [0, -9.81]", "acceleration = [1, -9.81]", "130: gravity.balanced: found true, the default, with the acceleration [1.0, -9.81]; give an acceleration along one axis, or set balanced = false"),
         // receivers and output
         ("at = [5, 10]", "at = [5.5, 10]", "138: receiver[1].at: found [5.5, 10.0], outside the grid; the grid has x1 from -5.0 to 5.0 m, x2 from 0.0 to 10.0 m"),
-        ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver its own name"),
+        ("'surface.1'", "'r1'", "137: receiver[1].name: found 'r1', the name of receiver[0] (folder/x.toml:134); give each receiver a unique name"),
         ("'surface.1'", "'a b'", "137: receiver[1].name: found the text 'a b'; expected text in quotes, at most 255 characters (letters, digits, '-', '_' and '.')"),
         ("['v1', 'sigma21']", "['v1', 'v1']", "139: receiver[1].fields: found 'v1' twice; name each once"),
         ("picture = 'w3'", "picture = 'sped'", &format!("142: output.picture: found 'sped'; did you mean 'speed'? allowed: speed, {FIELD_NAMES}, dissipation")),
-        ("contours = [-1, 0.5]", "contours = [1, 'a']", "143: output.contours: found a list that holds the text 'a'; expected a list of finite numbers in the unit of the picture (lines of equal value)"),
+        ("contours = [-1, 0.5]", "contours = [1, 'a']", "143: output.contours: found a list that contains the text 'a'; expected a list of finite numbers in the unit of the picture (contour levels)"),
     ];
     for (old, new, message) in table {
         let error = parse_case(&replace_first(PLANE_CASE, old, new)).expect_err(new);
@@ -145,14 +145,12 @@ fn time_domain_runs_need_a_solid_and_a_grid() {
         ),
         (
             "[initial_stress]\nsigma12 = 1\nsigma21 = 1\n",
-            "initial_stress.sigma21: a second value of sigma12; give one: shear stresses of a \
-             classical solid are equal",
+            "initial_stress.sigma21: a second value of sigma12; give one: the stress tensor of a classical solid is symmetric",
         ),
         (
             "[[boundary]]\nside = 'x1-'\nkind = 'periodic'\n[[boundary]]\nside = 'x1+'\nkind = 'periodic'\n\
              [[load]]\nside = 'x1+'\n",
-            "load[0].side: found x1+, which is periodic; a periodic side has no load; give \
-             [[source]], or another side",
+            "load[0].side: found x1+, which is periodic; periodic faces carry no load; use [[source]], or load another face",
         ),
         (
             "[[boundary]]\nside = 'x1-'\nkind = 'periodic'\n[[boundary]]\nside = 'x1+'\nkind = 'periodic'\n\

@@ -10,14 +10,14 @@ pub const MAX_CELLS: usize = 4_000_000_000;
 /// Schema of the section `[grid]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
     "grid",
-    "the cells: a rectangular grid, of a plane with two axes or of space with three",
+    "rectangular grid of cells, with two axes in plane strain or three axes in 3D",
     &[KeyGroup::new(&[
         KeySchema::new_required(
             "cells",
             ValueType::CountList { length: [2, 3], minimum: 1, order: CountConstraint::Unconstrained },
             "",
             "[200, 100]",
-            "cells along each axis; two numbers for plane strain, three for space, and then as many coordinates everywhere",
+            "number of cells along each axis: two entries in plane strain, three in 3D; all points have as many coordinates",
         )
         .with_note("cells along each axis"),
         KeySchema::new_required(
@@ -25,17 +25,17 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::PerAxis(ListLength::GridAxes),
             "m",
             "1.0",
-            "edges of a cell; one number, or one for each axis",
+            "cell size; one number, or one per axis",
         )
-        .with_note("edges of a cell"),
+        .with_note("cell size"),
         KeySchema::new_optional(
             "origin",
             ValueType::Numbers(ListLength::GridAxes),
             "m",
             "[0.0, 0.0]",
-            "the corner of least coordinates; default 0",
+            "lower corner of the grid; default: 0",
         )
-        .with_note("corner of least coordinates"),
+        .with_note("lower corner of the grid"),
     ])],
 )
 .with_remedy("a section [grid] with cells and spacing");
@@ -88,7 +88,7 @@ impl SolidGrid {
     pub(crate) fn read(root: &SectionReader) -> Result<Self, CaseError> {
         let mut section = root.open_required_section(&SCHEMA)?;
         if section.has_key("length") {
-            let allowed = "give spacing, the edges of a cell in m, in its place";
+            let allowed = "give spacing, the cell size in m, instead";
             return Err(section.error_at("length", "found for a solid", allowed));
         }
         let cells: Vec<usize> = section.read_required("cells")?;
@@ -98,7 +98,7 @@ impl SolidGrid {
         if total.is_none_or(|total| total > MAX_CELLS) {
             let numbers: Vec<String> = cells.iter().map(usize::to_string).collect();
             let found = format!("a grid of {}", numbers.join(" × "));
-            let allowed = format!("expected at most {MAX_CELLS} cells in all");
+            let allowed = format!("expected at most {MAX_CELLS} cells in total");
             return Err(section.error_at("cells", found, allowed));
         }
         let spacing = section.read_required("spacing")?;
@@ -111,8 +111,10 @@ impl SolidGrid {
             if !largest.is_finite() || grid.spacing[axis] <= 8.0 * f64::EPSILON * largest {
                 let found =
                     format!("cells of {:?} m from {first:?} to {last:?}", grid.spacing[axis]);
-                let allowed =
-                    format!("expected coordinates that tell cells apart along x{}", axis + 1);
+                let allowed = format!(
+                    "expected a spacing at which cell coordinates along x{} differ in double precision",
+                    axis + 1
+                );
                 return Err(section.error_at("spacing", found, allowed));
             }
         }

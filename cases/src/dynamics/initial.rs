@@ -24,65 +24,65 @@ const FIELD_KEY: KeySchema = KeySchema::new_required(
     ValueType::OneOf(|scope| component_names(&components_in_scope(scope))),
     "",
     "\"v1\"",
-    "any component of the state",
+    "component of the state",
 );
 const AMPLITUDE_KEY: KeySchema = KeySchema::new_required(
     "amplitude",
     NUMBER_TYPE,
     FIELD_UNIT,
     "0.1",
-    "the value, of a bell the greatest",
+    "uniform value, or maximum of the pulse",
 );
 const VELOCITY_KEY: KeySchema =
-    KeySchema::new_required("amplitude", NUMBER_TYPE, "m/s", "0.1", "greatest velocity");
+    KeySchema::new_required("amplitude", NUMBER_TYPE, "m/s", "0.1", "velocity amplitude");
 const DIRECTION_KEY: KeySchema = KeySchema::new_with_default(
     "direction_deg",
     NUMBER_TYPE,
     "deg",
     "0.0",
-    "direction in which it travels, from x₁ anticlockwise",
+    "propagation direction, anticlockwise from x₁",
 );
 const ELEVATION_KEY: KeySchema = KeySchema::new_with_default(
     "elevation_deg",
     NUMBER_TYPE,
     "deg",
     "0.0",
-    "its angle above the plane of x₁ and x₂",
+    "elevation of the propagation direction above the x₁x₂ plane",
 )
 .with_conditions(SPACE_CONDITION);
 
 /// Schema of the sections `[[initial]]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "initial",
-    "a part of the initial state; the parts add up",
+    "term of the initial state; the terms are summed",
     &[
         KeyGroup::new(&[KeySchema::new_required(
             "kind",
             ValueType::OneOf(|_| InitialStateTerm::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"pulse\"",
-            "pulse: a bell exp(−(r/radius)²) of one field; plane-wave: of the case's own medium; plane-pulse: a plane wave of finite length, in classical solids; rotation: a microrotation, in Cosserat solids; uniform: one value of one field",
+            "pulse: Gaussian exp(−(r/radius)²) of one component; plane-wave: eigenmode of the homogeneous medium; plane-pulse: plane P or S wave with a given time function, classical solids only; rotation: microrotation, Cosserat solids only; uniform: constant value of one component",
         )]),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["pulse"])],
             &[
                 FIELD_KEY,
                 AMPLITUDE_KEY,
-                KeySchema::new_optional("axis", ValueType::Axis, "", "2", "the bell is about a plane normal to this axis, not about a point")
+                KeySchema::new_optional("axis", ValueType::Axis, "", "2", "axis (numbered from 1) normal to the central plane of the pulse; r is then the distance from this plane, not from a point")
                     .with_note("an axis"),
-                KeySchema::new_required("at", POINT_TYPE, "m", "[0.0, -60.0]", "where it is greatest")
-                    .with_note("where it is greatest")
+                KeySchema::new_required("at", POINT_TYPE, "m", "[0.0, -60.0]", "centre of the pulse")
+                    .with_note("centre of the pulse")
                     .with_conditions(&[KeyCondition::Absent("axis")]),
-                KeySchema::new_required("at", NUMBER_TYPE, "m", "-60.0", "the coordinate of the plane along the axis")
-                    .with_note("the plane, along the axis")
+                KeySchema::new_required("at", NUMBER_TYPE, "m", "-60.0", "coordinate of the central plane along the axis")
+                    .with_note("coordinate of the central plane")
                     .with_conditions(&[KeyCondition::Present("axis")]),
-                KeySchema::new_required("radius", POSITIVE_TYPE, "m", "5.0", "radius"),
+                KeySchema::new_required("radius", POSITIVE_TYPE, "m", "5.0", "radius of the pulse"),
             ],
         ),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["plane-wave"])],
             &[
-                KeySchema::new_required("branch", ValueType::WholeNumber(1), "", "1", "which wave: 1 has the greatest frequency"),
+                KeySchema::new_required("branch", ValueType::WholeNumber(1), "", "1", "branch number, from 1, in order of decreasing frequency"),
                 DIRECTION_KEY,
                 ELEVATION_KEY,
                 KeySchema::new_required("wavelength", POSITIVE_TYPE, "m", "20.0", "wavelength"),
@@ -97,7 +97,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                     ValueType::OneOf(|_| time::variant_names(BodyWaveType::ALL, BodyWaveType::name)),
                     "",
                     "\"S\"",
-                    "longitudinal or transverse",
+                    "P: longitudinal wave; S: transverse wave",
                 ),
                 DIRECTION_KEY,
                 ELEVATION_KEY,
@@ -106,13 +106,13 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                     NUMBER_TYPE,
                     "deg",
                     "0.0",
-                    "of S waves the angle of the velocity from the direction of growing azimuth to that of growing elevation",
+                    "polarisation angle of the S wave, from the azimuthal towards the elevation direction",
                 )
                 .with_conditions(&[KeyCondition::Space, KeyCondition::HasValue("wave", &["S"])]),
-                KeySchema::new_required("at", POINT_TYPE, "m", "[0.0, -20.0]", "where the velocity is amplitude × time; inside the grid")
-                    .with_note("a point of the grid"),
+                KeySchema::new_required("at", POINT_TYPE, "m", "[0.0, -20.0]", "reference point inside the grid, at which the velocity is amplitude × time function")
+                    .with_note("point inside the grid"),
                 VELOCITY_KEY,
-                KeySchema::new_optional("width", POSITIVE_TYPE, "m", "20.0", "of the full amplitude across the direction; it falls to 0 over half of it on either side; default: without end"),
+                KeySchema::new_optional("width", POSITIVE_TYPE, "m", "20.0", "transverse width of full amplitude, with cosine tapers of half this width on either side; default: unbounded"),
                 time_function::TIME_KEY,
             ],
         ),
@@ -123,16 +123,16 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::OneOf(|scope| RegionShape::allowed_names_in_scope(scope.dimensions, &RegionShape::WholeGrid)),
                 "",
                 "\"box\"",
-                "where, as in [[region]] and with the same keys, or everywhere",
+                "shape, with the keys of [[region]]; everywhere: the whole grid",
             )],
         ),
         KeyGroup::with_conditions(&[KeyCondition::HasValue("kind", &["rotation", "uniform"])], SHAPE_KEYS),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["rotation"])],
             &[
-                KeySchema::new_required("angle_deg", NUMBER_TYPE, "deg", "1.0", "the angle, anticlockwise about the axis"),
-                KeySchema::new_optional("about", ValueType::SpaceAxis, "", "3", "the axis, from 1; default 3")
-                    .with_note("axis of the rotation")
+                KeySchema::new_required("angle_deg", NUMBER_TYPE, "deg", "1.0", "rotation angle, anticlockwise about the axis"),
+                KeySchema::new_optional("about", ValueType::SpaceAxis, "", "3", "rotation axis, numbered from 1; default: 3")
+                    .with_note("rotation axis")
                     .with_conditions(SPACE_CONDITION),
             ],
         ),
@@ -314,7 +314,8 @@ impl SolidReader<'_> {
     fn read_plane_wave(&self, section: &SectionReader) -> Result<InitialStateTerm, CaseError> {
         // The medium has as many branches as velocities and spins.
         let branches = self.state_components.iter().filter(|c| c.is_velocity()).count();
-        let expected = format!("a whole number from 1 to {branches} (1 is the greatest frequency)");
+        let expected =
+            format!("a whole number from 1 to {branches} (1 is the branch of highest frequency)");
         let branch = section.read_required_with("branch", &expected, |value| {
             parse_count(value).filter(|branch| *branch <= branches)
         })?;

@@ -17,7 +17,7 @@ const NO_POINT_CONDITION: &[KeyCondition] = &[KeyCondition::Absent("at")];
 /// Schema of the sections `[[load]]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "load",
-    "a load on a side: what a stress or velocity of the side is; loads add up, over the conditions",
+    "boundary load: stress or velocity prescribed on a boundary face; it replaces the boundary condition there; loads on the same component are summed",
     &[
         KeyGroup::new(&[
             FACE_KEY,
@@ -26,16 +26,16 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::OneOf(|scope| component_names(&components_in_scope(scope))),
                 "",
                 "\"sigma22\"",
-                "a stress or couple stress on the side, tension positive, or a velocity or spin of it",
+                "loaded component: stress or couple stress on the face (tension positive), or velocity or spin of the face",
             ),
             KeySchema::new_required(
                 "amplitude",
                 ValueType::Number(AllowedRange::Finite),
                 "m/s, rad/s, Pa or N/m",
                 "-1e3",
-                "what the function of time is multiplied by; at a point N or N·m, in plane strain per m",
+                "amplitude, multiplied by the time function; for a point load in N or N·m, in plane strain per m of thickness",
             )
-            .with_note("what time is multiplied by"),
+            .with_note("amplitude of the time function"),
         ]),
         KeyGroup::with_conditions(NO_POINT_CONDITION, &[LOWER_CORNER_KEY, UPPER_CORNER_KEY]),
         KeyGroup::new(&[KeySchema::new_optional(
@@ -43,9 +43,9 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             ValueType::Numbers(ListLength::FaceAxes),
             "m",
             "0.0",
-            "in place of from and to: a point at which a force acts; in space two numbers",
+            "position of a point load: tangential coordinates on the face, two in 3D; replaces from and to",
         )
-        .with_note("a point of the side")
+        .with_note("point on the face")
         .with_conditions(&[KeyCondition::Absent("from"), KeyCondition::Absent("to")])]),
         KeyGroup::with_conditions(&[KeyCondition::Present("at")], &[KERNEL_KEY, RADIUS_KEY]),
         KeyGroup::with_conditions(
@@ -55,7 +55,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::Table(&profile::SCHEMA),
                 "",
                 "{ kind = \"bell\", at = 0.0, radius = 5.0 }",
-                "a factor along the side; default 1",
+                "spatial profile along the face; default: 1",
             )],
         ),
         KeyGroup::new(&[time_function::TIME_KEY]),
@@ -131,7 +131,7 @@ impl SolidReader<'_> {
             let side = self.read_face(&mut section)?;
             if periodic.contains(&side) {
                 let found = format!("found {}, which is periodic", side.name());
-                let allowed = "a periodic side has no load; give [[source]], or another side";
+                let allowed = "periodic faces carry no load; use [[source]], or load another face";
                 return Err(section.error_at("side", found, allowed));
             }
             let among = StateComponent::face_components(self.theory, self.dimensions(), side.axis);
@@ -172,11 +172,12 @@ impl SolidReader<'_> {
         let kernel = Kernel::read(section)?;
         match (part, at) {
             (Some(_), Some(_)) => {
-                let allowed = "give one of the two, a part or a point of the side";
+                let allowed =
+                    "give either at (a point) or from and to (a part of the face), not both";
                 Err(section.error_at("at", "found beside from and to", allowed))
             }
             (_, Some(_)) if field.is_velocity() => {
-                let allowed = "a stress or couple stress, or from and to in place of at";
+                let allowed = "give a stress or couple stress, or from and to instead of at";
                 Err(section.error_at("at", format!("found for the velocity {field}"), allowed))
             }
             (None, Some(at)) => {
@@ -185,7 +186,7 @@ impl SolidReader<'_> {
             }
             (_, None) if kernel.is_some() => {
                 let key = if section.has_key("radius") { "radius" } else { "kernel" };
-                let allowed = "add at, the point that it is about, or leave it out";
+                let allowed = "add at, the centre of the kernel, or leave it out";
                 Err(section.error_at(key, "found without at", allowed))
             }
             (Some(part), None) => Ok(LoadedArea::Rectangle(part)),

@@ -31,9 +31,9 @@ pub(crate) const SNAPSHOT_INTERVAL_KEY: KeySchema = KeySchema::new_with_default(
     ValueType::Number(AllowedRange::NotNegative),
     "s",
     "0.0",
-    "time between two snapshots of all fields, for ParaView and an animation; 0: none",
+    "time between two snapshots of all fields, for ParaView and the animation; 0: no snapshots",
 )
-.with_note("0: none");
+.with_note("0: no snapshots");
 
 /// Key `contours`: contour levels of a picture.
 pub(crate) const CONTOURS_KEY: KeySchema = KeySchema::new_optional(
@@ -41,20 +41,20 @@ pub(crate) const CONTOURS_KEY: KeySchema = KeySchema::new_optional(
     ValueType::NumberList(0, AllowedRange::Finite),
     "the unit of the picture",
     "[0.01, 0.02]",
-    "lines of equal value; default: at ¼ and ½ of the greatest magnitude of what has a sign; []: none",
+    "contour levels; default: ±¼ and ±½ of the largest magnitude for signed fields, otherwise none; []: none",
 )
-.with_note("lines of equal value");
+.with_note("contour levels");
 
 /// Schema of the sections `[[receiver]]`.
 pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
     "receiver",
-    "a point, a line or a grid of points at which the state is recorded",
+    "receivers: a point, line or grid of points at which the state is recorded",
     &[KeyGroup::new(&[
         receivers::NAME_KEY,
         receivers::new_position_key(
-            "a point of the grid",
+            "point inside the grid",
             "[40.0, 0.0]",
-            "any point of the grid, on sides as well",
+            "point inside the grid or on its boundary",
         ),
         receivers::FIRST_POINT_KEY,
         receivers::LAST_POINT_KEY,
@@ -68,14 +68,14 @@ pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
             }),
             "",
             "[\"v1\", \"v2\"]",
-            "what is recorded; default all components, and what integrals of [output] names",
+            "recorded fields; default: all components, and the integrals of [output]",
         ),
         KeySchema::new_with_default(
             "interpolation",
             ValueType::OneOf(|_| time::variant_names(Interpolation::ALL, Interpolation::name)),
             "",
             "\"cubic\"",
-            "between cells; none: the cell that holds the point",
+            "interpolation between cells: cubic, polynomials of degree 3 along each axis; none, value of the cell that contains the point",
         ),
     ])],
 );
@@ -83,11 +83,11 @@ pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
 /// Schema of the section `[output]`.
 pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
     "output",
-    "what else is recorded, and what pictures show",
+    "energy ledger, snapshots and pictures",
     &[KeyGroup::new(&[
         new_ledger_interval_key(
-            "0: at most 1000 lines",
-            "time between two lines of the energy ledger; 0: at most 1000 lines",
+            "0: at most 1000 rows",
+            "time between two rows of the energy ledger; 0: at most 1000 rows",
         ),
         SNAPSHOT_INTERVAL_KEY,
         KeySchema::new_optional(
@@ -95,7 +95,7 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::AnyOf(integral_names),
             "",
             "[]",
-            "displacements and rotations to be kept: \"u1\", \"phi3\"; default none",
+            "recorded displacements and rotations (time integrals of velocities and spins), e.g. \"u1\", \"phi3\"; default: none",
         ),
         KeySchema::new_with_default(
             "picture",
@@ -108,7 +108,7 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"speed\"",
-            "what pictures show: speed, a component, one of integrals, or dissipation",
+            "plotted quantity: speed, a component, one of integrals, or dissipation",
         ),
         CONTOURS_KEY,
     ])],

@@ -15,21 +15,21 @@ const AXIS_KEY: KeySchema = KeySchema::new_optional(
     ValueType::SpaceAxis,
     "",
     "1",
-    "an axis of the side, from 1, where it must be there",
+    "tangential axis of the face, numbered from 1; required in 3D",
 )
 .with_conditions(&[KeyCondition::Space]);
 
 /// Schema of the table `profile` of a load.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_inline_table(
     "profile",
-    "a factor along the side",
+    "spatial profile along the face, a dimensionless factor",
     &[
         KeyGroup::new(&[KeySchema::new_required(
             "kind",
             ValueType::OneOf(|_| LoadProfile::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"bell\"",
-            "cos: cos(2πx/wavelength + phase); bell: ½(1 + cos(πr/radius)), 0 beyond; table: straight lines between samples, 0 outside",
+            "cos: cos(2πx/wavelength + phase); bell: ½(1 + cos(πr/radius)) for r < radius, 0 outside; table: linear interpolation of samples, 0 outside",
         )]),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["cos"])],
@@ -59,15 +59,15 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_inline_table(
                     ValueType::Numbers(ListLength::FaceAxes),
                     "m",
                     "0.0",
-                    "where it is 1; in space two numbers",
+                    "centre of the bell: tangential coordinates on the face, two in 3D",
                 )
-                .with_note("where it is 1"),
+                .with_note("centre of the bell"),
                 KeySchema::new_required(
                     "radius",
                     ValueType::Number(AllowedRange::Positive),
                     "m",
                     "5.0",
-                    "radius",
+                    "radius of the bell",
                 ),
             ],
         ),
@@ -80,7 +80,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_inline_table(
                     ValueType::Samples(["[coordinate in m, value]", "coordinates"]),
                     "",
                     "[[-5.0, 0.0], [5.0, 1.0]]",
-                    "coordinates, m, which increase, and factors",
+                    "pairs of increasing coordinate (m) and factor",
                 ),
             ],
         ),
@@ -150,7 +150,7 @@ impl LoadProfile {
             [axis] => Ok(axis),
             _ => {
                 let numbers: Vec<String> = axes.iter().map(|axis| (axis + 1).to_string()).collect();
-                let expected = format!("{} (an axis of the side)", numbers.join(" or "));
+                let expected = format!("{} (a tangential axis of the face)", numbers.join(" or "));
                 section.read_required_with("axis", &expected, |value| {
                     parse_count(value)?.checked_sub(1).filter(|axis| axes.contains(axis))
                 })

@@ -14,7 +14,7 @@ pub const MAX_REGIONS: usize = u16::MAX as usize;
 /// Schema of the sections `[[region]]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "region",
-    "a part of the grid with its own medium: every cell is in just one, by its centre; without any [model] and [yield] hold everywhere",
+    "subdomain of the grid with its own medium; each cell centre must lie in exactly one region; without regions [model] and [yield] apply to the whole grid",
     &[
         KeyGroup::new(&[KeySchema::new_required(
             "shape",
@@ -23,7 +23,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             }),
             "",
             "\"layer\"",
-            "where it is; rest is what no other region holds",
+            "shape of the region; rest: all cells outside the other regions",
         )]),
         KeyGroup::new(SHAPE_KEYS),
         KeyGroup::new(&[
@@ -32,14 +32,14 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::SectionKeys("model"),
                 "",
                 "{ mu = 2e10 }",
-                "what differs from [model]",
+                "keys that override [model]",
             ),
             KeySchema::new_optional(
                 "yield",
                 ValueType::SectionKeys("yield"),
                 "",
                 "{ kind = \"none\" }",
-                "what differs from [yield]; none stays elastic",
+                "keys that override [yield]; kind none makes the region elastic",
             ),
         ]),
     ],
@@ -96,8 +96,9 @@ impl SolidReader<'_> {
                 && let Some(first) = rest.replace(index)
             {
                 let place = root.locate(&format!("region[{first}]"));
-                let found = format!("a second rest besides region[{first}] ({place})");
-                return Err(section.error_at("shape", found, "give one region the rest"));
+                let found =
+                    format!("a second region with shape rest, after region[{first}] ({place})");
+                return Err(section.error_at("shape", found, "use shape = \"rest\" once"));
             }
             let material = material(&section)?;
             section.finish()?;

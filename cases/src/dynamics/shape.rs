@@ -17,24 +17,12 @@ const HALF_SPACE_CONDITION: &[KeyCondition] =
 
 /// Keys of the parameters of a shape.
 pub(super) const SHAPE_KEYS: &[KeySchema] = &[
-    KeySchema::new_required(
-        "from",
-        POINT_TYPE,
-        "m",
-        "[-10.0, -20.0]",
-        "corner of least coordinates, which is in it",
-    )
-    .with_note("corner of least coordinates")
-    .with_conditions(BOX_CONDITION),
-    KeySchema::new_required(
-        "to",
-        POINT_TYPE,
-        "m",
-        "[10.0, -10.0]",
-        "corner of greatest coordinates, which is not in it",
-    )
-    .with_note("corner of greatest coordinates")
-    .with_conditions(BOX_CONDITION),
+    KeySchema::new_required("from", POINT_TYPE, "m", "[-10.0, -20.0]", "lower corner, included")
+        .with_note("lower corner")
+        .with_conditions(BOX_CONDITION),
+    KeySchema::new_required("to", POINT_TYPE, "m", "[10.0, -10.0]", "upper corner, excluded")
+        .with_note("upper corner")
+        .with_conditions(BOX_CONDITION),
     KeySchema::new_required("center", POINT_TYPE, "m", "[50.0, -25.0]", "centre")
         .with_note("centre")
         .with_conditions(BALL_CONDITION),
@@ -45,7 +33,7 @@ pub(super) const SHAPE_KEYS: &[KeySchema] = &[
         ValueType::Axis,
         "",
         "2",
-        "the axis normal to the layer, from 1",
+        "axis normal to the layer, numbered from 1",
     )
     .with_note("an axis")
     .with_conditions(LAYER_CONDITION),
@@ -54,7 +42,7 @@ pub(super) const SHAPE_KEYS: &[KeySchema] = &[
         ValueType::Number(AllowedRange::Finite),
         "m",
         "-100.0",
-        "first coordinate, which is in it",
+        "lower coordinate along the axis, included",
     )
     .with_note("a coordinate along the axis")
     .with_conditions(LAYER_CONDITION),
@@ -63,21 +51,27 @@ pub(super) const SHAPE_KEYS: &[KeySchema] = &[
         ValueType::Number(AllowedRange::Finite),
         "m",
         "-50.0",
-        "last coordinate, which is not in it",
+        "upper coordinate along the axis, excluded",
     )
     .with_note("a coordinate along the axis")
     .with_conditions(LAYER_CONDITION),
-    KeySchema::new_required("point", POINT_TYPE, "m", "[50.0, 0.0]", "a point of its edge")
-        .with_note("a point of the edge")
-        .with_conditions(HALF_SPACE_CONDITION),
+    KeySchema::new_required(
+        "point",
+        POINT_TYPE,
+        "m",
+        "[50.0, 0.0]",
+        "point on the boundary plane, in 2D on the boundary line",
+    )
+    .with_note("point on the boundary")
+    .with_conditions(HALF_SPACE_CONDITION),
     KeySchema::new_required(
         "normal",
         ValueType::Direction,
         "",
         "[1.0, 0.0]",
-        "points into it; of any length",
+        "normal vector that points into the shape; any length",
     )
-    .with_note("points into the shape")
+    .with_note("normal vector that points into the shape")
     .with_conditions(HALF_SPACE_CONDITION),
 ];
 

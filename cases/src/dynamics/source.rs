@@ -18,7 +18,7 @@ pub(super) const KERNEL_KEY: KeySchema = KeySchema::new_optional(
     ValueType::OneOf(|_| Kernel::NAMES.map(str::to_owned).to_vec()),
     "",
     "\"bell\"",
-    "over which what acts at a point is spread: spline, smooth, of a few cells; bell, with its radius; cell, the nearest one; default spline, with a radius bell",
+    "kernel that distributes a point load or source over cells: spline (smooth, a few cells), bell (with radius) or cell (nearest cell); default: bell if radius is given, otherwise spline",
 );
 
 /// Key `radius`: radius of the bell kernel.
@@ -27,21 +27,21 @@ pub(super) const RADIUS_KEY: KeySchema = KeySchema::new_optional(
     ValueType::Number(AllowedRange::NotNegative),
     "m",
     "2.0",
-    "radius of the kernel bell; 0: the kernel cell",
+    "radius of the kernel bell; 0: kernel cell",
 )
-.with_note("radius of the bell; 0: one cell");
+.with_note("radius of the kernel bell; 0: one cell");
 
 /// Schema of the sections `[[source]]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "source",
-    "a load inside the grid",
+    "point source inside the grid",
     &[
         KeyGroup::new(&[KeySchema::new_required(
             "kind",
             ValueType::OneOf(|_| SourceKind::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"force\"",
-            "what acts; a couple in Cosserat solids",
+            "kind of source; couple: Cosserat solids only",
         )]),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["force"])],
@@ -51,18 +51,18 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                     ValueType::Numbers(ListLength::GridAxes),
                     "N/m",
                     "[1e4, 0.0]",
-                    "the force by components",
+                    "force vector",
                 )
-                .with_note("force by components")
+                .with_note("force vector")
                 .with_conditions(PLANE_CONDITION),
                 KeySchema::new_required(
                     "amplitude",
                     ValueType::Numbers(ListLength::GridAxes),
                     "N",
                     "[1e4, 0.0, 0.0]",
-                    "the force by components",
+                    "force vector",
                 )
-                .with_note("force by components")
+                .with_note("force vector")
                 .with_conditions(SPACE_CONDITION),
             ],
         ),
@@ -73,7 +73,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::Numbers(ListLength::SpinComponents),
                 "N·m",
                 "1e4",
-                "the couple, in plane strain per m; in space three numbers",
+                "couple: about x₃ per m of thickness in plane strain, three components in 3D",
             )
             .with_note("couple")],
         ),
@@ -84,7 +84,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::Tensor,
                 "N·m",
                 "[[0.0, 1e4], [1e4, 0.0]]",
-                "the moment tensor by rows, in plane strain per m",
+                "moment tensor by rows; in plane strain per m of thickness",
             )
             .with_remark(", by rows")],
         ),
@@ -95,7 +95,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::Number(AllowedRange::Finite),
                 "N·m",
                 "1e4",
-                "the isotropic moment, in plane strain per m",
+                "isotropic moment; in plane strain per m of thickness",
             )
             .with_note("isotropic moment")],
         ),
@@ -105,9 +105,9 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 ValueType::Numbers(ListLength::GridAxes),
                 "m",
                 "[0.0, -40.0]",
-                "where it acts, inside the grid",
+                "position of the source, inside the grid",
             )
-            .with_note("a point of the grid"),
+            .with_note("point inside the grid"),
             KERNEL_KEY,
             RADIUS_KEY,
             time_function::TIME_KEY,
@@ -270,7 +270,7 @@ impl SolidReader<'_> {
             return Ok(());
         }
         let found = format!("found {what} in a solid without spin");
-        let allowed = "a Cosserat solid in model.kind, or another kind here";
+        let allowed = "use a Cosserat solid in model.kind, or another kind here";
         Err(section.error_at(key, found, allowed))
     }
 }

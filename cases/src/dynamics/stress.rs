@@ -12,37 +12,37 @@ use models::solid::waves::SolidField;
 /// Schema of the section `[initial_stress]`, whose keys are the names of the stress components of the solid.
 pub(super) const INITIAL_STRESS_SCHEMA: TableSchema = TableSchema::new_section(
     "initial_stress",
-    "a uniform initial stress: components of stress, Pa, and of couple stress, N/m, by name; what is not named is 0",
+    "uniform initial stress: components of stress in Pa and of couple stress in N/m; omitted components are 0",
     &[],
 );
 
 /// Schema of the section `[gravity]`.
 pub(super) const GRAVITY_SCHEMA: TableSchema = TableSchema::new_section(
     "gravity",
-    "weight",
+    "gravity",
     &[KeyGroup::new(&[
         KeySchema::new_required(
             "acceleration",
             ValueType::Numbers(ListLength::GridAxes),
             "m/s²",
             "[0.0, -9.81]",
-            "acceleration by components",
+            "gravitational acceleration vector",
         ),
         KeySchema::new_with_default(
             "balanced",
             ValueType::Boolean,
             "",
             "true",
-            "whether an initial stress rests in it, along one axis then; false: it acts from the start",
+            "true: a geostatic initial stress balances the weight, which must act along one axis; false: the weight acts from t = 0 without initial balance",
         ),
         KeySchema::new_with_default(
             "lateral_ratio",
             ValueType::Number(AllowedRange::NotNegative),
             "",
             "1.0",
-            "ratio of the normal stresses across the weight to that along it in the initial stress",
+            "ratio K₀ of lateral to vertical normal stress in the initial stress",
         )
-        .with_note("stress across the weight over that along it"),
+        .with_note("ratio of lateral to vertical normal stress"),
     ])],
 );
 
@@ -133,7 +133,8 @@ impl SolidReader<'_> {
                 for (_, slot) in values.iter_mut().filter(|(own, _)| *own == component) {
                     if slot.replace(value).is_some() {
                         let found = format!("a second value of {component}");
-                        let allowed = "give one: shear stresses of a classical solid are equal";
+                        let allowed =
+                            "give one: the stress tensor of a classical solid is symmetric";
                         return Err(section.error_at(name, found, allowed));
                     }
                 }

@@ -8,21 +8,21 @@ use crate::section::{SectionReader, TableWriter};
 /// Schema of the section `[time]`.
 pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
     "time",
-    "how long the run lasts, and in which steps",
+    "duration and time step",
     &[KeyGroup::new(&[
         KeySchema::new_required(
             "duration",
             ValueType::Number(AllowedRange::Positive),
             "s",
             "0.05",
-            "how long the run lasts",
+            "duration of the simulation",
         ),
         KeySchema::new_with_default(
             "courant",
             ValueType::Number(AllowedRange::PositiveUpTo(1.0)),
             "",
             "0.9",
-            "Courant number c(Δt/2)/h of the fastest wave in a sweep; at 1 it moves by whole cells",
+            "Courant number c(Δt/2)/h of the fastest wave in a sweep; at 1 this wave moves exactly one cell per sweep",
         )
         .with_note("Courant number")
         .with_remark(": a sweep is unstable above 1"),
@@ -31,9 +31,9 @@ pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
             ValueType::Number(AllowedRange::PositiveUpTo(180.0)),
             "deg",
             "30.0",
-            "by which a step turns spins against antisymmetric stress, at most",
+            "largest rotation of spin and antisymmetric stress per time step",
         )
-        .with_remark(": by how much a step may turn spins against antisymmetric stress"),
+        .with_remark(": largest rotation of spin and antisymmetric stress per time step"),
     ])],
 )
 .with_remedy("a section [time] with duration in s");
@@ -41,7 +41,7 @@ pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
 /// Schema of the section `[scheme]`.
 pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
     "scheme",
-    "the choices of the scheme",
+    "numerical scheme",
     &[KeyGroup::new(&[
         KeySchema::new_optional(
             "order",
@@ -50,14 +50,14 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"fourth-order\"",
-            "reconstruction of waves: linear; eno2 is limited, for fronts, and the default where something yields",
+            "spatial reconstruction of characteristic waves: fourth-order and godunov are linear, eno2 is limited, for discontinuities; default: eno2 if any medium yields, otherwise fourth-order",
         ),
         KeySchema::new_with_default(
             "correction",
             ValueType::OneOf(|_| variant_names(ReturnMappingOrder::ALL, ReturnMappingOrder::name)),
             "",
             "\"first-order\"",
-            "accuracy in time of plastic flow; second-order is for smooth flow alone",
+            "time accuracy of the plastic correction; second-order: smooth plastic flow only",
         ),
         KeySchema::new_optional(
             "splitting",
@@ -66,21 +66,21 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"alternating\"",
-            "order of the sweeps; default two-cyclic with courant = 1 or second-order correction",
+            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating",
         ),
         KeySchema::new_with_default(
             "precision",
             ValueType::OneOf(|_| variant_names(Precision::ALL, Precision::name)),
             "",
             "\"f64\"",
-            "numbers of the state; f32 takes half the memory",
+            "floating-point precision of the fields; f32 takes half the memory of f64",
         ),
         KeySchema::new_with_default(
             "ledger",
             ValueType::OneOf(|_| variant_names(LedgerDetail::ALL, LedgerDetail::name)),
             "",
             "\"light\"",
-            "what is kept of the energy; full counts what the scheme dissipates, many times slower",
+            "energy ledger: light, totals only; full, also the numerical dissipation of each cell, many times slower",
         ),
     ])],
 );

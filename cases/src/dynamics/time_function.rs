@@ -18,7 +18,7 @@ pub(super) const TIME_KEY: KeySchema = KeySchema::new_required(
     ValueType::Table(&SCHEMA),
     "",
     "{ kind = \"pulse\", start = 0.0, duration = 0.02 }",
-    "the function of time that the amplitude is multiplied by",
+    "time function that multiplies the amplitude",
 );
 
 const START_KEY: KeySchema = KeySchema::new_with_default(
@@ -26,52 +26,52 @@ const START_KEY: KeySchema = KeySchema::new_with_default(
     ValueType::Number(AllowedRange::Finite),
     "s",
     "0.0",
-    "when it begins",
+    "start time",
 )
-.with_note("when it begins");
+.with_note("start time");
 const FREQUENCY_KEY: KeySchema = KeySchema::new_required(
     "frequency",
     ValueType::Number(AllowedRange::Positive),
     "Hz",
     "50.0",
-    "frequency; of ricker that of the greatest amplitude",
+    "frequency; for ricker the peak frequency of the spectrum",
 )
 .with_note("frequency");
 
 /// Schema of the table `time` of a load, source or plane pulse.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_inline_table(
     "time",
-    "a function of time without unit",
+    "dimensionless time function",
     &[
         KeyGroup::new(&[KeySchema::new_required(
             "kind",
             ValueType::OneOf(|_| TimeFunction::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"pulse\"",
-            "step: 1 from start on; triangle: to 1 and back in straight lines; pulse: sin²(π(t − start)/duration); ricker: (1 − 2a) exp(−a) with a = (π frequency (t − delay))²; sine: sin(2π frequency (t − start)) from start on; table: straight lines between samples, 0 outside",
+            "step: 1 from start on, for duration if given; triangle: linear from 0 to 1 and back to 0; pulse: sin²(π(t − start)/duration); ricker: (1 − 2a) exp(−a) with a = (π frequency (t − delay))²; sine: sin(2π frequency (t − start)) from start on; table: linear interpolation of samples, 0 outside",
         )]),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["step"])],
             &[
                 START_KEY,
-                KeySchema::new_optional("duration", ValueType::Number(AllowedRange::Positive), "s", "0.02", "how long it lasts; default for ever")
-                    .with_note("how long it lasts"),
+                KeySchema::new_optional("duration", ValueType::Number(AllowedRange::Positive), "s", "0.02", "duration; default: unlimited")
+                    .with_note("duration"),
             ],
         ),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["triangle", "pulse"])],
             &[
                 START_KEY,
-                KeySchema::new_required("duration", ValueType::Number(AllowedRange::Positive), "s", "0.02", "how long it lasts")
-                    .with_note("how long it lasts"),
+                KeySchema::new_required("duration", ValueType::Number(AllowedRange::Positive), "s", "0.02", "duration")
+                    .with_note("duration"),
             ],
         ),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["ricker"])],
             &[
                 FREQUENCY_KEY,
-                KeySchema::new_optional("delay", ValueType::Number(AllowedRange::Finite), "s", "0.03", "when it is greatest; default 1.5/frequency")
-                    .with_note("when it is greatest"),
+                KeySchema::new_optional("delay", ValueType::Number(AllowedRange::Finite), "s", "0.03", "time of the maximum; default: 1.5/frequency")
+                    .with_note("time of the maximum"),
             ],
         ),
         KeyGroup::with_conditions(&[KeyCondition::HasValue("kind", &["sine"])], &[FREQUENCY_KEY, START_KEY]),
@@ -83,14 +83,14 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_inline_table(
                     ValueType::Samples(["[time in s, value]", "times"]),
                     "",
                     "[[0.0, 0.0], [0.01, 1.0]]",
-                    "times, s, which increase, and values",
+                    "pairs of increasing time (s) and value",
                 ),
                 KeySchema::new_required(
                     "file",
                     ValueType::Text,
                     "",
                     "\"load.csv\"",
-                    "in place of samples: a CSV file of two columns, time in s and value, in a folder as seen from that of the case",
+                    "CSV file with two columns, time in s and value; path relative to the folder of the case file; replaces samples",
                 )
                 .with_note(FILE_REQUIREMENT)
                 .with_remark(", or samples = [[t, value], ...]")
@@ -101,8 +101,8 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_inline_table(
 );
 
 /// Error text for an invalid sample file.
-const FILE_REQUIREMENT: &str = "name a CSV file of two columns, time in s and value, in a folder as seen from that of the \
-                     case";
+const FILE_REQUIREMENT: &str = "name a CSV file with two columns, time in s and value, by its path relative to the \
+                     folder of the case file";
 
 /// A dimensionless time function; times in s, frequencies in Hz.
 #[derive(Clone, Debug, PartialEq)]
@@ -330,7 +330,7 @@ impl SolidReader<'_> {
 
     /// Reads the samples given inline, or from the file named by the table.
     fn read_samples(&self, section: &SectionReader) -> Result<Samples, CaseError> {
-        const TOO_FEW_SAMPLES: &str = "expected at least two lines of a time in s and a value";
+        const TOO_FEW_SAMPLES: &str = "expected at least two lines with time in s and value";
         if let Some(pairs) = section.read_optional("samples")? {
             return Samples::new(pairs).ok_or_else(|| section.invalid_value_error("samples"));
         }
@@ -363,7 +363,7 @@ fn format_count(count: usize, what: &str) -> String {
 /// Parses the samples of a CSV file. The error has the line number, the text found and the text allowed.
 fn parse_samples(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, &'static str)> {
     const EXPECTED_LINE: &str =
-        "expected two finite numbers with a comma between them, time in s and value";
+        "expected two finite numbers separated by a comma, time in s and value";
     let mut samples: Vec<[f64; 2]> = Vec::new();
     let mut may_be_header = true;
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {

@@ -16,7 +16,7 @@ pub const MIN_POINTS_PER_AXIS: usize = 8;
 /// Schema of the section `[grid]`.
 pub(super) const GRID_SCHEMA: TableSchema = TableSchema::new_section(
     "grid",
-    "a periodic box that moves with the mean flow, and its points",
+    "periodic box that is convected with the mean flow, and its grid points",
     &[KeyGroup::new(&[
         KeySchema::new_required(
             "cells",
@@ -27,17 +27,17 @@ pub(super) const GRID_SCHEMA: TableSchema = TableSchema::new_section(
             },
             "",
             "[64, 64]",
-            "points along each axis: even, at least 8",
+            "grid points along each axis; even, at least 8",
         )
-        .with_note("points along each axis"),
+        .with_note("grid points along each axis"),
         KeySchema::new_required(
             "length",
             ValueType::PerAxis(ListLength::Two),
             "m",
             "0.1",
-            "edges of the box at the beginning; one number, or one for each axis",
+            "edge lengths of the box at t = 0; one number, or one per axis",
         )
-        .with_note("edges of the box at the beginning"),
+        .with_note("edge lengths of the box at t = 0"),
     ])],
 )
 .with_remedy("a section [grid] with cells and length");
@@ -45,31 +45,31 @@ pub(super) const GRID_SCHEMA: TableSchema = TableSchema::new_section(
 /// Schema of the section `[time]`.
 pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
     "time",
-    "how long the run lasts, and how accurate its steps are",
+    "duration and tolerances of the time steps",
     &[KeyGroup::new(&[
         KeySchema::new_required(
             "duration",
             ValueType::Number(AllowedRange::Positive),
             "s",
             "1e-3",
-            "how long the run lasts",
+            "duration of the simulation",
         ),
         KeySchema::new_with_default(
             "tolerance",
             ValueType::Number(AllowedRange::PositiveBelow(1.0)),
             "",
             "1e-5",
-            "error of a step relative to the perturbation",
+            "tolerated error per time step, relative to the perturbation",
         )
-        .with_note("error of a step relative to the perturbation"),
+        .with_note("tolerated error per time step, relative to the perturbation"),
         KeySchema::new_with_default(
             "pressure_tolerance",
             ValueType::Number(AllowedRange::PositiveBelow(1.0)),
             "",
             "1e-9",
-            "residual of the equation of the pressure relative to its right-hand side",
+            "tolerated residual of the pressure equation, relative to its right-hand side",
         )
-        .with_note("residual of the equation of the pressure relative to its right-hand side"),
+        .with_note("tolerated residual of the pressure equation, relative to its right-hand side"),
     ])],
 )
 .with_remedy("a section [time] with duration in s");
@@ -77,15 +77,15 @@ pub(super) const TIME_SCHEMA: TableSchema = TableSchema::new_section(
 /// Schema of the section `[limits]`, allowed for coaxial flows only.
 pub(super) const LIMITS_SCHEMA: TableSchema = TableSchema::new_section(
     "limits",
-    "where a run stops",
+    "stop criterion of the simulation",
     &[KeyGroup::new(&[KeySchema::new_with_default(
         "shear_rate",
         ValueType::Number(AllowedRange::PositiveBelow(1.0)),
         "",
         "1e-3",
-        "least Q_D relative to that of the mean flow: the run stops there",
+        "lower limit of Q_D relative to the mean flow; the simulation stops at this limit",
     )
-    .with_note("least Q_D relative to that of the mean flow")])],
+    .with_note("lower limit of Q_D relative to the mean flow")])],
 );
 
 /// Grid of a periodic box that is convected with the mean flow.
@@ -127,7 +127,7 @@ impl FlowGrid {
     pub(super) fn read(root: &SectionReader) -> Result<Self, CaseError> {
         let section = root.open_required_section(&GRID_SCHEMA)?;
         if section.has_key("spacing") {
-            let allowed = "give length, the edges of the box at the beginning in m, in its place";
+            let allowed = "give length, the edge lengths of the box at t = 0 in m, instead";
             return Err(section.error_at("spacing", "found for a flow", allowed));
         }
         let cells: Vec<usize> = section.read_required("cells")?;
@@ -136,7 +136,7 @@ impl FlowGrid {
         };
         if cells[0].checked_mul(cells[1]).is_none_or(|count| count > MAX_GRID_POINTS) {
             let found = format!("{} × {} points", cells[0], cells[1]);
-            let allowed = format!("expected at most {MAX_GRID_POINTS} in all");
+            let allowed = format!("expected at most {MAX_GRID_POINTS} in total");
             return Err(section.error_at("cells", found, allowed));
         }
         let lengths: Vec<f64> = section.read_required("length")?;

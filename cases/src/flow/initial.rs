@@ -18,8 +18,7 @@ const POSITIVE_TYPE: ValueType = ValueType::Number(AllowedRange::Positive);
 const FIELD_UNIT: &str = "the unit of the field";
 
 /// Error text for an invalid archive.
-const ARCHIVE_REQUIREMENT: &str =
-    "name an archive (NPZ) such as fields.npz of a run, in a folder as seen from that of the case";
+const ARCHIVE_REQUIREMENT: &str = "name an NPZ archive such as fields.npz of a run, by its path relative to the folder of the case file";
 
 const FIELD_KEY: KeySchema = KeySchema::new_required(
     "field",
@@ -28,7 +27,7 @@ const FIELD_KEY: KeySchema = KeySchema::new_required(
     }),
     "",
     "\"v\"",
-    "v: the velocity across the wave vector, m/s; w: the spin, rad/s; psi_deg: the stress angle, deg",
+    "perturbed field: v, velocity normal to the wave vector, m/s; w, spin, rad/s; psi_deg, stress angle, deg",
 );
 
 const AMPLITUDE_KEY: KeySchema =
@@ -37,20 +36,20 @@ const AMPLITUDE_KEY: KeySchema =
 /// Schema of the sections `[[initial]]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     "initial",
-    "a part of the perturbation; the parts add up, and there is at least one",
+    "term of the initial perturbation; the terms are summed; at least one is required",
     &[
         KeyGroup::new(&[KeySchema::new_required(
             "kind",
             ValueType::OneOf(|_| FlowPerturbation::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"noise\"",
-            "mode: a wave A cos(k·x + phase) with k = 2π(m₁/L₁, m₂/L₂); packet: the same under a bell exp(−(r/radius)²); noise: all waves of a band, of equal amplitude and with random phases; uniform: one value of what evolves beside the velocity; file: fields of an archive",
+            "mode: Fourier mode A cos(k·x + phase) with k = 2π(m₁/L₁, m₂/L₂); packet: Fourier mode times the Gaussian exp(−(r/radius)²); noise: all Fourier modes of a band, with equal amplitudes and random phases; uniform: constant spin or stress angle; file: fields of an archive",
         )]),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["mode", "packet"])],
             &[
-                KeySchema::new_required("mode", ValueType::ModeNumbers, "", "[2, 1]", "wavelengths along each axis; may be negative")
-                    .with_note("wavelengths along each axis"),
+                KeySchema::new_required("mode", ValueType::ModeNumbers, "", "[2, 1]", "mode numbers m₁, m₂: wavelengths per box edge; may be negative")
+                    .with_note("mode numbers m₁, m₂"),
                 FIELD_KEY,
                 AMPLITUDE_KEY,
                 KeySchema::new_with_default("phase_deg", NUMBER_TYPE, "deg", "0.0", "phase at the corner of the box"),
@@ -59,22 +58,22 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["packet"])],
             &[
-                KeySchema::new_required("at", ValueType::Numbers(ListLength::Two), "m", "[0.05, 0.05]", "the middle of the bell")
-                    .with_note("the middle of the bell"),
-                KeySchema::new_required("radius", POSITIVE_TYPE, "m", "0.02", "radius of the bell"),
+                KeySchema::new_required("at", ValueType::Numbers(ListLength::Two), "m", "[0.05, 0.05]", "centre of the Gaussian")
+                    .with_note("centre of the Gaussian"),
+                KeySchema::new_required("radius", POSITIVE_TYPE, "m", "0.02", "radius of the Gaussian"),
             ],
         ),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["noise"])],
             &[
                 FIELD_KEY,
-                KeySchema::new_required("from", POSITIVE_TYPE, "", "1", "least number of wavelengths in the box, √(m₁² + m₂²)")
-                    .with_note("least √(m₁² + m₂²)"),
-                KeySchema::new_required("to", POSITIVE_TYPE, "", "16", "greatest number of wavelengths in the box")
-                    .with_note("greatest √(m₁² + m₂²)"),
-                KeySchema::new_required("amplitude", NUMBER_TYPE, FIELD_UNIT, "1e-6", "root mean square"),
-                KeySchema::new_required("seed", ValueType::WholeNumber(0), "", "1", "of the random phases, which are the same on all grids")
-                    .with_note("what the random phases follow from"),
+                KeySchema::new_required("from", POSITIVE_TYPE, "", "1", "lower limit of the mode number √(m₁² + m₂²)")
+                    .with_note("lower limit of √(m₁² + m₂²)"),
+                KeySchema::new_required("to", POSITIVE_TYPE, "", "16", "upper limit of the mode number √(m₁² + m₂²)")
+                    .with_note("upper limit of √(m₁² + m₂²)"),
+                KeySchema::new_required("amplitude", NUMBER_TYPE, FIELD_UNIT, "1e-6", "root-mean-square amplitude"),
+                KeySchema::new_required("seed", ValueType::WholeNumber(0), "", "1", "seed of the random phases, which do not depend on the grid")
+                    .with_note("seed of the random phases"),
             ],
         ),
         KeyGroup::with_conditions(
@@ -88,9 +87,9 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                     }),
                     "",
                     "\"w\"",
-                    "w: the spin, rad/s; psi_deg: the stress angle, deg",
+                    "perturbed field: w, spin, rad/s; psi_deg, stress angle, deg",
                 ),
-                KeySchema::new_required("amplitude", NUMBER_TYPE, FIELD_UNIT, "1e-3", "the value"),
+                KeySchema::new_required("amplitude", NUMBER_TYPE, FIELD_UNIT, "1e-3", "uniform value"),
             ],
         ),
         KeyGroup::with_conditions(
@@ -101,7 +100,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                     ValueType::Text,
                     "",
                     "\"fields.npz\"",
-                    "an archive with v1, v2 and what evolves beside them on the same points, such as that of an earlier run; from a folder beside this file",
+                    "NPZ archive with v1, v2 and the other evolving fields on the same grid points, such as fields.npz of an earlier run; path relative to the folder of the case file",
                 )
                 .with_note(ARCHIVE_REQUIREMENT),
                 KeySchema::new_optional(
@@ -109,10 +108,10 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                     ValueType::Hexadecimal,
                     "",
                     "\"00000000\"",
-                    "of the file, where it must be a certain one",
+                    "CRC-32 checksum that the file must have; default: not checked",
                 )
-                .with_note("of the file's bytes")
-                .with_remark("; leave it out"),
+                .with_note("CRC-32 checksum of the file")
+                .with_remark(", or leave it out"),
             ],
         ),
     ],
@@ -272,7 +271,7 @@ impl FlowReader<'_> {
         }
         if parts.is_empty() {
             let allowed = "add [[initial]] with kind = \"noise\", field = \"v\", from, to, amplitude \
-                           and seed: an unperturbed flow stays as it is";
+                           and seed: an unperturbed flow does not change";
             return Err(root.error_at("initial", "missing", allowed));
         }
         Ok(parts)
@@ -300,7 +299,7 @@ impl FlowReader<'_> {
                 self.grid.points[0], self.grid.points[1]
             );
             let allowed = format!(
-                "at most {} and {}: add points, or a longer wave",
+                "at most {} and {}: use more grid points, or a longer wave",
                 greatest[0], greatest[1]
             );
             return Err(section.error_at("mode", found, allowed));
@@ -329,14 +328,14 @@ impl FlowReader<'_> {
                 "found {to:?} with {} × {} points",
                 self.grid.points[0], self.grid.points[1]
             );
-            let allowed = format!("at most {greatest:?}: add points, or take longer waves");
+            let allowed = format!("at most {greatest:?}: use more grid points, or longer waves");
             return Err(section.error_at("to", found, allowed));
         }
         let first = |m1: i64| (from * from - (m1 * m1) as f64).max(0.0).sqrt().ceil();
         let holds = |m1: i64| first(m1).powi(2) + (m1 * m1) as f64 <= to * to;
         if !(0..=to as i64).any(holds) {
-            let found = format!("no whole numbers m₁, m₂ between {from:?} and {to:?}");
-            return Err(section.error_at("to", found, "a wider band, such as from = 1 to = 8"));
+            let found = format!("no mode with √(m₁² + m₂²) between {from:?} and {to:?}");
+            return Err(section.error_at("to", found, "use a wider band, e.g. from = 1 to = 8"));
         }
         let amplitude = Self::read_amplitude(section, field)?;
         let seed = section.read_required("seed")?;
@@ -353,8 +352,7 @@ impl FlowReader<'_> {
         let fields = &PerturbedField::evolving_fields(self.rotation)[1..];
         if fields.is_empty() {
             let found = "found 'uniform' for the model plastic-potential";
-            let allowed =
-                "another kind: of a velocity that is uniform the mean flow takes the place";
+            let allowed = "use another kind: this model evolves the velocity only, and a uniform velocity is part of the mean flow";
             return Err(section.error_at("kind", found, allowed));
         }
         let field = section.read_choice("field", fields, PerturbedField::name)?;
@@ -371,7 +369,7 @@ impl FlowReader<'_> {
         let path = std::path::absolute(self.case_folder.join(&file))
             .map_err(|error| unreadable(&error.to_string()))?;
         let path =
-            path.to_str().ok_or_else(|| unreadable("its folder's name is not UTF-8 text"))?;
+            path.to_str().ok_or_else(|| unreadable("the path of its folder is not UTF-8 text"))?;
         let path = path.to_owned();
         let checksum = match section.read_optional::<u64>("checksum")? {
             // Eight hexadecimal digits: at most 32 bits.

@@ -16,13 +16,13 @@ const SPEED_NAME: &str = "speed";
 /// Schema of the sections `[[receiver]]`.
 pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
     "receiver",
-    "a point, a line or a grid of points of the box at which fields are recorded",
+    "receivers: a point, line or grid of points of the box at which fields are recorded",
     &[KeyGroup::new(&[
         receivers::NAME_KEY,
         receivers::new_position_key(
-            "a point of the box",
+            "point inside the box",
             "[0.05, 0.05]",
-            "where it is at the beginning: the nearest point of the box, which moves with it",
+            "position at t = 0; the nearest grid point is recorded, which moves with the box",
         ),
         receivers::FIRST_POINT_KEY,
         receivers::LAST_POINT_KEY,
@@ -32,7 +32,7 @@ pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
             ValueType::AnyOf(field_names),
             "",
             "[\"v1\", \"v2\"]",
-            "what is recorded; default all",
+            "recorded fields; default: all",
         ),
     ])],
 );
@@ -40,11 +40,11 @@ pub(super) const RECEIVER_SCHEMA: TableSchema = TableSchema::new_list(
 /// Schema of the section `[output]`.
 pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
     "output",
-    "what else is recorded, and what pictures show",
+    "ledger, snapshots and pictures",
     &[KeyGroup::new(&[
         new_ledger_interval_key(
-            "0: a two-hundredth of the duration",
-            "time between two lines of the ledger; 0: a two-hundredth of the duration",
+            "0: 1/200 of the duration",
+            "time between two rows of the ledger; 0: 1/200 of the duration",
         ),
         SNAPSHOT_INTERVAL_KEY,
         KeySchema::new_with_default(
@@ -54,7 +54,7 @@ pub(super) const OUTPUT_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"speed\"",
-            "what pictures show: the speed of the perturbation, or a field",
+            "plotted quantity: speed of the perturbation, or a field",
         ),
         CONTOURS_KEY,
     ])],

@@ -128,7 +128,7 @@ fn format_model_kinds(flows: &[FlowKind], solids: &[SolidKind]) -> String {
 /// Lists the allowed yield sets as text.
 fn format_yield_sets(sets: &[YieldSetKind]) -> String {
     let sets = join_alternatives(sets.iter().map(|set| set.name));
-    format!("{sets}; without the section [yield] a solid stays elastic")
+    format!("{sets}; without the section [yield] the solid is elastic")
 }
 
 /// Joins alternatives, e.g. `a, b or c`.
@@ -167,9 +167,9 @@ fn merge_constants<I: Iterator<Item = &'static Constant>>(
 
 /// Keys before the constants of flows; the meaning of `model.kind` is filled in from the registry.
 static LEADING_KEYS: &[Key] = keys! {
-    "title": "title" [""] "one line that says what the case is";
+    "title": "title" [""] "title of the case, one line";
         ALL_MODELS, Optional, Text;
-    "name": "name" [""] "names the folder of results: at most 255 letters, digits, '-', '_' and '.', not dots alone; absent: the name of the file";
+    "name": "name" [""] "name of the results folder: at most 255 letters, digits, '-', '_' and '.', not only dots; default: name of the case file";
         ALL_MODELS, Optional, Text;
 
     "model.kind": "kind of model" [""] "";
@@ -178,7 +178,7 @@ static LEADING_KEYS: &[Key] = keys! {
 
 /// Keys of solids before their constants.
 static SOLID_KEYS: &[Key] = keys! {
-    "model.dimensions": "dimensions" [""] "2 for plane strain, 3 for space";
+    "model.dimensions": "dimensions" [""] "number of spatial dimensions: 2 (plane strain) or 3";
         SPACE_SOLIDS, Required(3.0), StoredCount(|n| &mut n.dimensions);
 };
 
@@ -188,7 +188,7 @@ static STATE_KEYS: &[Key] = keys! {
         FLOW_MODELS, Required(1600.0), in MaterialState::DENSITY, Number(|n| &mut n.background.density);
     "background.pressure": "pressure p" ["Pa"] "pressure p, positive in compression; > −c cot φ";
         FLOW_MODELS, Required(1000.0), Number(|n| &mut n.background.pressure);
-    "background.stress_angle_deg": "stress angle Ψ_Σ" ["deg"] "angle Ψ_Σ of the greater (more tensile) principal stress from x₁, anticlockwise";
+    "background.stress_angle_deg": "stress angle Ψ_Σ" ["deg"] "angle Ψ_Σ of the major (most tensile) principal stress axis from x₁, anticlockwise";
         FLOW_MODELS, Required(45.0), Number(|n| &mut n.background.stress_angle_deg);
     "background.shear_rate": "shear rate Q_D" ["1/s"] "magnitude Q_D of the deviatoric deformation rate; > 0";
         FLOW_MODELS, Required(1.0), in MaterialState::SHEAR_RATE, Number(|n| &mut n.background.shear_rate);
@@ -196,15 +196,15 @@ static STATE_KEYS: &[Key] = keys! {
         FLOW_MODELS, Or(0.0), Pair(|n| &mut n.background.velocity);
     "background.half_vorticity": "half the vorticity s₂₁" ["1/s"] "half the vorticity s₂₁ = ½(∂₁V₂ − ∂₂V₁), positive anticlockwise";
         FLOW_MODELS, Or(0.0), Number(|n| &mut n.background.half_vorticity);
-    "background.noncoaxiality_deg": "non-coaxiality Δ" ["deg"] "non-coaxiality Δ = Ψ_D − Ψ_Σ; absent: from the spin where that is given, else 0; 0 for plastic-potential";
+    "background.noncoaxiality_deg": "non-coaxiality Δ" ["deg"] "non-coaxiality Δ = Ψ_D − Ψ_Σ; default: computed from spin if given, otherwise 0; must be 0 for plastic-potential";
         FLOW_MODELS, Optional, OptionalNumber(|n| &mut n.background.noncoaxiality_deg);
-    "background.spin": "spin Ω" ["rad/s"] "intrinsic spin Ω, anticlockwise; may stand in place of noncoaxiality_deg";
+    "background.spin": "spin Ω" ["rad/s"] "intrinsic spin Ω, positive anticlockwise; alternative to noncoaxiality_deg";
         SPIN_FLOWS, Optional, OptionalNumber(|n| &mut n.background.spin);
     "background.pressure_gradient": "pressure gradient ∇p" ["Pa/m"] "gradient of the pressure";
         FLOW_MODELS, Or(0.0), Pair(|n| &mut n.background.pressure_gradient);
     "background.stress_angle_gradient_deg": "stress-angle gradient ∇Ψ_Σ" ["deg/m"] "gradient of the stress angle";
         FLOW_MODELS, Or(0.0), Pair(|n| &mut n.background.stress_angle_gradient_deg);
-    "background.density_gradient": "density gradient ∇ρ" ["kg/m⁴"] "gradient of the density; 0 where ν = 0";
+    "background.density_gradient": "density gradient ∇ρ" ["kg/m⁴"] "gradient of the density; must be 0 if ν = 0";
         FLOW_MODELS, Or(0.0), Pair(|n| &mut n.background.density_gradient);
     "background.spin_gradient": "spin gradient ∇Ω" ["rad/(s·m)"] "gradient of the spin";
         INTRINSIC_SPIN_FLOWS, Or(0.0), Pair(|n| &mut n.background.spin_gradient);
@@ -214,54 +214,54 @@ static STATE_KEYS: &[Key] = keys! {
         INTRINSIC_SPIN_FLOWS, Or(0.0), Number(|n| &mut n.background.inertia_rate);
     "background.inertia_gradient": "inertia gradient ∇I" ["m"] "gradient of the moment of inertia";
         INTRINSIC_SPIN_FLOWS, Or(0.0), Pair(|n| &mut n.background.inertia_gradient);
-    "background.rotational_stress": "rotational stress r" ["Pa"] "r = ½(σ₁₂ − σ₂₁), first index the face normal; absent: −m sign(Ω − s₂₁)";
+    "background.rotational_stress": "rotational stress r" ["Pa"] "rotational stress r = ½(σ₁₂ − σ₂₁), first index is the face normal; default: −m sign(Ω − s₂₁)";
         INTRINSIC_SPIN_FLOWS, Optional, OptionalNumber(|n| &mut n.background.rotational_stress);
-    "background.deviatoric_stress": "deviatoric stress q" ["Pa"] "deviatoric stress q; absent: on yield";
+    "background.deviatoric_stress": "deviatoric stress q" ["Pa"] "deviatoric stress q; default: value at yield";
         FLOW_MODELS, Optional, in MaterialState::DEVIATORIC_STRESS, OptionalNumber(|n| &mut n.background.deviatoric_stress);
-    "background.velocity_gradient": "velocity gradient ∇V" ["1/s"] "velocity gradient, entry [i][j] = ∂ⱼVᵢ; derived, checked where given";
+    "background.velocity_gradient": "velocity gradient ∇V" ["1/s"] "velocity gradient, entry [i][j] = ∂ⱼVᵢ; derived, checked if given";
         FLOW_MODELS, Optional, OptionalMatrix(|n| &mut n.background.velocity_gradient);
-    "background.acceleration": "acceleration DV/Dt − F" ["m/s²"] "material acceleration less body force; derived, checked where given";
+    "background.acceleration": "acceleration DV/Dt − F" ["m/s²"] "material acceleration minus body force per unit mass; derived, checked if given";
         FLOW_MODELS, Optional, OptionalPair(|n| &mut n.background.acceleration);
-    "background.body_moment": "body moment G" ["m²/s²"] "body moment per unit mass; derived, checked where given";
+    "background.body_moment": "body moment G" ["m²/s²"] "body moment per unit mass; derived, checked if given";
         INTRINSIC_SPIN_FLOWS, Optional, OptionalNumber(|n| &mut n.background.body_moment);
-    "background.stress_angle_rate_deg": "stress-angle rate DΨ_Σ/Dt" ["deg/s"] "material rate of the stress angle; derived, checked where given";
+    "background.stress_angle_rate_deg": "stress-angle rate DΨ_Σ/Dt" ["deg/s"] "material rate of the stress angle; derived, checked if given";
         STRESS_AXES_FLOWS, Optional, OptionalNumber(|n| &mut n.background.stress_angle_rate_deg);
 
     "yield.kind": "yield set" [""] "";
         SOLID_MODELS, Required(0.0), Text;
-    "yield.active": "active conditions" [""] "the conditions that hold with equality, as in [\"+sigma21\", \"-m32\"]; absent: as the stress of [stress] decides";
+    "yield.active": "active conditions" [""] "active yield conditions (satisfied with equality), e.g. [\"+sigma21\", \"-m32\"]; default: determined by [stress]";
         SOLID_MODELS that yield by YIELD_SETS_WITH_CONDITIONS, Optional, TextList;
 };
 
 /// Keys after the constants of yield sets.
 static TRAILING_KEYS: &[Key] = keys! {
-    "yield.plastic_rate": "plastic rate Λ" ["1/s"] "rate Λ at which the background flows, its stress at rest; ≥ 0; damps waves, changes no speed";
+    "yield.plastic_rate": "plastic rate Λ" ["1/s"] "plastic multiplier rate Λ of the background state at constant stress; ≥ 0; damps waves without changing their speeds";
         SOLID_MODELS that yield by CURVED_YIELD_SETS, Or(0.0), in PlasticState::RATE_RANGE, Number(|n| &mut n.plastic_rate);
 
-    "stress.pressure": "pressure p" ["Pa"] "mean pressure in the plane p = −½(σ₁₁ + σ₂₂); the other stresses are scaled until they yield";
+    "stress.pressure": "pressure p" ["Pa"] "mean in-plane pressure p = −½(σ₁₁ + σ₂₂); the other stresses are scaled to the yield surface";
         SOLID_MODELS that yield by ALL_YIELD_SETS, Or(0.0), Number(|n| &mut n.stress.pressure);
-    "stress.deviatoric_stress": "deviatoric stress q" ["Pa"] "deviatoric stress q in the plane, half the difference of the principal stresses, before scaling";
+    "stress.deviatoric_stress": "deviatoric stress q" ["Pa"] "in-plane deviatoric stress q, half the difference of the principal stresses, before scaling";
         SOLID_MODELS that yield by ALL_YIELD_SETS, Or(1.0), Number(|n| &mut n.stress.deviatoric_stress);
-    "stress.stress_angle_deg": "stress angle ψ_σ" ["deg"] "angle of the greater principal stress from x₁, anticlockwise";
+    "stress.stress_angle_deg": "stress angle ψ_σ" ["deg"] "angle of the major principal stress axis from x₁, anticlockwise";
         SOLID_MODELS that yield by ALL_YIELD_SETS, Or(0.0), Number(|n| &mut n.stress.stress_angle_deg);
-    "stress.out_of_plane_stress": "out-of-plane stress σ₃₃ + p" ["Pa"] "stress σ₃₃ across the plane in excess of −p, before scaling";
+    "stress.out_of_plane_stress": "out-of-plane stress σ₃₃ + p" ["Pa"] "out-of-plane stress relative to −p, σ₃₃ + p, before scaling";
         SPACE_SOLIDS that yield by SPACE_YIELD_SETS, Or(0.0), Number(|n| &mut n.stress.out_of_plane_stress);
-    "stress.rotational_stress": "rotational stress r" ["Pa"] "r = ½(σ₂₁ − σ₁₂), second index the face normal, before scaling";
+    "stress.rotational_stress": "rotational stress r" ["Pa"] "rotational stress r = ½(σ₂₁ − σ₁₂), second index is the face normal, before scaling";
         MICROPOLAR_SOLIDS that yield by ALL_YIELD_SETS, Or(0.0), Number(|n| &mut n.stress.rotational_stress);
     "stress.couple_stress": "couple stress" ["N/m"] "couple stress [m₃₁, m₃₂], before scaling; m₁₃ and m₂₃ are 0";
         COSSERAT_SOLIDS that yield by ALL_YIELD_SETS, Or(0.0), Pair(|n| &mut n.stress.couple_stress);
 
-    "wave.number": "wave number k" ["1/m"] "wave number k at which roots are listed; > 0";
+    "wave.number": "wave number k" ["1/m"] "wave number k at which dispersion roots are listed; > 0";
         ALL_MODELS, Or(1000.0), in AllowedRange::Positive, Number(|n| &mut n.wave.wave_number);
     "wave.direction_deg": "wave direction ψ_K" ["deg"] "direction ψ_K of the wave vector from x₁, anticlockwise";
         ALL_MODELS, Or(0.0), Number(|n| &mut n.wave.direction_deg);
 
-    "wave.elevation_deg": "wave elevation" ["deg"] "angle of the wave vector above the plane of x₁ and x₂; 0 in plane strain";
+    "wave.elevation_deg": "wave elevation" ["deg"] "elevation of the wave vector above the x₁x₂ plane; 0 in plane strain";
         SPACE_SOLIDS, Or(0.0), Number(|n| &mut n.wave.elevation_deg);
-    "wave.greatest_number": "greatest wave number" ["1/m"] "greatest wave number of dispersion curves; 0: 4 over the solid's own length";
+    "wave.greatest_number": "largest wave number" ["1/m"] "largest wave number of dispersion curves; 0: 4 times the characteristic wave number of the solid, for classical solids wave.number";
         SOLID_MODELS, Or(0.0), in AllowedRange::NotNegative, Number(|n| &mut n.wave.max_wave_number);
 
-    "map.x.parameter": "parameter" [""] "name of the number along the x axis";
+    "map.x.parameter": "parameter" [""] "name of the parameter swept along the x axis";
         ALL_MODELS, Required(0.0), Text;
     "map.x.from": "first value" [""] "first value along the x axis";
         ALL_MODELS, Required(0.0), UnstoredNumber;
@@ -269,7 +269,7 @@ static TRAILING_KEYS: &[Key] = keys! {
         ALL_MODELS, Required(0.0), UnstoredNumber;
     "map.x.points": "points" [""] "number of points along the x axis";
         ALL_MODELS, Required(0.0), Count;
-    "map.y.parameter": "parameter" [""] "name of the number along the y axis";
+    "map.y.parameter": "parameter" [""] "name of the parameter swept along the y axis";
         ALL_MODELS, Required(0.0), Text;
     "map.y.from": "first value" [""] "first value along the y axis";
         ALL_MODELS, Required(0.0), UnstoredNumber;
@@ -278,6 +278,6 @@ static TRAILING_KEYS: &[Key] = keys! {
     "map.y.points": "points" [""] "number of points along the y axis";
         ALL_MODELS, Required(0.0), Count;
 
-    "compare.kinds": "kinds of model" [""] "kinds of model to compare on this state";
+    "compare.kinds": "kinds of model" [""] "kinds of model compared at this state";
         FLOW_MODELS, Required(0.0), TextList;
 };

@@ -215,7 +215,7 @@ impl SectionTemplates {
             let mut comment = if was_shown { String::new() } else { self.format_key_comment(item) };
             if item.conditions.contains(&KeyCondition::Space) {
                 let separator = if comment.is_empty() { "" } else { "; " };
-                comment = format!("in space alone{separator}{comment}");
+                comment = format!("3D only{separator}{comment}");
             }
             if let ValueType::Table(inner) = item.value_type {
                 self.write_inline_tables(form, item, inner, variant, is_set, comment);
@@ -288,7 +288,7 @@ impl SectionTemplates {
                     .iter()
                     .filter(|own| own.name != "kind")
                     .map(|own| match is_in_space(own) {
-                        true => format!("in space also {} = {}", own.name, own.example_value()),
+                        true => format!("in 3D also {} = {}", own.name, own.example_value()),
                         false if own.unit.is_empty() => own.meaning.to_owned(),
                         false => format!("{} in {}", own.name, own.unit),
                     })

@@ -206,7 +206,10 @@ impl YieldSetKind {
             true => Ok(()),
             false => Err(InputError {
                 input: "kind",
-                rejected_value: format!("{}, which cannot yield by {}", solid.name, self.name),
+                rejected_value: format!(
+                    "{}, which does not admit the yield set {}",
+                    solid.name, self.name
+                ),
                 allowed_values: format!(
                     "a solid whose elastic law the yield set {} admits",
                     self.name
