@@ -29,93 +29,93 @@ struct CommandLine {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Verdict over two parameters of a case: picture, data and a summary in words
+    /// Map the verdict over two parameters of a case: picture, data and summary
     Map {
         #[command(flatten)]
         arguments: CaseArguments,
-        /// Also locate the greatest growth rate over all waves at every point
+        /// Also compute the largest growth rate over all wave vectors at every point
         #[arg(long = "bound")]
         computes_bound: bool,
-        /// Also give the greatest growth rate at the wave of the case at every point
+        /// Also compute the largest growth rate at the wave number of the case at every point
         #[arg(long = "growth-rate")]
         computes_growth_rate: bool,
-        /// Decide every point from the linearised equations, none by a model's closed form
+        /// Assess every point from the linearised equations, without closed forms of a model
         #[arg(long = "model-blind")]
         is_model_blind: bool,
     },
-    /// Everything about one state: background, characteristics, roots, growth, verdict
+    /// Analyse one state: background, characteristics, dispersion roots, growth, verdict
     Point {
         #[command(flatten)]
         arguments: CaseArguments,
     },
-    /// Frequencies and speeds of the waves of a solid against the wave number
+    /// Compute the dispersion relation of a solid: frequencies and speeds against wave number
     Dispersion {
         #[command(flatten)]
         arguments: CaseArguments,
     },
-    /// Characteristic speeds of a solid against the direction, elastic and yielding
+    /// Compute the characteristic speeds of a solid against direction, elastic and yielding
     Speeds {
         #[command(flatten)]
         arguments: CaseArguments,
     },
-    /// Solve a solid or a flow in time: fields, receivers, energy ledger and a picture
+    /// Simulate a solid or flow in the time domain: fields, receivers, energy ledger, picture
     Run {
         #[command(flatten)]
         arguments: CaseArguments,
-        /// Seconds between two checkpoints, from which an interrupted run resumes
+        /// Wall time between two checkpoints, from which an interrupted run resumes, s
         #[arg(long = "checkpoint-every", value_name = "SECONDS", default_value_t = cli::DEFAULT_CHECKPOINT_INTERVAL,
             value_parser = parse_seconds)]
         checkpoint_interval: f64,
-        /// Run a flow although its equations are ill-posed: finer grids give other solutions
+        /// Simulate a flow although its equations are ill-posed and its solution depends on the grid
         #[arg(long)]
         accept_ill_posed: bool,
     },
-    /// Predict complex frequencies and measure them in time: table, picture; exit code 1 where both disagree
+    /// Compare predicted complex frequencies with simulated ones: table, picture; exit code 1 on disagreement
     Check {
         #[command(flatten)]
         arguments: CaseArguments,
     },
-    /// Go on with a run that was interrupted or killed; its results are the same bits
+    /// Resume an interrupted or killed run; results are bit-identical to those of an uninterrupted run
     Resume {
-        /// The folder of its results
+        /// Results folder
         folder: PathBuf,
         /// Number of threads [default: one per core]; results do not depend on it
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
-        /// Seconds between two checkpoints
+        /// Wall time between two checkpoints, s
         #[arg(long = "checkpoint-every", value_name = "SECONDS", default_value_t = cli::DEFAULT_CHECKPOINT_INTERVAL,
             value_parser = parse_seconds)]
         checkpoint_interval: f64,
-        /// Form of what is printed
+        /// Output format
         #[arg(long, value_enum, default_value = "text")]
         format: FormatArgument,
     },
-    /// Draw the pictures of a finished run again
+    /// Redraw the pictures of a finished run
     Plot {
-        /// The folder of its results
+        /// Results folder
         folder: PathBuf,
     },
-    /// Compare the files of a folder of results with their checksums; exit code 1 where one is damaged
+    /// Compare the files of a results folder with their checksums; exit code 1 if any is damaged
     Verify {
-        /// The folder of results
+        /// Results folder
         folder: PathBuf,
-        /// Form of what is printed
+        /// Output format
         #[arg(long, value_enum, default_value = "text")]
         format: FormatArgument,
     },
-    /// List the cases that come with the program
+    /// List the bundled cases
     Cases,
-    /// Write a commented case to start from
+    /// Write a commented template of a case file
     New {
         /// Kind of model
         #[arg(value_parser = PossibleValuesParser::new(ModelKind::all_kinds().into_iter().map(ModelKind::name)).try_map(parse_kind))]
         kind: ModelKind,
-        /// Yield set of a solid that yields
+        /// Yield set of the solid
         #[arg(long = "yield", value_name = "SET", value_parser =
             PossibleValuesParser::new(registry::yield_sets().into_iter().map(|set| set.name))
                 .try_map(parse_yield_set))]
         yield_set: Option<Yield>,
-        /// A solid or a flow in time, for wellposed run
+        /// Template of a time-domain simulation, for wellposed run
         #[arg(long = "run")]
         is_simulation: bool,
         /// File to write [default: <KIND>.toml]
@@ -126,13 +126,13 @@ enum Verb {
     },
     /// Print the schema of case files: JSON Schema for editors, or the reference page
     Schema {
-        /// The reference page, in Markdown
+        /// Print the reference page in Markdown
         #[arg(long = "markdown")]
         is_markdown: bool,
     },
     /// Print completions for a shell
     Completions {
-        /// The shell
+        /// Shell
         shell: clap_complete::Shell,
     },
 }
@@ -140,22 +140,22 @@ enum Verb {
 /// Arguments of all verbs that run a case.
 #[derive(Args)]
 struct CaseArguments {
-    /// The case file
+    /// Case file
     #[arg(id = "case")]
     case_path: PathBuf,
-    /// Set a key of the case, as in background.pressure=500; may be repeated
+    /// Override a key of the case, e.g. background.pressure=500; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Form of what is printed
+    /// Output format
     #[arg(long, value_enum, default_value = "text")]
     format: FormatArgument,
-    /// Folder for the results [default: out/<name of the case>]
+    /// Results folder [default: out/<name of the case>]
     #[arg(long = "out", value_name = "DIR")]
     output_folder: Option<PathBuf>,
     /// Overwrite results of another case
     #[arg(long)]
     force: bool,
-    /// Check everything and say what would be done; write nothing
+    /// Validate the case and print the plan; write nothing
     #[arg(long = "dry-run")]
     is_dry_run: bool,
     /// Number of threads [default: one per core]; results do not depend on it

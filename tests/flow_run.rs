@@ -232,7 +232,7 @@ fn run_stopped_by_growth_saves_last_finite_results() {
     let error = run_flow(folder.path(), &text, 1).expect_err("growth");
     assert_eq!(error.exit_code(), 3, "{error}");
     let message = error.to_string();
-    assert!(message.contains(" m in the box at the beginning after "), "{message}");
+    assert!(message.contains(" m in the box at t = 0 after "), "{message}");
     assert!(message.ends_with(" s is saved"), "{message}");
     let out = folder.path().join("out");
     let report: serde_json::Value =
@@ -403,7 +403,7 @@ fn ill_posed_flow_is_refused_with_growth_rate() {
     let tenfold = 10f64.ln() / (coefficient * number * number);
     for expected in [
         format!("at the rate {} k² 1/s", format_short(coefficient)),
-        format!("k = {} 1/m, tenfold in {} s", format_short(number), format_short(tenfold)),
+        format!("k = {} 1/m, grow tenfold in {} s", format_short(number), format_short(tenfold)),
         "--accept-ill-posed".to_owned(),
     ] {
         assert!(error.contains(&expected), "{expected}: {error}");

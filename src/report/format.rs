@@ -6,11 +6,12 @@ use crate::case::Case;
 use analysis::solids::angles_deg;
 
 /// Route of verdicts by a closed form of the model.
-pub const CLOSED_FORM_ROUTE: &str = "closed form of the model's growth rate, where its sign and ten digits of it stand out of rounding";
+pub const CLOSED_FORM_ROUTE: &str =
+    "closed form of the model's growth rate, where rounding leaves its sign and ten digits";
 
 /// Range of validity of a verdict with frozen coefficients.
-pub const VALIDITY_NOTE: &str = "Validity: coefficients are frozen, which says little of waves that are not much shorter than \
-     the length on which the background varies.";
+pub const VALIDITY_NOTE: &str = "Validity: coefficients are frozen; the verdict holds for waves much shorter than the length \
+     scale on which the background varies.";
 
 /// Returns the title of a case, or its name if it has none.
 pub fn case_title(case: &Case) -> String {
@@ -28,7 +29,7 @@ pub fn format_unit_suffix(unit: &str) -> String {
 
 /// Formats the note that a model is coaxial although the case gives Δ, degrees.
 pub fn format_coaxial_note(noncoaxiality_deg: f64) -> String {
-    format!("(coaxial: Δ = 0 in place of {}°)", format_short(noncoaxiality_deg))
+    format!("(coaxial: Δ = 0 instead of {}°)", format_short(noncoaxiality_deg))
 }
 
 /// Returns the unit of lim Re ς / k^order.

@@ -68,7 +68,7 @@ impl SpeedsResult {
         of_wave: &dyn Fn(usize) -> Vec<Complex64>,
         text: &mut String,
     ) {
-        let _ = writeln!(text, "\nspeeds {name}, over all these directions (m/s)");
+        let _ = writeln!(text, "\nspeeds {name}, over all sampled directions (m/s)");
         for wave in 0..self.directional_speeds.curves[0].1.len() {
             let number = wave + 1;
             let _ = match speed_range(&self.directional_speeds, of_wave(wave).into_iter()) {
@@ -275,7 +275,7 @@ fn create_sphere_figure(
     SphereFigure {
         title: case_title(case),
         subtitle: format!(
-            "{}: slowest wave over all normals, opposite ones alike",
+            "{}: slowest wave over all normals; opposite normals are equivalent",
             case.medium().title()
         ),
         polar_deg: hemisphere.polar_deg.clone(),

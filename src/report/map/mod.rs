@@ -75,15 +75,15 @@ impl MapResult {
         }
         if let Some(share) = self.well_posed_share {
             let which = match case.material.kind {
-                ModelKind::Flow(_) => "states that flow",
-                ModelKind::Solid(_) => "states that respond",
+                ModelKind::Flow(_) => "fully deforming states",
+                ModelKind::Solid(_) => "states with a response",
             };
             lines
                 .push(format!("Of the {which}, {} % are well-posed.", format_short(100.0 * share)));
         }
         if self.unbounded_at_finite_wave_number > 0 {
             lines.push(format!(
-                "At {} ill-posed points the growth rate is unbounded at finite wave numbers already.",
+                "At {} ill-posed points the growth rate is unbounded already at finite wave numbers.",
                 self.unbounded_at_finite_wave_number
             ));
         }
@@ -93,7 +93,7 @@ impl MapResult {
         let (x, y) = (&self.x, &self.y);
         let step = if x.points > 1 { x.values[1] - x.values[0] } else { 0.0 };
         lines.push(format!(
-            "Where the well-posed states lie, to within a step of {}{} of the grid:",
+            "Intervals of well-posed states, to within the grid step of {}{}:",
             format_short(step.abs()),
             format_unit_suffix(x.unit)
         ));
@@ -127,7 +127,7 @@ impl MapResult {
     fn format_worst_line(&self, worst: &WorstPoint) -> String {
         let (x, y) = (&self.x, &self.y);
         format!(
-            "Worst growth on this grid: Re ς ≈ {} k{} (1/s, k in 1/m) as k → ∞, for waves at {}°{}, at {} = {}{}, {} = {}{}.",
+            "Largest growth on this grid: Re ς ≈ {} k{} (1/s, k in 1/m) as k → ∞, for waves at {}°{}, at {} = {}{}, {} = {}{}.",
             format_short(worst.coefficient),
             format_superscript(worst.order),
             format_short(worst.direction_deg),

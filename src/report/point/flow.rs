@@ -98,7 +98,7 @@ fn write_background(kind: ModelKind, state: &YieldingState, text: &mut String) {
         line("spin Ω", format!("{} rad/s", format_short(spin)));
     }
     line(
-        "acceleration less body force",
+        "acceleration minus body force",
         format!("{} m/s²", format_rounded_pair(flow.acceleration)),
     );
     if let Some(moment) = background.body_moment {
@@ -140,7 +140,7 @@ fn write_characteristics(state: &YieldingState, text: &mut String) {
         let _ = writeln!(text, "  every direction  {family} (no convection)");
     }
     if let Some(kind) = state.steady_type {
-        let aside = if arbitrary.is_empty() { "" } else { " (fields at rest left aside)" };
+        let aside = if arbitrary.is_empty() { "" } else { " (without fields at rest)" };
         let _ = writeln!(text, "  type: {kind}{aside}");
     }
 }
@@ -164,7 +164,7 @@ fn write_roots(state: &YieldingState, text: &mut String) {
     }
     if state.gradient_wave_number > 0.0 {
         let length = format_short(wave.wave_number / state.gradient_wave_number);
-        let _ = writeln!(text, "  k × length of the background = {length}");
+        let _ = writeln!(text, "  k × length scale of the background = {length}");
     }
 }
 

@@ -199,9 +199,9 @@ fn create_directions_figure(case: &Case, own: &PlottedModel) -> DirectionsFigure
     };
     let flow = &state.flow;
     let angle = flow.stress.angle;
-    directions.push(axis("greater principal stress", angle, DirectionKind::StressAxis));
+    directions.push(axis("major principal stress", angle, DirectionKind::StressAxis));
     directions.push(axis(
-        "greater principal deformation rate",
+        "major principal deformation rate",
         angle + flow.noncoaxiality,
         DirectionKind::DeformationAxis,
     ));

@@ -55,7 +55,7 @@ fn write_yielding(found: &SolidPoint, text: &mut String) {
                 .collect::<Vec<_>>()
                 .join(" ")
         };
-        let _ = writeln!(text, "  stress on yield (second index: face normal)");
+        let _ = writeln!(text, "  stress at yield (second index: face normal)");
         let _ = writeln!(text, "    σ = {} Pa", rows(&stress.force));
         if stress.couple != [[0.0; 3]; 3] {
             let _ = writeln!(text, "    m = {} N/m", rows(&stress.couple));

@@ -22,8 +22,8 @@ impl Display for SimulationPlan {
                     cells.join(" × "),
                     format_short(*time_step),
                     match limit {
-                        StepLimit::Rotation => "for the natural rotation",
-                        StepLimit::Wave => "for the fastest wave",
+                        StepLimit::Rotation => "limited by the natural rotation",
+                        StepLimit::Wave => "limited by the fastest wave",
                     },
                 )
             }
@@ -106,7 +106,7 @@ impl Display for SimulationWarning {
                 let steps = format_short(*steps);
                 write!(
                     formatter,
-                    "{entry}.time changes within {steps} steps: smaller cells see more of it"
+                    "{entry}.time varies within {steps} steps: smaller cells resolve it better"
                 )
             }
             Self::LedgerResidual { relative_residual: part } => write!(
@@ -117,8 +117,8 @@ impl Display for SimulationWarning {
             ),
             Self::Sawtooth { entry } => write!(
                 formatter,
-                "{entry} acts on one cell: at Courant number 1 nothing damps the sawtooth that it makes; \
-                 the kernel \"spline\" makes none"
+                "{entry} acts on one cell: at Courant number 1 the sawtooth that it excites is not damped; \
+                 the kernel \"spline\" excites none"
             ),
         }
     }
@@ -129,13 +129,13 @@ impl Display for StopReport {
         let Self { cause, time, last_valid_time: saved } = self;
         let remedy = match cause {
             StopCause::NonFiniteField { .. } | StopCause::NonFiniteEnergy => {
-                "loads or initial values may be too large for the numbers"
+                "loads or initial values may exceed the floating-point range"
             }
             StopCause::FlowDomainExit { position: Some(_), .. } => {
-                "a smaller perturbation goes on for longer if the state is well-posed"
+                "if the state is well-posed, a smaller perturbation can be followed for longer"
             }
             StopCause::FlowDomainExit { position: None, .. } => {
-                "a smaller perturbation or greater tolerances go on for longer if the state is well-posed"
+                "if the state is well-posed, a smaller perturbation or larger tolerances can be followed for longer"
             }
         };
         let [time, saved] = [time, saved].map(|own| format_short(*own));
@@ -154,10 +154,7 @@ impl Display for StopCause {
             Self::NonFiniteEnergy => formatter.write_str("the energy is not finite"),
             Self::FlowDomainExit { description, position: Some(at) } => {
                 let [first, second] = at.map(format_short);
-                write!(
-                    formatter,
-                    "{description} at [{first}, {second}] m in the box at the beginning"
-                )
+                write!(formatter, "{description} at [{first}, {second}] m in the box at t = 0")
             }
             Self::FlowDomainExit { description, position: None } => {
                 formatter.write_str(description)
@@ -177,8 +174,8 @@ impl Display for IllPosedness {
         let tenfold = 10f64.cr_ln() / (coefficient * self.max_wave_number.cr_powf(order));
         write!(
             formatter,
-            "short waves grow at the rate {} k{} 1/s, fastest at {direction}°; those of the grid, \
-             k = {} 1/m, tenfold in {} s, and finer grids faster",
+            "short waves grow at the rate {} k{} 1/s, fastest at {direction}°; the shortest waves of the grid, \
+             k = {} 1/m, grow tenfold in {} s, and faster on finer grids",
             format_short(coefficient),
             format_superscript(order),
             format_short(self.max_wave_number),

@@ -75,11 +75,11 @@ pub(super) fn create_figure(
             values.iter_mut().for_each(|value| *value -= mean);
             let unit = quantity_unit(own.name()).replace("deg", "°");
             subtitle += &format!("; mean {} {unit}", format_short(mean));
-            axis_label(own.name()).replace(", ", " less the mean, ")
+            axis_label(own.name()).replace(", ", " minus the mean, ")
         }
     };
     let axis = |axis: usize| FieldAxis {
-        label: format!("x{} at the beginning, m", ["₁", "₂"][axis]),
+        label: format!("x{} at t = 0, m", ["₁", "₂"][axis]),
         start: 0.0,
         end: run.grid.lengths[axis],
     };

@@ -52,7 +52,7 @@ pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPict
         // Axis label without its unit.
         let quantity = |name: &String| axis_label(name).split(',').next().map(str::to_owned);
         let names: Vec<String> = vanishing.iter().filter_map(quantity).collect();
-        notes.push(format!("without {}, no more than rounding", names.join(", ")));
+        notes.push(format!("omitted: {} (at rounding level)", names.join(", ")));
     }
     let figure = SeismogramFigure {
         title: case_title(case),
