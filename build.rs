@@ -1,4 +1,4 @@
-//! Finds the commit for `--version`.
+//! Sets the environment variable `WELLPOSED_COMMIT` to the Git commit, which `--version` prints.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,14 +8,16 @@ fn main() {
     println!("cargo::rustc-env=WELLPOSED_COMMIT={}", read_commit().unwrap_or("unknown".into()));
 }
 
-/// The commit of this very repository; a copy inside another one has none.
+/// Returns the abbreviated hash of the Git commit; `None` if this package is not the root of a repository, for example
+/// if it was copied into another one.
 fn read_commit() -> Option<String> {
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR")?);
     let top = run_git(&root, &["rev-parse", "--show-toplevel"])?;
     if Path::new(&top).canonicalize().ok()? != root.canonicalize().ok()? {
         return None;
     }
-    // A commit or a checkout changes one of these; watching an absent file would build each time.
+    // A commit or a checkout changes one of these files. Absent files are not watched, since Cargo would then rebuild
+    // at each call.
     for name in ["HEAD", "refs/heads", "packed-refs"] {
         let path = root.join(run_git(&root, &["rev-parse", "--git-path", name])?);
         if path.exists() {

@@ -31,7 +31,8 @@ struct StateSample {
     flow: DeformingFlow,
 }
 
-/// Random states of a model: half of them with ν > 0 and, independently, half with gradients and accelerations.
+/// Random states of a model: half of them with a dilatancy angle ν > 0 and, independently, half with gradients and
+/// accelerations.
 fn generate_samples(kind: FlowKind) -> Vec<StateSample> {
     (0..STATE_COUNT)
         .map(|seed| {

@@ -1,39 +1,41 @@
-//! Allocator of the program. Where memory runs out Rust aborts; here the program ends with an error message and exit code
-//! 2, as for every other input that does not fit. Its folder of results is left as by a kill: a run can be resumed.
+//! Global allocator of the program. Rust aborts the process when an allocation fails; this allocator ends it with an
+//! error message and exit code 2, as for every other case that is too large for the memory. The results folder is left
+//! as if the process had been killed, so that a run can be resumed.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Size from which a failure is left to the caller, bytes: fields, maps and archives are reserved fallibly, and report
-/// what they are.
+/// Smallest request, bytes, whose failure is returned to the caller. Fields, maps and archives are reserved with
+/// fallible methods, and the calling code reports which of them does not fit.
 const FALLIBLE_SIZE: usize = 1 << 28;
 
 /// Whether errors are printed as JSON.
 pub static JSON_ERRORS: AtomicBool = AtomicBool::new(false);
 
-/// The system's allocator with an error message where it fails.
+/// The system's allocator; a failed request below `FALLIBLE_SIZE` ends the program with an error message.
 pub struct ReportingAllocator;
 
-// SAFETY: all requests are passed to the system's allocator, unchanged.
+// SAFETY: all requests are passed to the system's allocator unchanged, and its pointers are returned unchanged.
 unsafe impl GlobalAlloc for ReportingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the contract of the caller.
+        // SAFETY: the caller fulfils the contract of `GlobalAlloc::alloc`, which is that of `System.alloc`.
         checked(unsafe { System.alloc(layout) }, layout.size())
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the contract of the caller.
+        // SAFETY: the caller fulfils the contract of `GlobalAlloc::alloc_zeroed`, which is that of
+        // `System.alloc_zeroed`.
         checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // SAFETY: the contract of the caller.
+        // SAFETY: the caller fulfils the contract of `GlobalAlloc::realloc`, which is that of `System.realloc`.
         checked(unsafe { System.realloc(pointer, layout, size) }, size)
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the contract of the caller.
+        // SAFETY: the caller fulfils the contract of `GlobalAlloc::dealloc`, which is that of `System.dealloc`.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -45,13 +47,14 @@ fn checked(pointer: *mut u8, size: usize) -> *mut u8 {
     pointer
 }
 
-/// Ends the program, without allocating and without a lock of standard error, which this thread may hold.
+/// Prints the error message for a failed request of `size` bytes and ends the program with exit code 2. It neither
+/// allocates nor locks standard error, since this thread may hold that lock already.
 #[cold]
 fn end_without_memory(size: usize) -> ! {
     let mut text = [0; 320];
     let mut rest = &mut text[..];
     let message = format_args!("no memory left for {size} bytes; ask for fewer cells or points");
-    // The text is shorter than the array.
+    // The message is shorter than the array `text`, so that `writeln!` cannot fail.
     let _ = if JSON_ERRORS.load(Ordering::Relaxed) {
         writeln!(
             rest,

@@ -9,7 +9,7 @@ pub enum Error {
     /// The case is invalid.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// The equations of the flow are ill-posed, and a simulation was not explicitly accepted.
+    /// The equations of the flow are ill-posed, and `SimulationSettings::accept_ill_posed` is not set.
     #[error("{0}; SimulationSettings::accept_ill_posed runs it all the same")]
     IllPosed(IllPosedness),
     /// The map does not fit into memory.
@@ -21,7 +21,7 @@ pub enum Error {
     /// The progress callback cancelled the study.
     #[error("cancelled")]
     Cancelled,
-    /// The recorder of a simulation ended it.
+    /// The recorder of a simulation ended the simulation with this error.
     #[error(transparent)]
     Recorder(Box<dyn std::error::Error + Send + Sync>),
     /// A result cannot be serialised.

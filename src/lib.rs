@@ -17,7 +17,8 @@
 //! | [`simulate`] | [`RunResult`](study::RunResult): time-domain simulation of a solid or a flow: fields, receiver records, energy ledger |
 //! | [`check_agreement`] | [`CheckResult`](study::CheckResult): frequencies and growth rates of waves: predicted by the analysis, measured by a solver |
 //!
-//! Harris–Grekova (2005) at constant volume is well-posed while stress and deformation rate are less than 45° apart:
+//! Harris–Grekova (2005) at constant volume is well-posed while the principal axes of stress and deformation rate are
+//! less than 45° apart:
 //!
 //! ```
 //! use wellposed::study::ignore_progress;

@@ -7,7 +7,7 @@ use reference::{ComponentError, REFERENCE_PROBLEMS};
 use std::path::Path;
 
 /// Bounds on the relative L2 error of components up to three wavelengths from the source, by problem: 1.1 times the
-/// present errors. `benches/accuracy.rs` prints all errors on three grids, also in three dimensions.
+/// measured errors. `benches/accuracy.rs` prints all errors on three grids, also in three dimensions.
 const ERROR_BOUNDS: [(&str, f64); 7] = [
     ("lamb-vertical", 0.069),
     ("lamb-horizontal", 0.073),
@@ -51,7 +51,8 @@ fn lamb_problem_with_vertical_force_is_within_error_bound() {
     check_errors("lamb-vertical");
 }
 
-/// Verifies Lamb's problem with the first axis normal to the surface, where output is completed by half a sweep.
+/// Verifies Lamb's problem with the first axis normal to the surface, where the last sweep along that axis is completed
+/// for output by half a sweep.
 #[test]
 fn lamb_problem_normal_to_first_axis_is_within_error_bound() {
     check_errors_within(

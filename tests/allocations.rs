@@ -68,9 +68,9 @@ fn closed_form_verdict_allocates_no_memory() {
     assert_eq!(ALLOCATION_COUNT.with(Cell::get), before);
 }
 
-/// Verifies the linearised equations of every model, with ν = 0 and ν > 0, with and without gradients and
-/// accelerations: after the workspace of a thread has grown to the size of the model, a state allocates no memory,
-/// except for the text that explains a marginal state.
+/// Verifies the linearised equations of every model, with the dilatancy angle ν = 0 and ν > 0, with and without
+/// gradients and accelerations: after the workspace of a thread has grown to the size of the model, assessing a state
+/// allocates no memory, except for the text that explains a marginal state.
 #[test]
 fn assessment_of_linearised_equations_allocates_no_memory() {
     const STATE_COUNT: u64 = 1000;
@@ -80,7 +80,8 @@ fn assessment_of_linearised_equations_allocates_no_memory() {
         {
             let mut workspace = FlowWorkspace::default();
             let mut marginal = 0;
-            // After the first round the workspace has been used with blocks of every size and layers of every kind.
+            // All states have been assessed in the first round, so that the workspace has its final size in the second
+            // one.
             for (round, seed) in
                 (0..2).flat_map(|round| (0..STATE_COUNT).map(move |seed| (round, seed)))
             {

@@ -203,7 +203,7 @@ fn short_reports_are_invariant_under_change_of_units() {
     check_unit_invariance(CheckExtent::Short, &UNIT_EXPONENTS);
 }
 
-/// Long form of the preceding test; run by hand.
+/// The same verification with complete checks of all cases in all systems of units; run by hand.
 #[test]
 #[ignore = "takes long"]
 fn full_reports_are_invariant_under_change_of_units() {

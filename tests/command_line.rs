@@ -68,7 +68,7 @@ fn every_bundled_case_runs() {
         let name = Path::new(path).file_name().unwrap().to_str().unwrap();
         fs::write(here.join(name), shrink_map_grid(text)).unwrap();
         let case = Case::load(&here.join(name), &[]).unwrap();
-        // Only the beginning of the simulation.
+        // Simulate only the first 5 % of the duration.
         let start = |duration: f64| ("run", vec![format!("time.duration={:e}", 0.05 * duration)]);
         let (verb, sets) = match case.time_domain_run() {
             Ok(TimeDomainRun::Solid(own)) => start(own.time.duration),
@@ -184,7 +184,7 @@ fn results_of_another_case_are_overwritten_only_with_force() {
     run_with_exit_code(0, &here, "new harris-grekova case.toml");
     let point = "point case.toml --out results";
     run_with_exit_code(0, &here, point);
-    // The same case may be repeated, also next to the results of a map.
+    // The same case may be repeated, also if its results folder contains results of a map.
     run_with_exit_code(0, &here, point);
     fs::write(here.join("results/map.csv"), "of the first case").unwrap();
     fs::write(here.join("results/notes"), "of the user").unwrap();
@@ -300,7 +300,8 @@ fn resolved_case_gives_bit_identical_results() {
     };
     run_with_exit_code(0, &here, "point untitled.toml");
     let first = bits("out/untitled");
-    // In the same folder, whose case file is not rewritten, and in another folder.
+    // Run the resolved case with results in its own folder, where the case file is not rewritten, and in another
+    // folder.
     let written = || fs::metadata(here.join("out/untitled/case.toml")).unwrap().modified().unwrap();
     let before = written();
     let (stdout, _) = run_with_exit_code(0, &here, "point out/untitled/case.toml");
@@ -336,7 +337,7 @@ fn results_of_another_version_are_overwritten_only_with_force() {
         assert_eq!(fs::read_to_string(&program).unwrap(), original);
         assert!(!here.join("results/map.csv").exists(), "an old result under a new version");
     }
-    // A folder without version is refused, too, unless it has no results yet.
+    // A folder without the file of the program version is refused, too, unless it has no results yet.
     fs::remove_file(&program).unwrap();
     run_with_exit_code(2, &here, point);
     fs::create_dir(here.join("early")).unwrap();
@@ -378,7 +379,7 @@ fn full_device_exits_with_2() {
 
 /// Runs a mutant; returns whether it was computed, or a description of a wrong reaction.
 fn run_mutant(folder: &Path, index: usize, mutant: &[u8]) -> Result<bool, String> {
-    // Terminates processes that hang; generous, since the machine may be busy.
+    // Time after which a hanging process is killed; generous, since the machine may be busy.
     const TIME_LIMIT: Duration = Duration::from_secs(20);
     let (case, log) = (folder.join(format!("{index}.toml")), folder.join(format!("{index}.log")));
     let out = folder.join(format!("{index}"));

@@ -19,7 +19,7 @@ direction_deg = 25
 elevation_deg = 40
 ";
 
-/// Runs `dispersion` on a case; returns the report or the error message.
+/// Runs `wellposed dispersion` on a case; returns the report or the error message.
 fn run_dispersion(folder: &Path, case: &str, sets: &[&str]) -> Result<Value, String> {
     let file = folder.join("solid.toml");
     std::fs::write(&file, case).expect("a scratch file");
@@ -36,7 +36,7 @@ fn run_dispersion(folder: &Path, case: &str, sets: &[&str]) -> Result<Value, Str
     Ok(serde_json::from_slice(&stdout).expect("JSON"))
 }
 
-/// Family of waves of a polarisation in a report.
+/// Family of waves with a polarisation, from a report.
 fn find_family<'a>(report: &'a Value, polarisation: &str) -> &'a Value {
     let families = report["families"].as_array().expect("a list");
     families.iter().find(|f| f["polarisation"] == polarisation).expect("such waves")

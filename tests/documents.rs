@@ -123,7 +123,7 @@ fn paths_in_documents_exist() {
     };
     let exists = |word: &str| {
         let end = format!("/{word}");
-        // Relative to the root or to the folder of cases; a file name without folder may be anywhere.
+        // Paths are relative to the root or to the folder of cases; a file name without folder may be anywhere.
         let is_named = |path: &&String| match word.trim_end_matches('/').contains('/') {
             true => **path == word || **path == format!("cases/{word}"),
             false => **path == word || path.ends_with(&end),
@@ -154,7 +154,7 @@ fn paths_in_documents_exist() {
             assert!(exists(word), "{document}: {word}");
             count += 1;
         }
-        // Folders in the layout of the repository.
+        // Folders in code blocks that show the layout of the repository.
         let plain = code.blocks.iter().filter(|(language, _)| language.is_empty());
         for word in plain.flat_map(|(_, block)| block.split_whitespace()) {
             if let Some(folder) = word.trim_matches([',', ';', ':']).strip_suffix('/') {
@@ -265,7 +265,7 @@ fn transcripts_equal_program_output() {
         arguments.extend(["--out", out.to_str().expect("text")]);
         let printed = String::from_utf8(run_with_arguments(repository_root(), &arguments).stdout)
             .expect("text");
-        // Without the path of the results.
+        // The line with the path of the picture is omitted.
         let printed: Vec<&str> =
             printed.lines().filter(|line| !line.starts_with("picture: ")).collect();
         assert_eq!(printed, expected, "wellposed {command}");

@@ -70,7 +70,7 @@ fn dry_run_lists_files_of_state_studies() {
         &[],
     );
     check_announced_files("point", bound, &[], &["growth.png"]);
-    // Not fully deforming: no curves are plotted.
+    // A state that is not fully deforming: no curves are plotted.
     check_announced_files("point", bound, &["background.deviatoric_stress=1"], &["point.json"]);
     check_announced_files("point", "cosserat/forbidden-band.toml", &[], &["point.json"]);
     check_announced_files("dispersion", "cosserat/forbidden-band.toml", &[], &["dispersion.csv"]);
@@ -90,8 +90,8 @@ fn dry_run_lists_files_of_checks() {
     check_announced_files("check", "check/grid-dependence.toml", &short, &["refinement.png"]);
 }
 
-/// The perturbation has so few waves that its fastest mode is the same on all grids: no order of growth is defined,
-/// but a plot is written.
+/// Verifies the announced files for a perturbation with so few waves that its fastest wave is the same on all grids: no
+/// order of growth is defined, but a plot is written.
 #[test]
 fn dry_run_lists_files_of_check_with_equal_fastest_wave_on_all_grids() {
     let sets = [
@@ -138,7 +138,8 @@ fn dry_run_of_ill_posed_flow_is_refused() {
     assert_eq!(accepted.status.code(), Some(0));
 }
 
-/// Verifies that the plan is JSON where the results would be.
+/// Verifies that a dry run with `--format json` prints its plan as JSON on standard output, where a run would print its
+/// results.
 #[test]
 fn dry_run_prints_json_for_programs() {
     let scratch = tempfile::tempdir().expect("a scratch folder");

@@ -20,7 +20,7 @@ fn assert_refused(here: &Path, settings: &str, key: &str, message: &str) {
     }
 }
 
-/// Verifies that studies of states either print finite numbers or are refused.
+/// Verifies that the verb `point` either prints finite numbers or refuses the case.
 #[test]
 fn solid_states_with_extreme_parameters_are_finite_or_refused() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -43,7 +43,7 @@ impl HomogeneousFlow {
         let mut state = given;
         match kind {
             kind if kind == registry::DOUBLE_SHEARING => {
-                // Dψ/Dt = 0
+                // Double shearing: the half-vorticity at which the stress angle ψ is steady, Dψ/Dt = 0.
                 let twice = 2.0 * given.noncoaxiality.unwrap_or(0.0);
                 state.half_vorticity = given.shear_rate * twice.sin() / friction_angle.sin();
             }
@@ -63,7 +63,7 @@ impl HomogeneousFlow {
             shear_rate: random.uniform(0.1, 10.0),
             half_vorticity: random.uniform(-5.0, 5.0),
             noncoaxiality: Some(loop {
-                // Both branches, except close to their common point.
+                // Angles with cos 2Δ of either sign, except close to cos 2Δ = 0.
                 let angle = random.uniform(-1.4, 1.4);
                 if (2.0 * angle).cos().abs() > 0.1 {
                     break angle;
@@ -105,7 +105,8 @@ impl HomogeneousFlow {
     }
 }
 
-/// Fields of a wave of mode `mode` at the points: transverse velocity and internal variable.
+/// Fields of a wave with the mode numbers `mode` at the grid points: velocity with the transverse amplitude `velocity`,
+/// and internal variable with the amplitude `inner`.
 fn compute_wave_fields(
     problem: &FlowProblem,
     mode: ModeNumbers,
@@ -139,7 +140,8 @@ fn add_wave(
     flow.perturb([&v1, &v2], &inner).expect("a stress");
 }
 
-/// Amplitudes of the transverse velocity V, v̂ = V(−k₂, k₁)/k, from the vorticity mode ζ̂ = ikV, and of ω or ψ.
+/// Complex amplitudes of a mode: transverse velocity V, with v̂ = V(−k₂, k₁)/k, from the vorticity amplitude ζ̂ = ikV;
+/// and internal variable (spin ω or stress angle ψ).
 fn transverse_amplitudes(flow: &FlowSolver, mode: ModeNumbers) -> [Complex64; 2] {
     let [k1, k2] = flow.wave_vector(mode);
     let [[vorticity, inner], _] = flow.mode_amplitudes(mode).expect("kept");
@@ -161,8 +163,8 @@ fn transverse_amplitude_rates(
     [vorticity / (Complex64::I * square.sqrt()) - velocity * stretch, inner]
 }
 
-/// 2 × 2 matrix for V and ω or ψ, by central differences of the nonlinear right-hand side; for the plastic potential
-/// only its first entry is defined.
+/// Matrix of the linearised rates of V and of the internal variable (ω or ψ), 1/s, by central differences of the
+/// nonlinear right-hand side; for the plastic potential only its first entry is defined.
 fn linearise_right_hand_side(
     problem: &FlowProblem,
     mode: ModeNumbers,
@@ -194,15 +196,17 @@ fn linearise_right_hand_side(
 fn eigenvalues([[a, b], [c, d]]: [[Complex64; 2]; 2]) -> [Complex64; 2] {
     let half = 0.5 * (a + d);
     let root = (half * half - (a * d - b * c)).sqrt();
-    // The larger eigenvalue without cancellation, the other one from the determinant.
+    // The larger eigenvalue is computed without cancellation, the other one from the determinant.
     let greater =
         if (half + root).norm() > (half - root).norm() { half + root } else { half - root };
     if greater == Complex64::ZERO { [greater; 2] } else { [greater, (a * d - b * c) / greater] }
 }
 
-/// Verifies for each model, with a thousand states, directions and wave numbers over five decades, that the
-/// linearised right-hand side has the spectrum of the advected waves, and, after −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ cos
-/// β) is subtracted from the first entry of its matrix, the spectrum of the frozen pencil.
+/// Verifies for each model, with a thousand states, directions and wave numbers over five decades, that the matrix of
+/// the linearised right-hand side has the eigenvalues of the advected waves. After −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ
+/// cos β) is subtracted from its first entry, it has the eigenvalues of the pencil with frozen coefficients. Here φ is
+/// the friction angle, Γ the velocity gradient, ξ the unit wave normal, ξ⊥ the unit vector normal to it, and β twice
+/// the angle from ξ to the stress axis.
 #[test]
 fn right_hand_side_has_spectrum_of_advected_waves() {
     run_on_one_thread(check_spectra);
@@ -247,7 +251,7 @@ fn check_spectra() {
             };
             let largest = expected.iter().map(|root| root.norm()).fold(0.0, f64::max);
             // Near the directions without leading decay the leading terms almost cancel: their rounding error is that
-            // of the perturbations, 1e-16 divided by their size relative to the background.
+            // of the perturbed fields, 1e-16 divided by the size of the perturbation relative to the background.
             let viscous = background.flow.stress.deviator.value * number * number
                 / (2.0 * problem.density * background.flow.shear_rate)
                 / (2.0 * background.flow.noncoaxiality).cos().abs();
@@ -267,7 +271,8 @@ fn check_spectra() {
     }
 }
 
-/// Amplitudes of a wave by the linearised equations, integrated with many steps of the classical Runge–Kutta method.
+/// Amplitudes of an advected (Kelvin) wave from the linearised equations, integrated with many steps of the classical
+/// Runge–Kutta method.
 fn integrate_kelvin_wave(
     background: &HomogeneousFlow,
     initial_wave_vector: [f64; 2],
@@ -310,8 +315,8 @@ fn integrate_kelvin_wave(
     [state[0] * a1 + state[1] * a2, state.get(2).copied().unwrap_or_default()]
 }
 
-/// Verifies that small perturbations evolve like the waves with second-order error in the step, in simple and in pure
-/// shear.
+/// Verifies that small perturbations evolve like advected waves with an error of second order in the time step, in
+/// simple and in pure shear.
 #[test]
 fn small_perturbations_follow_linear_waves_at_second_order() {
     run_on_one_thread(check_small_perturbations);
@@ -326,7 +331,8 @@ fn check_small_perturbations() {
                 stress_angle: 0.3,
                 shear_rate: 1.0,
                 half_vorticity,
-                // Double shearing in steady simple shear: sin 2Δ = sin φ s₂₁/Q_D.
+                // Steady stress angle of double shearing: sin 2Δ = sin φ s₂₁/Q_D, with the half-vorticity s₂₁ and the
+                // shear rate Q_D.
                 noncoaxiality: Some(match kind {
                     kind if kind == registry::DOUBLE_SHEARING => {
                         0.5 * (0.5 * half_vorticity).asin()
@@ -365,8 +371,9 @@ fn check_small_perturbations() {
     }
 }
 
-/// Verifies homogeneous simple shear at γ̇: perturbations of the stress angle grow at the rate γ̇ cot φ in double
-/// shearing (Spencer 1964); those of the spin do not grow in the model of Harris & Grekova.
+/// Verifies homogeneous simple shear at the rate γ̇: perturbations of the stress angle grow at the rate γ̇ cot φ in
+/// double shearing (Spencer 1964), with the friction angle φ; perturbations of the spin do not grow in the model of
+/// Harris & Grekova.
 #[test]
 fn homogeneous_simple_shear_is_unstable_only_in_double_shearing() {
     run_on_one_thread(check_homogeneous_simple_shear);
@@ -377,7 +384,8 @@ fn check_homogeneous_simple_shear() {
     let state = MaterialState {
         density: 1600.0,
         pressure: 1000.0,
-        // Simple shear along x₁: ψ_D = 45°, s₂₁ = −γ̇/2 = −Q_D, sin 2Δ = −sin φ.
+        // Simple shear along x₁: the principal axis of the strain rate is at ψ_D = 45°, s₂₁ = −γ̇/2 = −Q_D, and
+        // sin 2Δ = −sin φ.
         stress_angle: PI / 4.0 + 0.5 * friction,
         shear_rate: 0.5 * rate,
         half_vorticity: -0.5 * rate,
@@ -414,7 +422,7 @@ fn check_homogeneous_simple_shear() {
         let found = logarithms[19] / duration;
         println!("{kind:?}: {found} 1/s of {expected}");
         assert!((found - expected).abs() <= 1e-6 * rate, "{kind:?}: {found}");
-        // Growth at all intermediate times.
+        // The growth rate is the same at all intermediate times.
         for (index, logarithm) in (1..).zip(&logarithms) {
             let time = duration * f64::from(index) / 20.0;
             assert!((logarithm - expected * time).abs() < 2e-6, "{kind:?} at {time}");

@@ -141,7 +141,7 @@ fn resolved_case_parses_to_equal_case() {
     }
 }
 
-/// Part of the case text, its replacement, and the beginning of the message.
+/// Passage of the case text, its replacement, and the beginning of the message.
 const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "cells = [32, 24]",
@@ -329,7 +329,7 @@ fn execute_dry_run(folder: &Path, case: &str) -> Result<String, Error> {
     Ok(String::from_utf8(stdout).unwrap())
 }
 
-/// Verifies that states which are not uniform flows in their own frame are refused.
+/// Verifies that states which are not uniform in the frame of the mean flow are refused.
 #[test]
 fn states_without_solver_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -379,7 +379,7 @@ fn states_without_solver_are_refused() {
     let error =
         refused(&replace_first(FLOW_CASE, "noncoaxiality_deg = 20", "noncoaxiality_deg = -45"));
     assert!(error.starts_with(":12: background.noncoaxiality_deg: found |Δ| = 45"), "{error}");
-    // Refused as by `point`.
+    // Parameters that the verb `point` refuses are refused by a run, too.
     let error =
         refused(&replace_first(FLOW_CASE, "friction_angle_deg = 30", "friction_angle_deg = 95"));
     assert!(error.starts_with(":4: model.friction_angle_deg: found 95"), "{error}");

@@ -129,7 +129,8 @@ fn perturbations_decay_inside_noncoaxiality_bound() {
 
     let fields = read_fields(&out);
     assert_eq!(fields["time"], [1e-3]);
-    // Γ = [[d, d' − s], [d' + s, −d]] with d = 50 cos 130°, d' = 50 sin 130°, s = −50.
+    // Velocity gradient Γ = [[d, e − s], [e + s, −d]], 1/s, with d = 50 cos 130°, e = 50 sin 130° and the
+    // half-vorticity s = −50.
     let found = &fields["deformation"];
     let [d, e] = [50.0 * 130f64.to_radians().cos(), 50.0 * 130f64.to_radians().sin()];
     let gradient = [d, e + 50.0, e - 50.0, -d];
@@ -329,7 +330,7 @@ fn interrupted_runs_resume_to_bit_identical_files() {
     }
 }
 
-/// Verifies that a checkpoint with other fields than those of the case is refused.
+/// Verifies that a damaged checkpoint is refused.
 #[cfg(unix)]
 #[test]
 fn damaged_checkpoints_are_refused() {
@@ -381,7 +382,7 @@ fn bundled_flows_decay_or_grow_as_described() {
         }
         let ledger = read_columns(&out.join("ledger.csv"));
         let kinetic = column_values(&ledger, "kinetic");
-        // A packet of the stress angle starts with zero kinetic energy.
+        // A perturbation of the stress angle alone starts with zero kinetic energy: compare with the second row.
         let first = kinetic[1];
         let last = *kinetic.last().unwrap();
         assert_eq!(last > first, grows, "{name}: {first} {last}");
@@ -390,8 +391,9 @@ fn bundled_flows_decay_or_grow_as_described() {
     }
 }
 
-/// Verifies the warning for an ill-posed run: order, coefficient and time of the closed form; for the plastic
-/// potential ς ≈ k² q tan²(φ/2)/(2ρQ_D).
+/// Verifies the refusal of an ill-posed flow: order, coefficient and time of tenfold growth from the closed form; for
+/// the plastic potential ς ≈ k² q tan²(φ/2)/(2ρQ_D), with the growth rate ς, the deviatoric stress q and the shear rate
+/// Q_D.
 #[test]
 fn ill_posed_flow_is_refused_with_growth_rate() {
     let case = bundled_case("flow/plastic-potential-in-time.toml");

@@ -1,5 +1,5 @@
-//! Runs the program with random mutations of case files and command lines: whatever the input, the program ends with one
-//! of its exit codes, says in words or as JSON what is wrong, and prints no number that is not finite.
+//! Runs the program with random mutations of case files and command lines. Whatever the input, the program must end
+//! with one of its exit codes, explain errors as text or as JSON, and print only finite numbers.
 
 mod mutation;
 mod program;
@@ -15,12 +15,12 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use testkit::random::RandomNumbers;
 
-/// Longest time without an end or a line of progress.
+/// Longest time for which a process may run without writing a line to standard error.
 const PROGRESS_LIMIT: Duration = Duration::from_secs(20);
-/// Longest time from SIGINT to the end.
+/// Longest time from the signal SIGINT to the end of the process.
 const INTERRUPT_LIMIT: Duration = Duration::from_secs(10);
 
-/// Verbs, each as often as it is to be drawn.
+/// Verbs drawn at random; repeated ones are drawn more often. One is misspelt, and one is missing.
 const VERBS: &[&str] = &[
     "run",
     "run",
@@ -81,7 +81,7 @@ const OPTIONS: &[&str] = &[
     "case.toml",
 ];
 
-/// Values given by `--set`, besides those of the mutations.
+/// Values for `--set`, in addition to the replacement values of the mutations.
 const SETTINGS: &[&str] = &[
     "1e9",
     "1e-9",
@@ -97,16 +97,16 @@ const SETTINGS: &[&str] = &[
     "[1e3, 1e3]",
 ];
 
-/// What a run of the program ended with.
+/// Exit status and output of a process.
 struct ProgramEnd {
     status: ExitStatus,
     stdout: String,
     stderr: String,
-    /// `Some` if the limit of time without a line was exceeded, or the time from SIGINT to the end.
+    /// Message if the process exceeded [`PROGRESS_LIMIT`] or [`INTERRUPT_LIMIT`].
     timeout: Option<String>,
 }
 
-/// Words of a random command line; sets keys of the case `text`.
+/// Words of a random command line, with settings of keys of the case `text`.
 fn build_command_line(text: &str, random: &mut RandomNumbers) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let verb = VERBS[random.uniform_index(VERBS.len())];
@@ -216,7 +216,7 @@ fn run_until_end(here: &Path, words: &[String], interrupt_delay: Duration) -> Pr
     ProgramEnd { status, stdout: printed.join().unwrap(), stderr: told.join().unwrap(), timeout }
 }
 
-/// A number in `text` that is not finite, with the words around it.
+/// First line of `text` that contains a number which is not finite.
 fn find_non_finite_line(text: &str) -> Option<String> {
     let is_part = |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '.');
     text.lines().find_map(|line| {
@@ -225,7 +225,7 @@ fn find_non_finite_line(text: &str) -> Option<String> {
     })
 }
 
-/// What is wrong about an end, if anything.
+/// Description of a wrong reaction of the program, if any.
 fn find_fault(here: &Path, words: &[String], end: &ProgramEnd) -> Option<String> {
     if let Some(timeout) = &end.timeout {
         return Some(timeout.clone());
@@ -259,7 +259,7 @@ fn find_fault(here: &Path, words: &[String], end: &ProgramEnd) -> Option<String>
         }
     }
     if code == 0 {
-        // The case itself may hold such a word, in its title for example.
+        // A word `nan` or `inf` in a text of the case, for example in its title, would count as such a number, too.
         if let Some(line) = find_non_finite_line(&end.stdout) {
             return Some(format!("exit code 0 with {line:?}"));
         }
@@ -278,7 +278,7 @@ fn find_fault(here: &Path, words: &[String], end: &ProgramEnd) -> Option<String>
     None
 }
 
-/// Passes the mutants of these numbers to the program, each with a command line of its own, on all cores.
+/// Passes the mutants with indices in `range`, each with its own random command line, to the program, on all cores.
 fn run_mutants(range: Range<usize>, seed: u64) {
     let count = range.len();
     let mutants =
@@ -294,7 +294,7 @@ fn run_mutants(range: Range<usize>, seed: u64) {
                 loop {
                     let Some((index, mutant)) = mutants.lock().unwrap().next() else { break };
                     let mut random = RandomNumbers::new(seed << 32 | index as u64);
-                    // Half of the folders hold results of another mutant.
+                    // In half of the trials the folder keeps the results of an earlier mutant.
                     if random.uniform_index(2) == 0 {
                         let _ = fs::remove_dir_all(here.join("out"));
                         let _ = fs::remove_dir_all(here.join("other"));

@@ -192,7 +192,8 @@ fn plane_lamb_problem_converges_to_quadrature() {
         }
         errors
     });
-    // Errors found: near u₁, u₂; far u₁, u₂; below u₂; deep u₂: 0.004, 0.005, 0.009, 0.011, 0.009 and 0.013.
+    // Errors found at the receivers near (u₁, u₂), far (u₁, u₂), below (u₂) and deep (u₂): 0.004, 0.005, 0.009, 0.011,
+    // 0.009 and 0.013.
     for (found, allowed) in errors[1].iter().zip([0.006, 0.008, 0.014, 0.016, 0.013, 0.019]) {
         assert!(*found < allowed, "{found} of {allowed}");
     }
@@ -201,9 +202,9 @@ fn plane_lamb_problem_converges_to_quadrature() {
     }
 }
 
-/// Verifies two layers with a block under a force: the block is at rest while the mirrored position moves; the
-/// solution is symmetric about the plane of load and block; numerical dissipation is positive and smaller on the
-/// finer grid.
+/// Verifies two layers with a rigid block under a force: the block is at rest while the mirror image of its position
+/// moves; the solution is symmetric about the plane of load and block; numerical dissipation is positive and smaller on
+/// the finer grid.
 #[test]
 fn lamb_problem_with_rigid_block_is_symmetric_and_dissipative() {
     let shares = [40, 60].map(|cells: usize| {
@@ -226,7 +227,7 @@ fn lamb_problem_with_rigid_block_is_symmetric_and_dissipative() {
         assert!(max_record("block.u1") < 0.02 * max_record("mirrored.u1"));
         assert!(max_record("block.v3") < 0.02 * max_record("mirrored.v3"));
         assert!(max_record("before.u1") > 0.0 && max_record("behind.u1") > 0.0);
-        // Index along x₁ varies fastest.
+        // The index along x₁ varies fastest.
         for (name, sign) in [("v1", 1.0), ("v2", -1.0), ("v3", 1.0), ("sigma11", 1.0), ("u1", 1.0)]
         {
             let values = &output.fields[name];
@@ -249,11 +250,12 @@ fn lamb_problem_with_rigid_block_is_symmetric_and_dissipative() {
     assert!(shares[0] < shares[1] && shares[1] < 0.0 && shares[0] > -0.3, "{shares:?}");
 }
 
-/// Effects of a surface pulse on a yielding half-plane that remain, on one grid.
+/// Permanent effects of a surface pulse on a yielding half-plane, on one grid.
 struct PlasticEffects {
     /// Area where more than 30 J/m³ were dissipated, m².
     yielded_area: f64,
-    /// Mean rotation over a square of 0.8 m below the edge of the loaded strip and over the square below it, rad.
+    /// Mean rotations over two squares of edge 0.8 m, the upper one below the edge of the loaded strip and the lower
+    /// one adjacent to it, rad.
     mean_rotations: [f64; 2],
     /// Dissipated energy, J/m.
     dissipated_energy: f64,

@@ -113,7 +113,7 @@ for path, large in (('beside.npz', 'large'), ('among.npz', 'w')):
         println!("no python3: nothing is tested");
         return;
     }
-    // The archive file is larger than 64 arrays of the grid.
+    // The size of the archive file exceeds the limit of 64 arrays of the grid.
     assert_refused_within_time_limit(&here, &format_run_arguments(""), "bytes, more than the");
     // On a grid for which the file size is accepted, the archive is read within 1.5 GB of address space.
     let limited = |case: &str, cells: usize| {
@@ -307,7 +307,7 @@ fn case_size_is_limited() {
         assert_eq!(output.status.code(), Some(code), "{expected}: {text}");
         assert!(text.contains(expected), "{expected}: {text}");
     }
-    // Many receivers from few entries.
+    // Eleven entries with 10,000 receivers each exceed the limit on their total number.
     let line = "[[receiver]]\nfrom = [1, 1]\nto = [9, 9]\ncount = 10000\n";
     let case = SOLID_CASE.to_owned()
         + &(0..11).map(|i| format!("{line}name = 'line{i}'\n")).collect::<String>();
@@ -338,7 +338,7 @@ fn signals_end_map_and_check_with_130() {
     }
 }
 
-/// Verifies that the report of a run that stopped states this.
+/// Verifies that the report of a stopped run states the cause.
 #[test]
 fn report_of_stopped_run_states_cause() {
     let load = "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1e300\ntime = { kind = 'sine', frequency = 20, start = 0.02 }\n";

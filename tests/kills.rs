@@ -46,7 +46,7 @@ fn check_exit(arguments: &str, child: Child, was_killed: bool) {
     assert!(!stderr.contains("panicked"), "{arguments}: {stderr}");
 }
 
-/// Arguments that resume the run, or start it if it cannot be resumed.
+/// Arguments that resume the run in a folder, or start it if it cannot be resumed.
 fn run_arguments(here: &Path) -> String {
     let out = here.join("out");
     match out.join("program.json").exists() && out.join("case.toml").exists() {
@@ -92,7 +92,7 @@ fn run_with_kills(
     killed
 }
 
-/// Executes the run and the verbs without kills; returns the result files and the duration of the run.
+/// Executes the run and the concurrent verbs without kills; returns the result files and the duration of the run.
 fn run_without_kills() -> (BTreeMap<String, Vec<u8>>, Duration) {
     let here = create_case_folder(TEST_FOLDER, "whole", SOLID_CASE);
     let start = Instant::now();

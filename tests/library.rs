@@ -11,7 +11,7 @@ use wellposed::{CASES, Error, NO_SETTINGS};
 const FLOW_CASE_PATH: &str = "cases/granular-flow/double-shearing-against-harris-grekova.toml";
 const SOLID_CASE_PATH: &str = "cases/cosserat/forbidden-band.toml";
 
-/// Verifies that all crates are accessible through this one.
+/// Verifies that all crates are accessible through the crate `wellposed`.
 #[test]
 fn all_crates_are_reexported() {
     let solid = wellposed::models::registry::COSSERAT;
@@ -84,7 +84,7 @@ fn short_studies_report_progress_and_can_be_cancelled() {
     check_progress_and_cancellation("point of a flow", |on_progress| {
         wellposed::analyse_point(&flow, on_progress)
     });
-    // A state within yield has no curves but the same number of steps.
+    // A state inside the yield set has no growth curves but the same number of steps.
     let rigid =
         wellposed::load(FLOW_CASE_PATH, ["background.deviatoric_stress=1"]).expect("a case");
     check_progress_and_cancellation("point of a rigid state", |on_progress| {

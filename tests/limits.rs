@@ -10,7 +10,7 @@ use testkit::random::RandomNumbers;
 
 const TEST_FOLDER: &str = "limits";
 
-/// Time-domain flow case with a negligible perturbation.
+/// Creates a folder with the template of a time-domain flow case.
 fn create_flow_folder(name: &str) -> PathBuf {
     let here = create_case_folder(TEST_FOLDER, name, "");
     run_with_exit_code(0, &here, "new harris-grekova --run --force case.toml");
@@ -114,7 +114,7 @@ fn interrupted_step_ends_within_ten_seconds() {
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
 
-/// Announced and peak resident memory of a run, bytes.
+/// Announced memory and peak resident memory of a run, bytes.
 fn measure_memory(name: &str, case: &str, settings: &str) -> (f64, f64) {
     let here = create_case_folder(TEST_FOLDER, name, case);
     let arguments = format!("run case.toml --out out --threads 1 --checkpoint-every 0 {settings}");
@@ -143,7 +143,7 @@ fn measure_peak_memory(here: &std::path::Path, arguments: &str) -> f64 {
     1024.0 * usage.ru_maxrss as f64
 }
 
-/// Verifies announced against peak memory for media and grids of many shapes: large, wide, thin, plates and columns.
+/// Verifies the announced memory against the peak memory for media and grids of many shapes: large, wide, thin, plates and columns.
 #[test]
 #[ignore = "peaks depend on the pages of the system: cargo test --release --test limits -- --ignored"]
 fn peak_memory_agrees_with_announced_memory() {
@@ -201,7 +201,7 @@ spacing = 1
     }
 }
 
-/// Runs of random grids under random limits of the address space: refused or finished, never aborted.
+/// Runs random grids under random limits of the address space: each run must be refused or finish, and none may abort.
 fn survive_memory_limits(count: usize, seed: u64) {
     const SOLID: &str = "
 [model]
@@ -244,7 +244,8 @@ snapshot_interval = 0
                 settings += &format!(" --set {more}");
             }
         }
-        // From less than the program takes at all, 60 MiB, to more than the largest of these runs.
+        // Limits from 40 MB, less than the 60 MB that the program needs to start, to 1.6 GB, more than the largest of
+        // these runs needs.
         let kibibytes = (40_000.0 * 40f64.powf(random.unit_interval())) as u64;
         let output = std::process::Command::new("sh")
             .current_dir(&here)

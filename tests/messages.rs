@@ -99,7 +99,7 @@ fn folder_and_argument_errors_are_json_objects() {
     // The help text is not an error.
     let (stdout, stderr) = run_with_exit_code(0, &here, "map --format json --help");
     assert!(stdout.contains("Usage:") && stderr.is_empty());
-    // Error of an ill-posed flow.
+    // The error of an ill-posed flow has a kind of its own.
     let text = fs::read_to_string(here.join("case.toml")).unwrap();
     assert!(text.contains("kind"));
     run_with_exit_code(0, &here, "new harris-grekova flow.toml --run");

@@ -54,8 +54,8 @@ impl YieldConditions for TensionLimit {
         ray_exit(&self.conditions(), start, direction)
     }
 
-    /// A plastic multiplier x of an active condition reduces the stress by (λ + 2μ)x along its axis and by λx along
-    /// the others.
+    /// Projects onto the set in the energy norm: a plastic multiplier x of an active condition reduces the normal
+    /// stress along its axis by (λ + 2μ)x and those along the other axes by λx.
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
         let solid = law.downcast::<Isotropic>().expect("admitted");
         let (along, across) = (solid.lambda + 2.0 * solid.mu, solid.lambda);
@@ -140,7 +140,7 @@ cells = [16, 24]
         assert!(solid.media[0].rows.iter().any(|row| row.limit.is_some()), "{active}");
     }
 
-    // Messages and the reference of keys contain the name, and the template contains the example.
+    // Messages and the reference of keys contain the name of the yield set, and the template contains its example.
     let error = Case::parse(
         "[model]\nkind = 'classical'\ndimensions = 2\nlambda = 1\nmu = 1\ndensity = 1\n[yield]\n",
         "toy.toml",

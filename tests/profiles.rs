@@ -155,8 +155,8 @@ fn assert_linear_combination(found: &[f64], terms: &[(f64, &[f64])]) {
     }
 }
 
-/// Verifies the response of a linear solid to load profiles: v₂ ∝ cos(kx) for cos(kx); a bell like a force with the
-/// same integral; two ramps with sum 1 like a uniform load.
+/// Verifies the response of a linear solid to load profiles: the velocity v₂ is proportional to cos(kx) for the profile
+/// cos(kx); a bell acts like a force with the same integral; two ramps with the sum 1 act like a uniform load.
 #[test]
 fn load_profiles_superpose_linearly() {
     // Receivers at x = 0.25, 2.25, 4.25, 6.25 and 8.25 m are cell centres; the strip of 12 m contains an integer

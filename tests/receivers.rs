@@ -53,8 +53,8 @@ fn receivers_interpolate_with_fourth_order() {
             errors.map(|(at, record)| (record.1[0] - exact(at)).abs()).fold(0.0, f64::max)
         });
         println!("{errors:?}");
-        // At a periodic boundary the periodic continuation of the bell has a kink, where its value is e^−4: error h ·
-        // 2·3/2.25 · e^−4, of first order in h.
+        // The periodic continuation of the bell has a kink at the periodic boundary, where its value is e^−4: error
+        // h · 2·3/2.25 · e^−4, of first order in the cell size h.
         if boundaries.is_empty() {
             for (error, h) in errors.iter().zip([0.1f64, 0.05]) {
                 // Extrapolation by half a cell beyond the centres: (½·3/2·5/2·7/2)/4! h⁴ |f⁗| along one axis, with
@@ -92,7 +92,7 @@ fn receivers_interpolate_across_periodic_boundaries() {
     assert!(errors[0] < 1e-3 && errors[0] / errors[1] > 12.0, "{errors:?}");
 }
 
-/// Verifies that interpolation next to an interface uses cells on one side only, so that a jump has no effect.
+/// Verifies that interpolation next to an interface uses cells of one medium only, so that a jump has no effect.
 #[test]
 fn receivers_do_not_interpolate_across_interfaces() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -131,7 +131,7 @@ fn snapshots_have_requested_times() {
             .map(|name| fs::read(folder.path().join("out").join(name)).unwrap())
     };
     let without = fields("", 1);
-    // Also several snapshots within a step.
+    // The interval 7e-4 s is shorter than a step, so that several snapshots are within one step.
     for interval in [0.02, 7e-4, 0.0123] {
         for threads in [1, 3] {
             assert!(fields(&format!("snapshot_interval={interval}"), threads) == without);

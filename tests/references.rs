@@ -17,7 +17,7 @@ fn first_sample(values: [Vec<f64>; 2]) -> [f64; 2] {
     values.map(|values| values[0])
 }
 
-/// ∫₀ᵗ of the Ricker function, s: (t − delay) e^(−a) up to an error of e⁻²².
+/// ∫₀ᵗ of the Ricker function, s: (t − delay) e^(−a), a = (π frequency (t − delay))², up to an error of e⁻²².
 fn integrate_ricker(t: f64) -> f64 {
     let since = t - 1.5 / RICKER.frequency;
     since * (-(PI * RICKER.frequency * since).powi(2)).exp()
@@ -51,7 +51,7 @@ fn default_kernel_has_moments_of_a_point() {
     }
 }
 
-/// Checks ρü = (λ + μ)∇∇·u + μΔu by central differences.
+/// Checks the equation of motion ρü = (λ + μ)∇∇·u + μΔu by central differences.
 fn assert_equation_of_motion(u: DisplacementField, [x, z]: [f64; 2], t: f64) {
     let (h, dt) = (0.02, 2e-4);
     let at = |i: f64, j: f64| u([x + i * h, z + j * h], t);
@@ -71,7 +71,7 @@ fn assert_equation_of_motion(u: DisplacementField, [x, z]: [f64; 2], t: f64) {
     }
 }
 
-/// Checks σ_xz = σ_zz = 0 at z = 0 by one-sided differences.
+/// Checks that the surface z = 0 is traction-free, σ_xz = σ_zz = 0, by one-sided differences.
 fn assert_traction_free_surface(u: DisplacementField, x: f64, t: f64) {
     let h = 0.02;
     let at = |i: f64, j: f64| u([x + i * h, j * h], t);
@@ -151,9 +151,9 @@ fn plane_fields_have_impulse_of_source() {
     assert!((moment - 2.0).abs() < 0.04, "{moment}");
 }
 
-/// Verifies reciprocity: a displacement component at a point due to an explosion equals the divergence, at the
-/// position of the explosion, of the displacement due to a force at that point along that component; Garvin's problem
-/// against Lamb's problem, and the line sources in the unbounded plane.
+/// Verifies reciprocity, for Garvin's problem against Lamb's problem and for the line sources in the unbounded plane: a
+/// displacement component at a point due to an explosion equals the divergence, at the position of the explosion, of
+/// the displacement due to a force at that point along that component.
 #[test]
 fn explosions_and_forces_are_reciprocal() {
     let (h, depth) = (0.01, 5.0);
@@ -166,7 +166,8 @@ fn explosions_and_forces_are_reciprocal() {
                     let across = (u([x, z + h], t)[1] - u([x, z - h], t)[1]) / (2.0 * h);
                     [along + across, along.abs() + across.abs()]
                 };
-                // The force is at the origin, the explosion at −x; mirroring reverses the force along x.
+                // The force is at the origin, the explosion at −x: the reflection x → −x reverses the sign of the force
+                // along x.
                 let mirror = [-1.0, 1.0][k];
                 let on_surface = |at: [f64; 2], t: f64| {
                     first_sample(half_plane::lamb_motion(
@@ -270,7 +271,7 @@ fn half_space_field_satisfies_equations_and_free_surface() {
                 REFERENCE_SOLID.mu * along.iter().map(|d| d.abs()).sum::<f64>() + inertia.abs();
             assert!((elastic - inertia).abs() < 2e-3 * size, "{k}: {elastic} {inertia} of {size}");
         }
-        // At y = 0 the radius is x, and ∇·u contains the additional term u_r/r.
+        // At y = 0 the radius r is x, and ∇·u contains the term u_r/r in addition.
         let u = |x: f64, z: f64| point_force_displacement([x, 0.0, z], t, INTERVAL_COUNTS);
         let x = 9.0;
         let [e, w, c] = [u(x + h, 0.0), u(x - h, 0.0), u(x, 0.0)];

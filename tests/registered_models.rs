@@ -30,7 +30,8 @@ use wellposed::study::check::CheckExtent;
 use wellposed::study::simulate::SimulationSettings;
 use wellposed::study::{MapOptions, ignore_progress};
 
-/// Double shearing with a factor in the rotation term of the stress axes, larger for slower rotation.
+/// Double shearing whose rotation term of the stress axes is multiplied by a factor; a larger factor means slower
+/// rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SlowRotation {
     coulomb: MohrCoulomb,
@@ -79,7 +80,7 @@ impl FlowLaw for SlowRotation {
         write_momentum(system, &columns, &self.coulomb, flow);
         write_flow_rule(system, 2, &columns, &rule, flow);
         write_mass(system, 4, &columns, flow);
-        // Rotation term 2 e_r Dψ/Dt
+        // Rotation term 2 e_r Dψ/Dt, with the rotation coefficient e_r of the flow rule and the stress angle ψ.
         let rotation = 2.0 * rule.rotation_coefficient;
         system.a[(3, columns.angle)] = rotation;
         for j in 0..2 {
@@ -101,7 +102,8 @@ static SLOW_ROTATION: FlowModel = FlowModel {
     constructor: |given| Ok(Arc::new(SlowRotation::new(given)?)),
 };
 
-/// Orthotropic solid in plane strain with the axes x₁ and x₂.
+/// Orthotropic solid in plane strain with the axes x₁ and x₂: stiffnesses c11, c22, c12 and c66 (Pa) and density
+/// (kg/m³).
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Orthotropic {
     c11: f64,
@@ -466,7 +468,8 @@ fn registered_names_are_listed_and_unique() {
     }
 }
 
-/// Verifies that a solid is refused for yield sets that project in the norm of another elastic law.
+/// Verifies that a yield set whose projection is in the norm of one elastic law is refused for a solid with another
+/// law.
 #[test]
 fn unsupported_solid_of_yield_set_is_refused_with_both_names() {
     register_models();
@@ -487,7 +490,7 @@ shear_dilatancy = 0.5
     let error = error.to_string();
     assert!(error.contains("orthotropic") && error.contains("interlayer"), "{error}");
     assert!(error.contains("shear-limit"), "the set that it can have is named: {error}");
-    // For every solid that a set accepts, the projection returns a stress far outside to the set.
+    // For every solid that a yield set accepts, the projection maps a stress far outside onto the set.
     for medium in MediumKind::all_media() {
         let (ModelKind::Solid(solid), Some(kind)) = (medium.kind, medium.yield_set) else {
             continue;

@@ -253,7 +253,7 @@ fn folders_without_results_are_not_verified() {
         assert!(stdout.is_empty() && stderr.starts_with("error: "), "{stdout}{stderr}");
     }
     run_with_exit_code(0, &here, "point case.toml --out out");
-    // A result file of this program that is in no list originates from a killed verb.
+    // A result file that is not in the list of checksums originates from a killed verb.
     fs::write(here.join("out/map.csv"), "").unwrap();
     let (stdout, _) = run_with_exit_code(1, &here, "verify out");
     assert_eq!(stdout, "map.csv: has no checksum\n");
@@ -295,7 +295,7 @@ fn damaged_files_are_not_plotted_or_listed_again() {
     run_with_exit_code(0, &here, "speeds case.toml --out out --threads 1 --force");
     let (stdout, _) = run_with_exit_code(1, &here, "verify out");
     assert!(stdout.contains("run.json: has no checksum"), "{stdout}");
-    // Plotting again is not damage.
+    // A changed plot option of the case counts as damage only until the figures are plotted again.
     fs::write(&list, &sound).unwrap();
     let case = fs::read_to_string(out.join("case.toml")).unwrap();
     fs::write(out.join("case.toml"), case.replace("picture = \"speed\"", "picture = \"u2\""))

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Creates a folder with the case alone.
+/// Creates a folder that contains [`SOLID_CASE`] as its only file.
 fn create_solid_folder(name: &str) -> PathBuf {
     create_case_folder("resume", name, SOLID_CASE)
 }
@@ -38,7 +38,7 @@ fn killed_runs_resume_to_bit_identical_files() {
         } else if !here.join("out/program.json").exists() {
             assert!(run_program(&here, &format!("{RUN_ARGUMENTS} --force")).status.success());
         } else {
-            // Resumed with another number of threads, and killed once more.
+            // The run is resumed with another number of threads and killed once more.
             let mut child = create_command(&here, "resume out --threads 2 --checkpoint-every 0")
                 .spawn()
                 .unwrap();
@@ -120,7 +120,7 @@ fn changed_case_is_not_resumed() {
         let output = run_program(&here, arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments}");
     }
-    // The same case in another notation.
+    // The same case in another notation is accepted.
     fs::write(&case, format!("# as it was\n{}", resolved.replace("1900.0", "1.9e3"))).unwrap();
     assert!(run_program(&here, "resume out").status.success());
 }
@@ -193,12 +193,12 @@ fn damaged_checkpoints_are_refused() {
     assert!(text.contains("let it be read") && !text.contains("--force"), "{text}");
     fs::remove_dir(&path).unwrap();
     fs::write(&path, &sound).unwrap();
-    // A table shorter than recorded in the checkpoint.
+    // A table shorter than recorded in the checkpoint is refused.
     let table = here.join("out/receivers.csv");
     let rows = fs::read(&table).unwrap();
     fs::write(&table, &rows[..20]).unwrap();
     assert_eq!(run_program(&here, "resume out").status.code(), Some(2));
-    // A table with other content than recorded in the checkpoint.
+    // A table with other content than recorded in the checkpoint is refused.
     let mut changed = rows.clone();
     let first_row = rows.iter().position(|byte| *byte == b'\n').unwrap() + 1;
     changed[first_row] = b'7';
@@ -208,7 +208,7 @@ fn damaged_checkpoints_are_refused() {
     assert_eq!(output.status.code(), Some(2), "{text}");
     assert!(text.contains("receivers.csv: has other content in its first"), "{text}");
     fs::write(&table, rows).unwrap();
-    // A missing snapshot.
+    // A missing snapshot is refused.
     let snapshot = here.join("out/snapshot-00000000.vti");
     let image = fs::read(&snapshot).unwrap();
     fs::remove_file(&snapshot).unwrap();

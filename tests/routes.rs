@@ -67,8 +67,8 @@ impl RouteComparison {
     }
 }
 
-/// Quantity in which two verdicts differ; `None` if they agree. `mirror_direction` returns the other direction with
-/// equal growth, which is also accepted.
+/// Quantity in which two verdicts differ; `None` if they agree. `mirror_direction` returns the second direction with
+/// equal growth; a closed form may give either of the two.
 fn find_difference(
     closed_form: &Verdict,
     assessed: &Verdict,
@@ -99,8 +99,9 @@ fn find_difference(
 
 /// The other direction in which waves grow as in `direction`, or `direction` itself if there is none.
 ///
-/// The plastic potential is symmetric about the principal axes of stress. In dilatant Harris–Grekova the leading
-/// coefficient a − b cos β + d sin β vanishes at two angles β, whose mean is −atan2(d, b).
+/// Growth in the plastic potential is symmetric about the principal axes of stress. In the dilatant model of
+/// Harris & Grekova the leading coefficient a − b cos β + d sin β vanishes at two angles β = 2(ψ − direction), with the
+/// stress angle ψ; their mean is −atan2(d, b).
 fn mirrored_direction(
     kind: FlowKind,
     parameters: &FlowParameters,
@@ -147,8 +148,9 @@ fn check_route_agreement(
     counts
 }
 
-/// Verifies both routes for random states of every model, with ν = 0 and ν > 0, with and without gradients and
-/// accelerations, for ordinary materials and for the full ranges of angles and quantities over many decades.
+/// Verifies both routes for random states of every model, with the dilatancy angle ν = 0 and ν > 0, with and without
+/// gradients and accelerations, for ordinary materials and for the full ranges of angles and quantities over many
+/// decades.
 #[test]
 fn both_routes_agree_on_random_states() {
     const STATE_COUNT: u64 = 100_000;
@@ -179,8 +181,8 @@ fn both_routes_agree_on_random_states() {
     }
 }
 
-/// Distances from a boundary, rad, and whether closed forms exist: for no state close to the boundary, for some
-/// states far from it; `None`: not checked.
+/// Distances from a boundary, rad, and whether closed forms answer: `false` for none of the states, `true` for some;
+/// `None`: not checked.
 const BOUNDARY_DISTANCES: [(f64, Option<bool>); 9] = [
     (0.0, Some(false)),
     (1e-15, Some(false)),
@@ -193,8 +195,8 @@ const BOUNDARY_DISTANCES: [(f64, Option<bool>); 9] = [
     (2e-2, Some(true)),
 ];
 
-/// Verifies both routes for states on both sides of a boundary; `shift_state` moves a random state to a signed distance
-/// (rad) from it.
+/// Verifies both routes for states at several distances inside and outside a boundary; `shift_state` moves a random
+/// state to a signed distance (rad) from it.
 fn check_route_agreement_near_boundary(
     kind: FlowKind,
     is_dilatant: bool,
@@ -225,7 +227,8 @@ fn check_route_agreement_near_boundary(
     }
 }
 
-/// Boundary |Δ| = 45° of Harris–Grekova with ν = 0, where cos 2Δ changes sign.
+/// Verifies both routes near the boundary |Δ| = 45° of Harris & Grekova with ν = 0, where cos 2Δ changes sign (Δ:
+/// non-coaxiality angle, ν: dilatancy angle).
 #[test]
 fn both_routes_agree_near_noncoaxiality_bound() {
     for has_gradients in [false, true] {
@@ -242,7 +245,8 @@ fn both_routes_agree_near_noncoaxiality_bound() {
     }
 }
 
-/// Bounds on |Δ| of dilatant Harris–Grekova in a uniform state, and 90° minus these bounds.
+/// Verifies both routes near the bounds on |Δ| of the dilatant model of Harris & Grekova in a uniform state, and near
+/// 90° minus these bounds.
 #[test]
 fn both_routes_agree_near_noncoaxiality_bounds_with_dilatancy() {
     for (sign, complement) in [(1.0, false), (-1.0, false), (1.0, true), (-1.0, true)] {
@@ -262,8 +266,9 @@ fn both_routes_agree_near_noncoaxiality_bounds_with_dilatancy() {
     }
 }
 
-/// Boundary |Δ| = 45° ± ν/2, where one of the two zeros of the leading coefficient coincides with 𝒜 = 0 and the root
-/// does not pass through infinity; the other zero remains.
+/// Verifies both routes near |Δ| = 45° ± ν/2, where one of the two zeros of the leading coefficient D coincides with a
+/// zero of 𝒜 in the growth rate ς ≈ −k² q cos(φ − 2ν) 𝒜²/(2ρQ_D D), and ς does not pass through infinity there; the
+/// other zero of D remains.
 #[test]
 fn both_routes_agree_at_coincident_zeros_of_highest_coefficient_and_growth() {
     for distance in [0.0, 1e-12, -1e-9, 1e-9, -1e-6, 1e-3] {
@@ -288,7 +293,7 @@ fn both_routes_agree_at_coincident_zeros_of_highest_coefficient_and_growth() {
     }
 }
 
-/// Boundary ν = φ of the plastic potential: associated flow rule.
+/// Verifies both routes near the boundary ν = φ of the plastic potential: associated flow rule.
 #[test]
 fn both_routes_agree_near_associated_flow_rule() {
     for has_gradients in [false, true] {
@@ -303,7 +308,7 @@ fn both_routes_agree_near_associated_flow_rule() {
     }
 }
 
-/// Limits of the angles: φ → 0 and 90°, ν → 0 and φ.
+/// Verifies both routes near the limits of the friction angle, φ → 0 and 90°, and of the dilatancy angle, ν → 0 and φ.
 #[test]
 fn both_routes_agree_near_parameter_limits() {
     for (index, kind) in registry::STANDARD_FLOWS.into_iter().enumerate() {

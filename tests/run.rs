@@ -45,8 +45,8 @@ fn plane_waves_have_frequencies_of_equations_of_motion() {
     let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });
     let rotation = Microrotation { alpha: 1.005e9, inertia: 2700.0, couple };
     let solid = Isotropic::new(8.1e9, 8.1e9, 2700.0, Some(rotation)).expect("sound moduli");
-    // Along x₁: ρω² = (λ+2μ)k²; shear ρω² = (μ+α)k² and spin jω² = (γ+η)k² + 4α are coupled by 2αk, so that the
-    // product of the differences is (2αk)².
+    // Along x₁ pressure waves have ρω² = (λ + 2μ)k². Shear, ρω² = (μ + α)k², and spin, jω² = (γ + η)k² + 4α, are
+    // coupled by 2αk, so that the product of the differences ρω² − (μ + α)k² and jω² − (γ + η)k² − 4α is (2αk)².
     let (length, count) = (20.0, 100);
     let k = 2.0 * PI / length;
     let a = (8.1e9 + 1.005e9) * k * k / 2700.0;
@@ -87,7 +87,7 @@ fn plane_waves_have_frequencies_of_equations_of_motion() {
         let is_pressure = along.iter().map(|v| v.abs()).sum::<f64>()
             > across.iter().map(|v| v.abs()).sum::<f64>();
         let velocity = if is_pressure { along } else { across };
-        // exp(i(kx − ωt)) at the centre of the receiver's cell; the maximum velocity is real.
+        // Velocity 10⁻³ Re exp(i(kx − ωt)) m/s at the centre of the cell of the receiver, x = 7.1 m.
         let phase = k * 7.1;
         let error = time
             .iter()
@@ -264,7 +264,7 @@ fn invalid_runs_are_refused() {
             CLASSICAL_MODEL.replace("lambda", "dimensions = 2\nlambda"),
             ": grid: missing; add a section [grid] with cells = [200, 200] and spacing = 1.0, and [time] with duration",
         ),
-        // Reported before other missing sections.
+        // A missing grid is reported before other missing sections.
         (CLASSICAL_MODEL.to_owned(), ": grid: missing; add a section [grid]"),
         (
             wellposed::cli::new::generate_state_template(

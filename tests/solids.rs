@@ -78,7 +78,7 @@ fn format_setting(key: &str, value: f64) -> String {
 /// by hand.
 fn acoustic_tensor_invariants(friction: f64, dilatancy: f64, angle: f64) -> [f64; 2] {
     let (lambda, alpha) = (1.0, 0.3);
-    // Elastic tensor D applied to (κ, 0, 1, 0) over (σ11, σ22, σ21, σ12).
+    // Elastic tensor D applied to the normal (κ, 0, 1, 0) over (σ11, σ22, σ21, σ12), with the friction or dilatancy κ.
     let image = |k: f64| [(lambda + 2.0) * k, lambda * k, 1.0 + alpha, 1.0 - alpha];
     let (flow, normal) = (image(dilatancy), image(friction));
     let response = friction * flow[0] + flow[2];
@@ -93,12 +93,12 @@ fn acoustic_tensor_invariants(friction: f64, dilatancy: f64, angle: f64) -> [f64
     [entry(0, 0) + entry(1, 1), entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0)]
 }
 
-/// Maximum of |Im c| over all directions.
+/// Maximum of |Im c| over all directions, with the complex wave speed c.
 fn max_flutter_growth(friction: f64, dilatancy: f64) -> f64 {
     let rate = |angle: f64| {
         let [trace, determinant] = acoustic_tensor_invariants(friction, dilatancy, angle);
         let square = determinant - 0.25 * trace * trace;
-        // c² = t/2 ± i√square, hence 2 (Im c)² = |c²| − Re c².
+        // With trace t and determinant of the acoustic tensor: c² = t/2 ± i√square, hence 2 (Im c)² = |c²| − Re c².
         if square > 0.0 { (0.5 * (determinant.sqrt() - 0.5 * trace)).sqrt() } else { 0.0 }
     };
     (0..200_000).map(|i| rate(PI * f64::from(i) / 200_000.0)).fold(0.0, f64::max)
@@ -169,11 +169,11 @@ fn layer_sectors_and_speeds_satisfy_characteristic_equation() {
     assert_eq!(rows, 2 * 721);
 }
 
-/// Critical plastic modulus of Rudnicki & Rice (1975, eq. 20), with their N, μ, β, for normals in the plane of the
-/// major and minor principal stress; H in units of their h.
+/// Critical plastic modulus h over the shear modulus, of Rudnicki & Rice (1975, eq. 20), with their N, μ, β, for
+/// normals in the plane of the major and minor principal stress.
 fn critical_plastic_modulus(ratio: f64, friction: f64, dilatancy: f64, lambda: f64) -> f64 {
-    // Principal deviators divided by τ̄, N = s₂/τ̄; their μ and β are derivatives with respect to −σ_m, here κ and
-    // κ̂.
+    // `ratio` is their N = s₂/τ̄, the intermediate principal deviator over τ̄; their μ and β are derivatives with
+    // respect to −σ_m, here the friction κ and the dilatancy κ̂.
     let nu = lambda / (2.0 * (lambda + 1.0));
     let (mu, beta) = (friction, dilatancy);
     (1.0 + nu) / (9.0 * (1.0 - nu)) * (beta - mu).powi(2)
@@ -234,7 +234,8 @@ fn stress_is_scaled_to_yield_surface() {
     let angle = 0.5 * (s(0, 1) + s(1, 0)).atan2(s(0, 0) - s(1, 1)).to_degrees();
     assert!((angle - 25.0).abs() < 1e-12);
 
-    // Layers: σ21 = r + q sin 2ψ reaches τ₀ − κσ11 first.
+    // Layers: with the rotational stress r and the deviatoric stress q, σ21 = r + q sin 2ψ is the first to reach
+    // τ₀ − κσ11.
     let layers = LAYERED_CASE.replace("active = ['+sigma21']\n", "")
         + "[stress]\npressure = 2\ndeviatoric_stress = 0.4\nstress_angle_deg = 10\nrotational_stress = 1\n";
     let report = run_verb(folder.path(), cli::run_point, &layers, &[]).expect("a sound case");
@@ -332,7 +333,7 @@ fn map_verdicts_agree_with_closed_form() {
 #[test]
 fn spatial_map_is_bit_identical_for_any_number_of_threads() {
     let folder = tempfile::tempdir().expect("a scratch folder");
-    // A modulus varies along x, so that the directions of each elastic solid are recomputed for every column.
+    // The modulus λ varies along x, so that the directions of each elastic solid are recomputed for every column.
     let case = DRUCKER_PRAGER_CASE.to_owned()
         + "[map]\nx = { parameter = 'model.lambda', from = 1, to = 2, points = 3 }\n\
            y = { parameter = 'yield.hardening', from = -0.3, to = 0.3, points = 30 }\n";
@@ -508,7 +509,7 @@ number = 1e6
     let report = run_verb(folder.path(), cli::run_point, case, &[]).expect("a sound case");
     assert_eq!(report["verdict"], "ill-posed");
     assert_eq!(as_number(&report["order"]), 1.0);
-    // Largest root over directions at a large wave number.
+    // In the reported direction the largest root at the wave number k = 10⁶ is the coefficient times k.
     let coefficient = as_number(&report["coefficient"]);
     let along = [format_setting("wave.direction_deg", as_number(&report["direction_deg"]))];
     let report = run_verb(folder.path(), cli::run_point, case, &along).expect("a sound case");

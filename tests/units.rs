@@ -1,5 +1,5 @@
-//! Verifies that units of mass, length and time do not matter: scaled by powers of two, cases have the same verdicts, and
-//! runs the same bits, scaled.
+//! Verifies that results do not depend on the units of mass, length and time: for cases in units that differ by powers
+//! of two, verdicts are equal, and the values of runs are bit-identical after scaling.
 
 mod program;
 
@@ -25,7 +25,7 @@ const COUPLE_STRESS: Dimension = [1, 0, -2];
 /// Force, and couple per length.
 const FORCE: Dimension = [1, 1, -2];
 
-/// Unit of a key; of a load or an initial value that of its field.
+/// Unit of a key; for a load or an initial value, the unit of its field.
 fn find_dimension(section: &str, key: &str, table: &Table) -> Dimension {
     if key.ends_with("_deg") {
         return NUMBER;
@@ -78,7 +78,7 @@ fn find_dimension(section: &str, key: &str, table: &Table) -> Dimension {
     }
 }
 
-/// Multiplies all numbers with a unit by powers of two: units are smaller by 2^`exponents`.
+/// Converts all numbers of a case that have a unit to units that are smaller by the factors 2^`exponents`.
 fn scale_case(table: &mut Table, section: &str, exponents: Dimension) {
     let units = table.clone();
     for (key, value) in table.iter_mut() {
@@ -120,7 +120,7 @@ fn compute_factor(unit: Dimension, exponents: Dimension) -> f64 {
     2f64.powi(unit.iter().zip(exponents).map(|(a, b)| a * b).sum())
 }
 
-/// Units in which every case is computed.
+/// Systems of units in which every case is computed, as exponents of 2.
 fn unit_systems() -> Vec<Dimension> {
     let mut all = vec![[60, 60, 60], [-60, -60, -60]];
     for axis in 0..3 {
@@ -151,7 +151,7 @@ fn parse_bundled_case(name: &str) -> Table {
     text.parse().unwrap()
 }
 
-/// Sets what has a unit and a default other than zero.
+/// Sets the wave number explicitly, since it has a unit and its default is not zero.
 fn with_explicit_wave(mut case: Table) -> Table {
     let wave = case.entry("wave").or_insert(Table::new().into()).as_table_mut().unwrap();
     wave.entry("number").or_insert(Value::Float(1000.0));
@@ -410,7 +410,7 @@ fn compare_tables(name: &str, case: &Table, units: &[Dimension], tables: &[&str]
     }
 }
 
-/// Verifies that records and energies of yielding solids are the same bits in all units.
+/// Verifies that records and energies of yielding solids are bit-identical in all units, after scaling.
 #[test]
 fn runs_of_solids_do_not_depend_on_units() {
     for (name, medium) in SOLIDS {
@@ -419,7 +419,7 @@ fn runs_of_solids_do_not_depend_on_units() {
     }
 }
 
-/// Verifies that records of a flow are the same bits in all units.
+/// Verifies that records of a flow are bit-identical in all units, after scaling.
 #[test]
 fn runs_of_flows_do_not_depend_on_units() {
     let mut case = parse_bundled_case("flow/decay.toml");

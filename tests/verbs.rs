@@ -62,10 +62,10 @@ fn point_inside_noncoaxiality_bound_is_well_posed() {
     }
     assert_eq!(found["noncoaxiality_bound_deg"], 45.0);
     assert_eq!(found["region"], "fully-deforming");
-    // Power 2 Q_D cos 2Δ q with q = p sin φ
+    // Power 2 Q_D cos 2Δ q of the stress, W/m³, with the shear rate Q_D, the non-coaxiality Δ and q = p sin φ.
     let power = 2.0 * 2.0 * 40f64.to_radians().cos() * 500.0;
     assert!((found["power"].as_f64().unwrap() - power).abs() < 1e-9 * power);
-    // Two finite roots; one is the convected spin with ς = −ik·V exactly.
+    // Two finite roots; one is the convected spin with ς = −ik·V exactly, with the wave vector k and the velocity V.
     let roots = found["roots"].as_array().unwrap();
     assert_eq!(roots.len(), 2);
     assert_eq!(found["infinite_roots"], 3);
@@ -75,7 +75,8 @@ fn point_inside_noncoaxiality_bound_is_well_posed() {
     for root in roots {
         assert!((root[1].as_f64().unwrap() - convection).abs() < 1e-9);
     }
-    // Characteristics: ψ_σ ± (45° + φ/2), double, and the streamline, single (ν = 0: no density).
+    // Characteristics: double ones at ψ_σ ± (45° + φ/2), with the stress angle ψ_σ and the friction angle φ, and a
+    // single one, the streamline (for the dilatancy angle ν = 0 the density contributes none).
     let mut wanted = vec![
         (17.0 + 60.0, 2, "stress and velocity"),
         (17.0 - 60.0 + 180.0, 2, "stress and velocity"),
@@ -97,7 +98,7 @@ fn growth_outside_noncoaxiality_bound_agrees_with_closed_form() {
     let found = run_point(STATE_CASE, &["background.noncoaxiality_deg=60"]);
     assert_eq!(found["verdict"], "ill-posed");
     assert_eq!(found["order"], 2.0);
-    // Least stable direction β = π: Q (1 + sin φ)² / [2 ρ Q_D |cos 2Δ| (1 + sin φ)].
+    // Coefficient in the least stable direction, β = π: q (1 + sin φ)² / [2 ρ Q_D |cos 2Δ| (1 + sin φ)].
     let worst = 500.0 * 1.5 / (2.0 * 1600.0 * 2.0 * 0.5);
     assert!((found["coefficient"].as_f64().unwrap() - worst).abs() < 1e-12 * worst);
     assert!((found["direction_deg"].as_f64().unwrap() - 107.0).abs() < 1e-5);
@@ -135,7 +136,7 @@ fn states_outside_fully_deforming_region_are_not_analysed() {
 
 #[test]
 fn spin_determines_noncoaxiality() {
-    // sin 2Δ = −(Ω − s₂₁) sin φ / Q_D with sin φ = ½, Q_D = 2: Ω = −2 sin 2Δ/sin φ.
+    // sin 2Δ = −(Ω − s₂₁) sin φ/Q_D with the spin Ω, sin φ = ½ and Q_D = 2 1/s: Ω = s₂₁ − 2 sin 2Δ/sin φ.
     let text = STATE_CASE.replace("noncoaxiality_deg = 20", "half_vorticity = 0.3");
     let spin = 0.3 - 4.0 * 40f64.to_radians().sin();
     let found = run_point(&text, &[&format!("background.spin={spin}")]);
@@ -242,7 +243,7 @@ fn compared_models_have_equal_state_for_given_spin() {
         + "\n[compare]\nkinds = ['harris-grekova', 'double-shearing', 'plastic-potential']\n";
     let found = run_point(&text, &[]);
     let delta = |report: &Value| report["background"]["noncoaxiality_deg"].as_f64().unwrap();
-    // sin 2Δ = 1.5 sin φ / Q_D
+    // sin 2Δ = −Ω sin φ/Q_D with the spin Ω = −1.5 1/s and the half-vorticity 0.
     let wanted = 0.5 * (1.5f64 * 0.5 / 2.0).asin().to_degrees();
     assert!((delta(&found) - wanted).abs() < 1e-12);
     assert_eq!(delta(&found["compare"][0]), delta(&found));

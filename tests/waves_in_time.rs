@@ -444,7 +444,7 @@ fn half_space_resonates_at_natural_rotation_frequency() {
             assert!((found / expected - 1.0).abs() < 0.01, "{name}: {found:e} for {expected:e}");
         }
     }
-    // Fit over 34 periods, starting with the fourth.
+    // Fit to the rows from that centred at 5 periods to that centred at 39 periods.
     let [found, expected] = [1, 2].map(|column| exponent(&slow[1..], column));
     println!("exponent {found} for {expected}");
     assert!((found - expected).abs() < 0.01, "{found} for {expected}");

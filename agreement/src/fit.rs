@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::ops::Sub;
 
-/// A complex frequency: exp((γ − iω)t).
+/// Complex frequency of an amplitude that evolves as exp((γ − iω)t).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rate {
     /// Frequency ω, rad/s.
@@ -83,8 +83,8 @@ impl ErrorExponents {
     /// Alternating sweeps: the first and the last sweep, of half length, contribute one error term in h³.
     pub const ALTERNATING: Self = Self { frequency: &[2, 3], growth_rate: &[3] };
 
-    /// Steps that end with a projection: Π exp(Δt A) Π, with A antisymmetric, reduces the amplitude by ½Δt²|(1 − Π)A
-    /// y|² more than exp(Δt ΠAΠ) does.
+    /// Steps that end with a projection Π: for a unit vector y and antisymmetric A, Π exp(Δt A) Π y is shorter than
+    /// exp(Δt ΠAΠ) y by ½Δt²|(1 − Π)Ay|² to leading order, so the error of the growth rate begins with a term in h.
     pub const PROJECTED: Self = Self { frequency: &[2, 3], growth_rate: &[1, 2] };
 }
 

@@ -18,10 +18,10 @@ use models::flow::Model;
 use models::flow::state::{DeformingFlow, MaterialState};
 use num_complex::Complex64;
 
-/// A uniform flow v = Γx for analysis and solver.
+/// A uniform flow v = Γx with velocity gradient Γ (1/s), as described to the analysis and to the solver.
 #[derive(Clone, Debug)]
 pub struct UniformFlow {
-    /// Model of the linearised equations.
+    /// Model whose linearised equations the analysis uses.
     pub model: Model,
     /// Initial state, as given.
     pub state: MaterialState,
@@ -52,7 +52,7 @@ pub struct ModeResult {
     pub mode_number: usize,
     /// Duration of the measurement, s.
     pub duration: f64,
-    /// Rate predicted by the linearised equations along k(t).
+    /// Rate predicted by the linearised equations along the wave vector k(t), which the mean flow advects.
     pub predicted_rate: Rate,
     /// Rate predicted by the pencil of the frozen wave vector.
     pub frozen_rate: Rate,
@@ -73,7 +73,7 @@ pub struct TimeStepRefinement {
 
 impl ModeResult {
     /// Scale of relative differences, 1/s: the larger of the norm of the predicted rate and the shear rate Q_D of the
-    /// mean flow.
+    /// mean flow, `shear_rate` (1/s).
     pub fn rate_scale(&self, shear_rate: f64) -> f64 {
         self.predicted_rate.max_norm().max(shear_rate)
     }

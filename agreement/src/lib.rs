@@ -57,12 +57,12 @@ use models::yield_set::tangent::NoResponse;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A wave exp(ik·x) by its wave vector k = `number` × `normal`.
+/// A plane wave exp(ik·x) by its wave vector k = `wave_number` × `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneWave<const D: usize> {
     /// Wave number, 1/m; positive.
     pub wave_number: f64,
-    /// Unit vector.
+    /// Unit vector in the direction of the wave vector.
     pub normal: [f64; D],
 }
 
@@ -84,12 +84,12 @@ pub enum AgreementError {
     /// Solid and solver medium have different dimensions.
     #[error("a medium in {medium} dimensions for a solid in {solid}")]
     DimensionMismatch {
-        /// Dimensions of the solid.
+        /// Number of space dimensions of the solid.
         solid: usize,
-        /// Dimensions of the medium.
+        /// Number of space dimensions of the medium.
         medium: usize,
     },
-    /// No numbers of cells are given.
+    /// The list of cells per wavelength is empty.
     #[error("no grids to measure on")]
     NoGrids,
     /// A simulation exceeds the allowed number of cell updates.
@@ -114,7 +114,7 @@ pub enum AgreementError {
     /// A field of the perturbation does not have one value per point.
     #[error("{found:?} values of velocities and internal variable for {points:?} points")]
     PointCount {
-        /// Numbers of values.
+        /// Numbers of values of the two velocity components and of the internal variable.
         found: [usize; 3],
         /// Points along each axis.
         points: [usize; 2],
@@ -160,7 +160,7 @@ pub enum MeasurementError {
 /// [`Break`](ControlFlow::Break) ends the work with [`AgreementError::Cancelled`].
 pub type ProgressCallback<'a> = &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync);
 
-/// Counter of finished tasks.
+/// Counter of finished tasks that reports each to the progress callback.
 struct TaskProgress<'a> {
     on_progress: ProgressCallback<'a>,
     finished_tasks: AtomicUsize,

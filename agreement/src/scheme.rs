@@ -2,9 +2,9 @@
 //! the matrices of the analysis.
 //!
 //! In energy coordinates y = LᵀU, A = LLᵀ, the equations are ẏ = Σ B̂ⁱ∂ᵢy + Q̂y with B̂ⁱ symmetric and Q̂
-//! antisymmetric; the projection Π onto the tangent space of a yield surface is orthogonal. A sweep of Δt/2 along
-//! axis i multiplies exp(iκ·x) by V g Vᵀ, where B̂ⁱ = V diag(c) Vᵀ and, with θ = κᵢhᵢ, for waves that propagate to
-//! the right with Courant number C = |c|Δt/2hᵢ
+//! antisymmetric; the projection Π onto the tangent space of a yield surface is orthogonal. A sweep of Δt/2 along axis
+//! i multiplies exp(iκ·x) by V diag(g) Vᵀ, where B̂ⁱ = V diag(c) Vᵀ and, with θ = κᵢhᵢ, for waves that propagate to the
+//! right with Courant number C = |c|Δt/(2hᵢ)
 //!
 //! ```text
 //! g = 1 − C (1 − e^(−iθ)) f,  f = 1 + (1 − e^(−iθ)) (α + β e^(iθ) + γ e^(2iθ)),
@@ -36,7 +36,7 @@ type ComplexMatrix = DMatrix<Complex64>;
 /// Cell size and time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discretisation<const D: usize> {
-    /// Edges of a cell, m.
+    /// Edge lengths of a cell, m.
     pub spacing: [f64; D],
     /// Time step Δt, s.
     pub time_step: f64,
@@ -270,12 +270,13 @@ impl<const D: usize> EnergyForm<D> {
 /// Canonical orthonormal basis of the span of orthonormal columns, a function of the span only: projections of the
 /// coordinate axes, orthogonalised by Gram–Schmidt.
 fn canonical_basis(columns: &ComplexMatrix) -> Vec<DVector<Complex64>> {
-    /// Threshold of accepted projections: with at most 24 axes the longest one has at least length 1/√24 > 0.1.
+    /// Minimum length of an accepted projection: with at most 24 axes the longest projection is at least 1/√24 > 0.1
+    /// long.
     const MIN_PROJECTION_LENGTH: f64 = 0.1;
     let (size, count) = columns.shape();
     let mut chosen: Vec<DVector<Complex64>> = Vec::new();
     for axis in 0..size {
-        // P e = V (Vᵀ e)
+        // Projection P e = V (V* e) of the coordinate axis e.
         let mut vector: DVector<Complex64> = columns * columns.row(axis).adjoint();
         for _ in 0..2 {
             for own in &chosen {

@@ -159,7 +159,8 @@ pub struct BandGap {
     pub is_confirmed: bool,
 }
 
-/// Band gaps of an elastic solid, compared with the results of [`compare_branches`].
+/// Band gaps of an elastic solid in the direction of the first wave of `results`, compared with these results of
+/// [`compare_branches`]; empty if the results are not those of an elastic solid.
 ///
 /// # Errors
 /// The rate response of the solid is not defined.

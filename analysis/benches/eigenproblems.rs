@@ -2,11 +2,12 @@
 //! states, and larger random ones. `eigenproblems.py` beside this file hands the same matrices to
 //! SciPy and LAPACK in the same run and describes the command line.
 //!
-//! `eigenproblems FILE`: writes the matrices to FILE, then, for each line `SET` on standard input, prints the problems
-//! per second of this crate (equilibration included) and of faer (equilibrated matrices, reused buffers) for that set.
+//! `eigenproblems FILE`: writes the matrices to FILE, then, for each line on standard input with the index of a set
+//! (from 0), prints the problems per second of this crate (equilibration included) and of faer (equilibrated matrices,
+//! reused buffers) for that set.
 //!
-//! FILE: 64-bit little-endian words. Number of sets; for each, the size n and the number of
-//! problems as integers, then for each problem L and R, by columns, as (re, im) doubles.
+//! FILE: 64-bit little-endian words. Number of sets; for each, the size n and the number of problems as integers, then
+//! for each problem the equilibrated matrices L and R of L x = λ R x, by columns, as (re, im) doubles.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -83,7 +84,7 @@ fn model_pencils(size: usize) -> Vec<Eigenproblem> {
     problems
 }
 
-/// Dense pencils of random entries, complex L and real R, with `rank` rows of R that are not zero.
+/// Dense pencils L − λR of random entries, complex in L and real in R; `rank` rows of R are not zero.
 fn dense_pencils(size: usize, rank: usize) -> Vec<Eigenproblem> {
     let random = &mut seeded_generator((100 * size + rank) as u64);
     let problem = |_| {

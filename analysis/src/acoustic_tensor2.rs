@@ -7,9 +7,10 @@
 //! Γ(θ) = cos²θ Γ₁₁ + cos θ sin θ (Γ₁₂ + Γ₂₁) + sin²θ Γ₂₂,    Γᵢⱼ = M^(−½) Gⁱᵀ D Gʲ M^(−½).
 //! ```
 //!
-//! The matrix has two or three rows and its eigenvalues cost less than a microsecond, so the circle is sampled every
-//! half degree. Narrower sectors of flutter are found only if a hint lies in them: the caller passes the directions
-//! found by the verdict from the exact dispersion polynomial.
+//! Here M is the diagonal inertia matrix, Gⁱ are the gradient operators and D is the tangent stiffness of the [rate
+//! equations](RateEquations). Γ has two or three rows and its eigenvalues cost less than a microsecond, so the circle
+//! is sampled every half degree. Narrower sectors of flutter are found only if a hint lies in them: the caller passes
+//! the directions found by the verdict from the exact dispersion polynomial.
 
 use crate::acoustic_tensor3::{Flutter, SlowestSpeed, WaveExtremes};
 use crate::line_search::{argmax_unimodal, bisect, find_sectors};
@@ -20,12 +21,12 @@ use nalgebra::{DMatrix, Matrix3};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Directions sampled over half a turn.
+/// Number of sampled directions over half a turn.
 const DIRECTIONS: usize = 360;
-/// Threshold of rounding for (Im c²)², relative to the largest |c²|²: a double root is perturbed by the square root of
-/// the rounding.
+/// Threshold of rounding for (Im c²)², relative to the square of `max_squared_speed`: a double root is perturbed by the
+/// square root of the rounding.
 const FLUTTER_TOLERANCE: f64 = 1e-13;
-/// Threshold of rounding for |c²|, relative to the largest |c²|.
+/// Threshold of rounding for |c²|, relative to `max_squared_speed`.
 const ZERO_SPEED_TOLERANCE: f64 = 1e-13;
 /// Number of bisection steps: to the last bit of an angle.
 const BISECTION_STEPS: usize = 60;
@@ -36,7 +37,7 @@ pub struct AcousticTensor2 {
     velocity_count: usize,
     /// Γ₁₁, Γ₁₂ + Γ₂₁, Γ₂₂, m²/s².
     terms: [Matrix3<f64>; 3],
-    /// Bound on |c²| over all directions, m²/s².
+    /// Largest Frobenius norm of the three terms, m²/s²: the scale of |c²|, which is at most 3/2 of it.
     max_squared_speed: f64,
 }
 
@@ -101,7 +102,7 @@ impl AcousticTensor2 {
         ([all[0], all[1], all[2]], 3)
     }
 
-    /// Strongest flutter at `theta`: largest |Im c|, m/s, with its c², m²/s²; zero if no pair is complex.
+    /// Strongest flutter at `theta`: largest |Im c|, m/s, with its c², m²/s²; zero if no c² is complex beyond rounding.
     fn strongest_flutter(&self, theta: f64) -> (f64, Complex64) {
         let (values, size) = self.eigenvalues(theta);
         let is_complex = |value: &&Complex64| {

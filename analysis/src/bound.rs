@@ -1,7 +1,7 @@
 //! The supremum of the growth rate over wave numbers and directions, where it is finite.
 //!
-//! Located numerically: a grid in log k and direction, refined around the degenerate directions in
-//! the coordinate k(θ − θ_c) of their layers, then a simplex search (Nelder & Mead 1965).
+//! The supremum is located numerically: on a grid in log k and direction, refined around the degenerate directions θ_c
+//! in the coordinate asinh(k(θ − θ_c)) of their layers, then by a simplex search (Nelder & Mead 1965).
 
 use crate::growth::{Assessment, Verdict};
 use crate::pencil::Pencil;
@@ -13,9 +13,9 @@ use std::f64::consts::PI;
 pub struct Supremum {
     /// Supremum S of Re ς, 1/s.
     pub growth_rate: f64,
-    /// Wave number at which it is attained or approached.
+    /// Wave number at which the supremum is attained or approached.
     pub wave_number: SupremumWaveNumber,
-    /// Direction of the wave vector there, rad, in [0, π).
+    /// Direction of the wave vector at which the supremum is attained or approached, rad, in [0, π).
     pub direction: f64,
 }
 
@@ -44,7 +44,7 @@ const WAVE_NUMBER_STEPS: usize = 96;
 const DIRECTIONS: usize = 48;
 
 /// Locates the supremum of Re ς over all directions and k ≥ `min_wave_number` (1/m; 0 for a uniform background) of a
-/// well-posed system.
+/// well-posed system. `None` for other verdicts, or if `min_wave_number` exceeds the range of the search.
 pub fn locate_supremum(
     pencil: &Pencil,
     assessment: &Assessment,

@@ -54,7 +54,7 @@ pub struct Characteristics {
 /// Error: characteristics are not defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CharacteristicsError {
-    /// Fewer equations than unknowns, or a pattern with a vanishing determinant.
+    /// The numbers of equations and unknowns differ, or all entries of the matrix are structural zeros.
     #[error("the steady equations do not determine their unknowns")]
     Indeterminate,
 }
@@ -62,7 +62,7 @@ pub enum CharacteristicsError {
 /// Computes the characteristics of a square system.
 ///
 /// # Errors
-/// The nonzero pattern of the matrix is structurally singular (has no transversal).
+/// The system is not square, or all entries of its steady matrices are structural zeros.
 pub fn characteristics(
     system: &LinearisedSystem<2>,
 ) -> Result<Characteristics, CharacteristicsError> {
@@ -121,8 +121,8 @@ fn steady_matrices(system: &LinearisedSystem<2>) -> Vec<Vec<[Rounded; 2]>> {
         .collect()
 }
 
-/// Blocks (rows, columns) of the block triangular form (Dulmage & Mendelsohn 1958; Tarjan 1972):
-/// a transversal, then the strongly connected components. `None` without a transversal.
+/// Blocks (rows, columns) of the block triangular form (Dulmage & Mendelsohn 1958; Tarjan 1972): a maximum matching of
+/// rows and columns, then the strongly connected components. `None` if all entries are structural zeros.
 fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, Vec<usize>)>> {
     let n = matrix.len();
     let present = |i: usize, j: usize| matrix[i][j].iter().any(|x| !x.is_structural_zero());
@@ -240,7 +240,7 @@ fn merge_characteristic(
     }
 }
 
-/// Renames characteristics along the velocity to "streamline".
+/// Renames the families "spin" and "density" of characteristics along the velocity to "streamline".
 fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [RealCharacteristic]) {
     let [v1, v2] = system.velocity;
     if v1 == 0.0 && v2 == 0.0 {

@@ -1,9 +1,9 @@
 //! Factorisation of the corner coefficients of the Newton polygon.
 //!
 //! With ς = O(k^m) for an m between the slopes that meet in a corner, every entry of ςA + κ₁B¹ + κ₂B² + C has a leading
-//! part, and the corner coefficient is the determinant of the leading entries that lie on a transversal of maximal
-//! order. Their pattern decomposes into blocks, and the determinant into the product of the block determinants: for a
-//! granular flow, a block of the stresses and a block of the velocities.
+//! term, and the corner coefficient is the determinant of the leading terms of the entries on a transversal of maximal
+//! order. The pattern of these entries decomposes into blocks, and the determinant into the product of the block
+//! determinants: for a granular flow, a block of the stresses and a block of the velocities.
 
 use crate::form::BinaryForm;
 use crate::list::{StackList, list};
@@ -20,7 +20,8 @@ pub(crate) fn factor_corner_coefficient(
     let system = &scaled.system;
     let n = system.equations.len();
     let [time, space] = slope;
-    // Order in k of the leading part of an entry, times the denominator of `slope`, and that part.
+    // Order in k of the leading term of an entry, times the denominator of `slope`, and that term as the coefficients
+    // of ς, κ₁, κ₂ and 1.
     let leading = |i: usize, j: usize| -> Option<(i64, [Rounded; 4])> {
         let at = (i, j);
         let (a, b, c) = (system.a[at], [system.b[0][at], system.b[1][at]], system.c[at]);
@@ -39,8 +40,8 @@ pub(crate) fn factor_corner_coefficient(
     let entries: StackList<StackList<_, 8>, 8> =
         (0..n).map(|i| (0..n).map(|j| leading(i, j)).collect()).collect();
 
-    // Largest order of a transversal of the first rows and a column set (`first`), and of the remaining rows and
-    // columns (`last`).
+    // Largest order of a transversal of the first rows and a set of columns (`first`), and of the remaining rows and
+    // columns (`last`); the index is the bit mask of the set.
     const NO_TRANSVERSAL: i64 = i64::MIN / 4;
     let mut first: StackList<i64, 64> = smallvec![NO_TRANSVERSAL; 1 << n];
     let mut last = first.clone();

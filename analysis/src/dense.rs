@@ -4,8 +4,8 @@ use nalgebra::DMatrix;
 use nalgebra::linalg::Schur;
 use num_complex::Complex64;
 
-/// Eigenvalues of a dense complex matrix by the Schur form (QR algorithm), each to rounding of the largest; `None` if
-/// the norm is not finite or the iteration does not converge.
+/// Eigenvalues of a dense complex matrix by the Schur form (QR algorithm), each accurate to the rounding of the largest
+/// one; `None` if the norm is not finite or the iteration does not converge.
 ///
 /// Deflation compares with the diagonal, which vanishes for zero eigenvalues, so the matrix is shifted by its norm.
 pub(crate) fn eigenvalues(mut matrix: DMatrix<Complex64>) -> Option<Vec<Complex64>> {

@@ -1,8 +1,9 @@
 //! Energy conservation of the rate equations of a solid, and growth of its waves.
 //!
-//! The symmetriser diag(M, D⁻¹) makes the elastic equations symmetric hyperbolic; its quadratic form is twice
-//! the energy density (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Verified here from the
-//! linearised system as the analysis receives it, independent of its assembly.
+//! The symmetriser diag(M, D⁻¹), with inertia M and stiffness D, makes the elastic equations symmetric hyperbolic; its
+//! quadratic form is twice the energy density (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). The module
+//! verifies the symmetry and the definiteness from the linearised system as the analysis receives it, independent of
+//! its assembly.
 
 use crate::dense::eigenvalues;
 use models::LinearisedSystem;
@@ -14,7 +15,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Number of sampled directions, and number of decades of wave numbers below and above the given one.
+/// Number of sampled directions, and number of decades of wave numbers both below and above the given one.
 const DIRECTIONS: usize = 40;
 const DECADES: i32 = 2;
 
@@ -70,8 +71,8 @@ pub fn measure_energy_conservation<const D: usize>(
     let scale = symmetriser.diagonal().map(|x| x.sqrt().recip());
     let scaled =
         DMatrix::from_fn(nv + ns, nv + ns, |i, j| symmetriser[(i, j)] * scale[i] * scale[j]);
-    // Cholesky factor R with RᵀR the symmetriser: R L R⁻¹ is skew-Hermitian if energy is conserved, so its eigenvalues
-    // are accurate to rounding.
+    // Cholesky factor R with RᵀR the symmetriser: for the symbol S of the equations, R S R⁻¹ is skew-Hermitian if
+    // energy is conserved, so its eigenvalues are accurate to rounding.
     let factor = symmetriser.clone().cholesky().map(|found| found.l().transpose());
     let growth = |rates: &RateEquations<D>| match &factor {
         Some(factor) => max_growth(rates, factor, wave_number),

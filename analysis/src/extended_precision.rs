@@ -1,6 +1,7 @@
 //! Double-double arithmetic: numbers of twice the working precision as unevaluated sums of two doubles (Dekker 1971).
 //!
-//! Implements the operations of the exact polynomial only; no fused multiply-add, so bits are platform-independent.
+//! Only the operations of the exact dispersion polynomial are implemented, without fused multiply-add, so that results
+//! are bitwise equal on all platforms.
 
 use std::ops::{Add, Mul, Neg};
 

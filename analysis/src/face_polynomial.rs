@@ -1,6 +1,6 @@
-//! Face polynomials of the Newton polytope: the leading part of the dispersion polynomial as a polynomial in the
-//! coefficient c of a root ς ≈ c k^m, with binary forms in (cos α, sin α) as coefficients. Computes its special angles
-//! and the supremum of Re c over α.
+//! Face polynomials of the Newton polytope: the leading terms of the dispersion polynomial as a polynomial in the
+//! coefficient c of a root ς ≈ c k^m, with binary forms in (cos α, sin α) as coefficients. The module computes their
+//! special angles and the supremum of Re c over α.
 //!
 //! In a sector α is the direction of the wave vector; in a layer tan α is the scaled offset from a
 //! degenerate direction.
@@ -15,7 +15,8 @@ use num_complex::Complex64;
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 
-/// A face polynomial E(c, α) = Σ cⁱ Σ `coefficients[i][l]` cos^(r−l) α sin^l α.
+/// A face polynomial E(c, α) = Σ f_il cⁱ cos^(r−l) α sin^l α, where f_il is `coefficients[i][l]` and r is the degree of
+/// form i.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FacePolynomial {
     /// Coefficient forms by ascending power of c; empty for powers that do not occur.
@@ -27,9 +28,10 @@ pub(crate) struct FacePolynomial {
 const LAYER_DISTANCE: f64 = 1e-7;
 /// Sectors between collisions closer than this (rad) to a zero of a coefficient belong to the layer around that zero.
 const COLLISION_LAYER_DISTANCE: f64 = 1e-4;
-/// Distance from the unit circle, or of an angle from the real axis, within which a root is considered.
+/// Distance ||z| − 1| from the unit circle within which a root z = exp 2iθ is considered to belong to a real angle θ.
 const UNIT_CIRCLE_TOLERANCE: f64 = 1e-3;
-/// Relative increase of the level in each round of the supremum search; the search ends if it is not exceeded.
+/// Relative increase of the level in each round of the supremum search; the search ends if Re c exceeds the increased
+/// level at no angle.
 const RELATIVE_LEVEL_STEP: f64 = 1e-7;
 const MAX_ROUNDS: usize = 12;
 /// Offset of the sampling angles from the axes, in steps.
@@ -72,7 +74,7 @@ impl FacePolynomial {
         growing.map(|root| root.value.re).fold(0.0, f64::max)
     }
 
-    /// Degree of the highest form.
+    /// Largest degree of the coefficient forms.
     fn max_form_degree(&self) -> usize {
         self.coefficients.iter().map(|form| form.len().saturating_sub(1)).max().unwrap_or(0)
     }
@@ -360,11 +362,11 @@ impl FacePolynomial {
     }
 }
 
-/// Normalised resultant Res_c(E(c), conj E(2s − conj c)): vanishes if roots a, b (also a = b) have a + conj b = 2s. By
-/// Gaussian elimination of the Sylvester matrix.
+/// Resultant Res_c(E(c), conj E(2s − conj c)), s = `level`: vanishes if roots a, b (also a = b) have a + conj b = 2s.
+/// By Gaussian elimination of the Sylvester matrix.
 fn reflected_resultant(p: &[Complex64], level: f64) -> Complex64 {
     let n = p.len() - 1;
-    // Coefficients of E(s + x) and of conj E at s − x.
+    // Coefficients of the powers of x in E(s + x) and in conj E(s − conj x).
     let mut shifted: StackList<Complex64> = StackList::from_slice(p);
     for i in 0..n {
         for j in (i..n).rev() {

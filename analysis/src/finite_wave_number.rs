@@ -10,7 +10,7 @@ use crate::rounded_complex::RoundedComplex;
 use models::Rounded;
 use std::f64::consts::PI;
 
-/// A generic large wave number, in scaled units.
+/// Wave number, in scaled units, that stands for any large one.
 const GENERIC_WAVE_NUMBER: f64 = 1.37e3;
 
 /// Finds a direction in which the coefficient of the highest power of ς vanishes at a finite wave number while a root
@@ -28,7 +28,8 @@ pub(crate) fn find_unbounded_direction(
     let zeros = match tops[..] {
         [only] => only.form.zeros(),
         _ => {
-            // Real and imaginary part of the coefficient at the wave number GENERAL, each as a form of a single degree.
+            // Real and imaginary part of the coefficient at the wave number `GENERIC_WAVE_NUMBER`, each as a form of a
+            // single degree.
             let part = |parity: usize| {
                 let own = || tops.iter().filter(move |t| t.form.degree() % 2 == parity);
                 let degree = own().map(|t| t.form.degree()).max()?;

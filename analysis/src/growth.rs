@@ -45,7 +45,7 @@ pub enum Verdict {
     IllPosed {
         /// Order and coefficient; `None` if the growth rate is unbounded at finite wave numbers.
         growth: Option<Growth>,
-        /// Angle of the wave vector, rad, in [0, π), at which it is approached.
+        /// Angle of the wave vector, rad, in [0, π), of the fastest or unbounded growth.
         direction: f64,
     },
     /// Undecided: the deciding quantity is zero within its rounding bound.
@@ -57,7 +57,7 @@ pub enum Verdict {
         /// Rounding bound of the value.
         rounding: f64,
     },
-    /// Singular pencil: det ≡ 0, or fewer equations than unknowns.
+    /// Singular pencil: det ≡ 0, or the numbers of equations and unknowns differ.
     Indeterminate {
         /// Generic rank of the pencil.
         rank: usize,
@@ -191,7 +191,7 @@ fn exponents(term: &DispersionTerm) -> (i64, i64) {
     (term.time_power as i64, term.form.degree() as i64)
 }
 
-/// Distance (rad) below which zeros are computed factor by factor.
+/// Distance (rad) between two zeros of a coefficient below which the coefficient is factored.
 const CLOSE_ZERO_DISTANCE: f64 = 1e-2;
 
 /// Zeros of all corner coefficients of the Newton polygon, including corners off the growing edges: at their zeros
@@ -278,7 +278,8 @@ impl PolygonEdge<'_> {
         [end(self.terms[0]), end(self.terms[self.terms.len() - 1])]
     }
 
-    /// For an edge of two terms, c^r = w: largest Re c/|c| over the roots, for F₀/F₁ of sign `sign`.
+    /// Largest Re c/|c| over the roots of an edge of two terms, c^r = −i^(j₀−j₁) F₀/F₁ with r = i₁ − i₀, for a ratio
+    /// F₀/F₁ of sign `sign`. The first term is ς^i₁ F₁ of degree j₁, the last ς^i₀ F₀ of degree j₀.
     fn max_cosine(&self, sign: f64) -> f64 {
         let [(i1, j1), (i0, j0)] = self.end_exponents();
         let r = i1 - i0;
@@ -395,7 +396,8 @@ fn search_directions(edge: &PolygonEdge, zeros: &[FormZero], accumulator: &mut G
 /// order.
 const SECTOR_SAMPLES: usize = 12;
 
-/// Minimum width (rad) of a sector of growth; in narrower ones growth may be an effect of branches that nearly touch.
+/// Minimum width (rad) of a sector of growth; apparent growth in a narrower one may come from roots that nearly
+/// collide.
 const MIN_SECTOR_WIDTH: f64 = 0.1;
 
 /// Searches lower-order growth of roots that are neutral to leading order in whole sectors, by Puiseux series.

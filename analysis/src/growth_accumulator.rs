@@ -71,7 +71,7 @@ impl GrowthAccumulator {
         self.growth.is_none_or(|(known, _, _)| order > known)
     }
 
-    /// The order of growth that was expected and not found.
+    /// Order above which growth was expected and not found.
     pub(crate) fn missing_order(&self) -> Option<GrowthOrder> {
         self.expected_order.filter(|&order| self.can_improve(order))
     }

@@ -35,9 +35,9 @@ pub fn wave_vector_rate(gradient: [[f64; 2]; 2], wave: [f64; 2]) -> [f64; 2] {
 }
 
 impl KelvinEvolution {
-    /// Evolution of a wave with wave vector k (1/m) that changes at the `rate` k̇ (1/(m·s)). With k̇ = 0 the
+    /// Evolution of a wave whose wave vector k = `wave` (1/m) changes at the `rate` k̇ (1/(m·s)). With k̇ = 0 the
     /// eigenvalues of [`reduced_rate_matrix`](Self::reduced_rate_matrix) are the finite roots of the frozen pencil
-    /// without −ik·V.
+    /// without the convection term −ik·V.
     ///
     /// `None` if the equations do not determine the evolution.
     pub fn new(system: &LinearisedSystem<2>, wave: [f64; 2], rate: [f64; 2]) -> Option<Self> {
@@ -81,7 +81,7 @@ impl KelvinEvolution {
                 constraints.push(row);
             }
         }
-        // Scale the largest entry of each row to one.
+        // Scale each row to a largest entry of modulus one.
         let scale = |matrix: &mut DMatrix<Complex64>, row: usize, factor: f64| {
             matrix.row_mut(row).iter_mut().for_each(|entry| *entry *= factor);
         };

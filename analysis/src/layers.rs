@@ -128,7 +128,7 @@ pub(crate) fn search_collision(
 }
 
 impl Chart {
-    /// Chart in the shifted root x − c k^m, m = `top`\[0\]/`top`\[1\], for offsets below k^τ.
+    /// Chart in the shifted root x − c k^m, m = `top`\[0\]/`top`\[1\], valid for offsets y of an order below τ in k.
     fn shift_root(&self, top: (i64, i64), tau: GrowthOrder, root: &BoundedRoot) -> Chart {
         let order = GrowthOrder::new(top.0, top.1);
         let unit = lcm(lcm(self.power_denominator, order.denominator), tau.denominator);
@@ -223,7 +223,7 @@ fn combine_like_terms(terms: &mut StackList<ChartTerm, 64>) {
     terms.retain(|p| !p.value.is_zero());
 }
 
-/// A facet: x = O(k^order), y = O(k^offset).
+/// Terms on a facet of the Newton polytope, which dominate where x = O(k^`order`) and y = O(k^`offset_order`).
 struct Facet {
     order: GrowthOrder,
     offset_order: GrowthOrder,
@@ -336,7 +336,7 @@ fn continue_facet_roots(
     deeper: ChartLocation,
     accumulator: &mut GrowthAccumulator,
 ) {
-    // Continue neutral roots from general offsets, and from the offsets at which they collide.
+    // Offsets between the special ones, and a few fixed ones.
     let mut sides: StackList<f64> = special
         .iter()
         .enumerate()
@@ -373,11 +373,12 @@ fn continue_facet_roots(
     }
 }
 
-/// A facet of three terms whose coefficients are powers of i: (power of c, power of d, n).
+/// A facet of three terms iⁿ c^p d^q, each given as (p, q, n).
 #[derive(Clone, Copy, PartialEq)]
 struct TriangularFacet([(usize, usize, u8); 3]);
 
-/// Normalises a facet of three terms by scaling c and d; returns the triangle and the scale of c.
+/// Scales c and d so that the coefficients of a facet of three terms become powers of i; returns the scaled facet and
+/// the scale of c. `None` for other facets.
 fn normalise_triangle(facet: &Facet) -> Option<(TriangularFacet, f64)> {
     let [p, q, r] = facet.terms[..] else { return None };
     let lowest = |f: fn(&ChartTerm) -> usize| facet.terms.iter().map(f).min().unwrap_or(0);
@@ -434,7 +435,7 @@ fn offset_error_bound(angle: f64) -> f64 {
     1e-14 * (1.0 + angle.cr_tan().powi(2))
 }
 
-/// Terms of a chart at a fixed offset y = d k^τ.
+/// Terms of a chart at the offset y = d k^τ, and the common denominator of their powers of k.
 fn terms_at_offset(chart: &Chart, tau: GrowthOrder, d: f64) -> (StackList<Monomial, 32>, i64) {
     let unit = lcm(chart.power_denominator, tau.denominator);
     let across = tau.numerator * (unit / tau.denominator);
@@ -451,9 +452,9 @@ fn terms_at_offset(chart: &Chart, tau: GrowthOrder, d: f64) -> (StackList<Monomi
     (terms, unit)
 }
 
-/// Facets of the Newton polytope with normal (m, τ, 1), m > 0 and τ within the limits of the chart.
+/// Facets of the Newton polytope with normal (m, τ, 1), m > 0, where m and τ are below the order bounds of the chart.
 fn find_facets(chart: &Chart) -> StackList<Facet> {
-    // Among terms with equal x and y the one with the largest power dominates.
+    // Among terms with equal powers of x and of y the one with the largest power of k dominates.
     let mut terms: StackList<&ChartTerm, 64> = StackList::new();
     for p in &chart.terms {
         match terms.iter_mut().find(|own| (own.x_power, own.y_power) == (p.x_power, p.y_power)) {
@@ -466,7 +467,8 @@ fn find_facets(chart: &Chart) -> StackList<Facet> {
     for (a, p) in terms.iter().enumerate() {
         for (b, q) in terms.iter().enumerate().skip(a + 1) {
             for r in &terms[b + 1..] {
-                // Solve m Δx + τ Δy = −Δpower for both differences; all components are multiplied by the determinant.
+                // Solve m Δi + τ Δl = −Δj for the differences of both pairs of points (i, l, j); (m, τ, 1) is
+                // multiplied by the determinant.
                 let difference = |s: &ChartTerm| {
                     [
                         p.x_power as i64 - s.x_power as i64,

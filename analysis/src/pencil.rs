@@ -24,7 +24,7 @@ pub enum PencilRoots {
         /// Number of infinite roots, due to algebraic equations.
         infinite: usize,
     },
-    /// Singular pencil, det ≡ 0 or fewer equations than unknowns: every ς is a root.
+    /// Singular pencil: det ≡ 0, or the numbers of equations and unknowns differ.
     Singular {
         /// Generic rank of the pencil.
         rank: usize,

@@ -18,7 +18,7 @@ use std::cell::RefCell;
 /// Maximum number n of equations: the expansion takes 2ⁿ partial determinants.
 pub const MAX_EQUATIONS: usize = 10;
 
-/// A coefficient of the polynomial.
+/// A coefficient of the polynomial with bounds on its error.
 #[derive(Clone, Copy, Debug, Default)]
 struct BoundedCoefficient {
     /// Coefficient of the determinant of the stored entries, in double-double precision.
@@ -143,7 +143,7 @@ impl DispersionPolynomial {
 
         self.partial_determinants[..block].fill(BoundedCoefficient::default());
         self.is_subset_reached[0] = true;
-        // The full determinant may not be reached.
+        // Clear the block of the full determinant here, since the expansion may not reach it.
         self.partial_determinants[((1 << n) - 1) * block..].fill(BoundedCoefficient::default());
         self.partial_determinants[0] =
             BoundedCoefficient { value: ExtendedReal::from(1.0), ..BoundedCoefficient::default() };
@@ -227,9 +227,9 @@ impl DispersionPolynomial {
         terms
     }
 
-    /// Coefficients of the powers of ς − (−ik·V) at the wave vector k = `k` (cos θ, sin θ), scaled: entry i belongs to
-    /// ς̂ⁱ. Leading coefficients that are zero within their rounding bound are omitted, so the degree is the number of
-    /// finite roots.
+    /// Coefficients, in scaled units, of the powers of ς + ik·V (the root in the frame of the material) at the wave
+    /// vector k = `k` (cos θ, sin θ), by ascending power. Leading coefficients that are zero within their rounding
+    /// bound are omitted, so the degree is the number of finite roots.
     pub fn coefficients_at(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
         let (sin, cos) = direction.cr_sin_cos();
         let k_scaled = k / self.wave_number_unit;
@@ -253,7 +253,7 @@ impl DispersionPolynomial {
             let term = coefficient.value * factor;
             bounds[a] += coefficient.total_error_bound() * factor.high.abs();
             let slot = &mut result[a];
-            // Factor iʲ.
+            // Factor i^(b+c) of κ₁^b κ₂^c, since κ = ik.
             match (b + c) % 4 {
                 0 => slot.re = slot.re + term,
                 1 => slot.im = slot.im + term,
@@ -271,8 +271,8 @@ impl DispersionPolynomial {
         result
     }
 
-    /// All finite roots ς, 1/s, at the wave vector of magnitude `k` (1/m) and `direction` (rad),
-    /// by simultaneous iteration on the exact polynomial from `guesses` (any number, 1/s).
+    /// All finite roots ς, 1/s, at the wave vector of magnitude `k` (1/m) and `direction` (rad), by the Aberth–Ehrlich
+    /// method on the exact polynomial from `guesses` (any number, 1/s).
     pub fn roots(&self, k: f64, direction: f64, guesses: &[Complex64]) -> Vec<Complex64> {
         let coefficients = self.coefficients_at(k, direction);
         let (sin, cos) = direction.cr_sin_cos();
@@ -286,7 +286,7 @@ impl DispersionPolynomial {
     }
 }
 
-/// Reusable memory of [`block_determinant`], one per size.
+/// Reusable memory of [`block_determinant`] for blocks of one size.
 #[derive(Default)]
 struct BlockWorkspace {
     system: LinearisedSystem<2>,

@@ -116,8 +116,8 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
     found
 }
 
-/// A root of the given multiplicity near a point, if all lower derivatives vanish within their bounds; `neglected` bounds
-/// the coefficients neglected in the polynomial.
+/// A root of the given multiplicity near a point, if all derivatives of lower order vanish within their bounds;
+/// `neglected` bounds the coefficients neglected in the polynomial.
 fn find_multiple_root(
     polynomial: &[RoundedComplex],
     neglected: impl Fn(Complex64) -> f64,

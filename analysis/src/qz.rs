@@ -17,8 +17,8 @@ use std::ops::Range;
 type PencilMatrix = [[Complex64; MAX_EQUATIONS]; MAX_EQUATIONS];
 
 const EPSILON: f64 = f64::EPSILON;
-/// Magnitude below which an entry counts as zero beside the largest entry, which is near one; its fourth power does not
-/// underflow.
+/// Magnitude below which an entry counts as zero: the largest entry is near one. The fourth power of the threshold does
+/// not underflow.
 const ZERO_THRESHOLD: f64 = 1e-75;
 /// Maximum number of QZ steps per eigenvalue; two or three are typical.
 const MAX_QZ_STEPS: usize = 40;
@@ -475,7 +475,7 @@ fn round_to_integer(x: f64) -> f64 {
     (x + ROUNDING_SHIFT) - ROUNDING_SHIFT
 }
 
-/// z 2^e.
+/// Product z 2^e.
 #[inline(always)]
 fn multiply_by_power_of_two(z: Complex64, e: i32) -> Complex64 {
     let power = |e: i32| f64::from_bits(((e + 1023) as u64) << 52);

@@ -17,9 +17,9 @@ pub(crate) struct RootCollision {
 
 /// Collisions of roots next to `angle`: all multiple roots, with refined angles.
 ///
-/// Roots that are neutral on both sides cross; they do not fold. At a crossing of n branches ∂E/∂α and ∂E/∂c vanish
-/// together with their first n − 2 derivatives in c. This zero is simple unless two branches touch, so Newton's
-/// iteration locates it to full accuracy. On the axes the angle is exact.
+/// Roots that are neutral at angles on both sides of the collision cross; they do not fold. At a crossing of n branches
+/// of E(c, α) = 0 the derivatives ∂E/∂α and ∂E/∂c vanish together with their first n − 2 derivatives in c. This zero is
+/// simple unless two branches touch, so Newton's iteration locates it to full accuracy. On the axes the angle is exact.
 pub(crate) fn find_collisions(face: &FacePolynomial, angle: f64) -> StackList<RootCollision> {
     let mut found: StackList<RootCollision> = StackList::new();
     let mut include = |angle: f64, near: Option<Complex64>, is_accurate: bool| {

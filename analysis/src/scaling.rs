@@ -30,7 +30,7 @@ pub(crate) struct MatrixEntry {
     pub column: usize,
     /// Index of the common factor of the entry: 0 for none, else `groups[group − 1]`.
     pub group: usize,
-    /// Base-two logarithm of its modulus.
+    /// Base-two logarithm of the modulus of the coefficient.
     pub log2_modulus: f64,
 }
 
@@ -44,7 +44,8 @@ pub(crate) struct EntryScales {
 
 const SWEEPS: usize = 6;
 
-/// Minimises Σ (log + row + column + group)² by sweeps of coordinate descent; the scales returned are powers of two.
+/// Minimises the sum over the entries of (log₂ of the modulus + log₂ of the scales of row, column and group)² by sweeps
+/// of coordinate descent; the scales returned are rounded to powers of two.
 pub(crate) fn balance_entries(
     entries: &[MatrixEntry],
     rows: usize,

@@ -1,15 +1,16 @@
-//! Plane waves in a solid given by its rate equations.
+//! Plane waves in a solid given by its [rate equations](RateEquations), whose matrices are the inertia M, the tangent
+//! stiffness D, the gradient operators Gⁱ, the operator Z of the spins and the relaxation R.
 //!
 //! With v = v̂ exp(ςt + ik n·x) and H(k) = ik Σ nᵢGⁱ + Z the stresses can be eliminated exactly,
 //!
 //! ```text
-//! ς² M v̂ = −H* D H v̂,    M^(−½) H*DH M^(−½) = k²Γ + kN₁ + N₀,    ω² = −ς²:
+//! ς² M v̂ = −H* D H v̂,    M^(−½) H*DH M^(−½) = k²Γ + kN₁ + N₀,    ω² = −ς²,
 //! ```
 //!
-//! with one branch ω(k) of the dispersion relation for each velocity; the other roots of the rate equations are ς = 0,
-//! self-equilibrated stresses. Γ is the acoustic tensor: its eigenvalues are the squared characteristic speeds c². For
-//! symmetric D the matrices are Hermitian and every ω² is real; otherwise c² may be complex (flutter) or negative
-//! (divergence). The relaxation R, of lower order, is included in [`roots`] only.
+//! where * is the conjugate transpose. The dispersion relation has one branch ω(k) for each velocity; the other roots
+//! of the rate equations are ς = 0, self-equilibrated stresses. Γ is the acoustic tensor: its eigenvalues are the
+//! squared characteristic speeds c². For symmetric D the matrices are Hermitian and every ω² is real; otherwise c² may
+//! be complex (flutter) or negative (divergence). The relaxation R, of lower order, is included in [`roots`] only.
 
 use crate::dense;
 use crate::qz::Qz;
@@ -160,7 +161,7 @@ impl DirectionalWaves {
             triple_product(&left.transpose(), &stiffness, right)
         };
         let real = |m: DMatrix<f64>| m.map(|x| Complex64::new(x, 0.0));
-        // (−ikGᵀ + Zᵀ) D (ikG + Z)
+        // Expand H*DH = (−ikGᵀ + Zᵀ) D (ikG + Z) in powers of k, with G = Σ nᵢGⁱ.
         let cross = between(&z, &g) - between(&g, &z);
         let coefficients =
             [real(between(&g, &g)), cross.map(|x| Complex64::new(0.0, x)), real(between(&z, &z))];
@@ -279,7 +280,7 @@ impl WaveFamily {
         eigenvalues(&self.coefficients[0], self.is_hermitian)
     }
 
-    /// k²Γ + kN₁ + N₀.
+    /// Matrix k²Γ + kN₁ + N₀ of the dispersion relation, rad²/s², at the wave number `k` (1/m).
     fn dispersion_matrix(&self, k: f64) -> ComplexMatrix {
         let [second, first, zeroth] = &self.coefficients;
         second.scale(k * k) + first.scale(k) + zeroth

@@ -229,7 +229,8 @@ fn von_mises_yielding_in_pure_shear_has_zero_speeds_at_45_degrees() {
     assert!(extremes.flutter.is_none());
     assert!((extremes.slowest.speed_squared - 1.0).abs() < 1e-14);
     assert!(tensor.zero_speed_directions().is_empty() && tensor.flutter_sectors().is_empty());
-    // Ideal von Mises yielding in pure shear: c² = 0 at ± 45° from the axes (associated: it touches).
+    // Ideal von Mises yielding in pure shear: c² = 0 at ±45° from the axes, a double zero, since the flow is
+    // associated.
     let mut stress = Stress::default();
     (stress.force[0][0], stress.force[1][1]) = (1.0, -1.0);
     let set = YieldSet::from(Mises::new_von_mises(1.0));

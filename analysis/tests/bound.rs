@@ -30,9 +30,10 @@ fn build_pencil(model: &Model, state: &MaterialState) -> (DeformingFlow, Pencil)
     (flow, pencil)
 }
 
-/// Verifies the supremum on uniform incompressible Harris–Grekova states. The exact dispersion relation has the root ς
-/// = −G⊥·(∇V ξ⊥)/(G·ξ) − k² r with r ≥ 0 and G = ξ − sin φ n, so the supremum is the maximum of the first term over
-/// directions, approached as k → 0, or 0, the root of the neutral spin.
+/// Verifies the supremum on uniform incompressible Harris–Grekova states. With the unit wave vector ξ at the angle θ, n
+/// at the angle 2Ψ − θ for the stress angle Ψ, the friction angle φ, G = ξ − sin φ n, and ⊥ for a rotation by 90°, the
+/// exact dispersion relation has the root ς = −G⊥·(∇V ξ⊥)/(G·ξ) − k²r with r ≥ 0. The supremum is the maximum of the
+/// first term over directions, approached as k → 0, or 0, the root of the neutral spin.
 #[test]
 fn supremum_of_uniform_incompressible_states_agrees_with_exact_relation() {
     for (index, phi) in [0.2f64, 0.5, 0.8, 1.1].into_iter().enumerate() {
@@ -76,8 +77,9 @@ fn supremum_of_uniform_incompressible_states_agrees_with_exact_relation() {
 }
 
 /// Verifies that for a stress angle that varies in space the frozen growth rate grows like 1/k as k → 0, next to the
-/// direction in which c_G·ξ vanishes. A supremum over all k > 0 does not exist there even for a state that is
-/// well-posed, so the supremum takes a smallest wave number.
+/// direction of ξ in which c_G·ξ vanishes (c_G is linear in the gradient of the stress angle). A supremum over all k >
+/// 0 does not exist there even for a state that is well-posed, so the search for the supremum takes a smallest wave
+/// number.
 #[test]
 fn the_frozen_growth_rate_has_a_pole_for_long_waves() {
     let state = MaterialState {
@@ -94,7 +96,7 @@ fn the_frozen_growth_rate_has_a_pole_for_long_waves() {
     let assessment = assess(&pencil);
     assert_eq!(assessment.verdict, Verdict::WellPosed);
 
-    // Ψ = 0: c_G = 2 sin φ (−∂₂Ψ, −∂₁Ψ), so c_G·ξ = 0 at tan θ = −∂₂Ψ/∂₁Ψ.
+    // For the stress angle Ψ = 0, c_G = 2 sin φ (−∂₂Ψ, −∂₁Ψ), so c_G·ξ = 0 at tan θ = −∂₂Ψ/∂₁Ψ.
     let pole = (-0.35f64).atan2(1.0);
     let greatest = |k: f64| {
         (-60..=60)

@@ -12,8 +12,8 @@ use support::verdicts::{compute_verdict, verdict_label};
 use testkit::flows::SQUARE_MODEL_CASES;
 use wellposed_analysis::growth::Verdict;
 
-/// Directions with cos β = sin φ or cos β = sin ν, from the closed form, and all zeros of leading
-/// forms that a scan finds.
+/// Directions θ with cos β = sin φ or cos β = sin ν, β = 2(ψ − θ), from the closed form for the stress angle ψ,
+/// friction angle φ and dilatancy angle ν; and all zeros of leading forms that a scan finds.
 fn candidate_directions(sample: &FlowSample) -> Vec<Real256> {
     let p = reference_system(sample).polynomial();
     let mut found = find_degenerate_directions(&p);
@@ -35,7 +35,8 @@ fn candidate_directions(sample: &FlowSample) -> Vec<Real256> {
     found
 }
 
-/// Growth of a sample by brute force at the wave numbers `wave_numbers`.
+/// Growth of a sample by brute force at the wave numbers `wave_numbers` over `dense` uniform directions and clusters
+/// around the candidates, which are denser if `fine`.
 fn compute_brute_force(
     sample: &FlowSample,
     wave_numbers: &[f64],
@@ -121,7 +122,7 @@ fn verdicts_agree_with_brute_force() {
     assert!(wrong.is_empty(), "{} of {STATE_COUNT} disagree", wrong.len());
 }
 
-/// Verifies fractional orders and order 3 against brute force at three wave numbers over four decades.
+/// Verifies verdicts of orders other than 1 and 2 against brute force at three wave numbers over four decades.
 #[test]
 fn rare_orders_are_confirmed_over_four_decades() {
     let mut counts = std::collections::BTreeMap::<(i64, i64), usize>::new();

@@ -36,7 +36,8 @@ fn remove_characteristic(
     assert!(found.bound < 1e-11, "{found:?}");
 }
 
-/// Random sample whose velocity is at an angle to the stress characteristics, so that no two directions coincide.
+/// Random sample whose velocity is at least 1e-3 rad from the stress and velocity characteristics, so that no two
+/// directions coincide.
 fn sample_with_distinct_directions(
     random: &mut RandomNumbers,
     kind: FlowKind,
@@ -59,8 +60,9 @@ fn sample_with_distinct_directions(
     }
 }
 
-/// Verifies eq. 70: streamlines (double if the density evolves) and Ψ ± (π/4 + φ/2), both double, with stress and
-/// velocity in one family, for every ν and independent of gradients.
+/// Verifies eq. 70: streamlines (double if the density evolves) and Ψ ± (π/4 + φ/2), for the stress angle Ψ and the
+/// friction angle φ, both double, with stress and velocity in one family, for every dilatancy angle and independent of
+/// gradients.
 #[test]
 fn harris_grekova_has_the_characteristics_of_equation_70() {
     for seed in 0..400 {
@@ -96,8 +98,8 @@ fn harris_grekova_has_the_characteristics_of_equation_70() {
     }
 }
 
-/// Verifies stress characteristics at Ψ ± (π/4 + φ/2) and velocity characteristics at Ψ ± (π/4 + ν/2), which coincide
-/// for ν = φ.
+/// Verifies stress characteristics at Ψ ± (π/4 + φ/2) and velocity characteristics at Ψ ± (π/4 + ν/2), for the stress
+/// angle Ψ, friction angle φ and dilatancy angle ν; they coincide for ν = φ.
 #[test]
 fn plastic_potential_separates_stress_and_velocity_characteristics() {
     for seed in 0..400 {

@@ -78,13 +78,13 @@ fn simple_zeros_are_all_found_within_their_bounds() {
     println!("{count} zeros, greatest error {worst:.1e}, greatest bound {greatest_bound:.1e}");
 }
 
-/// Verifies that exactly double zeros are touched and triple zeros are crossed.
+/// Verifies that a form does not change sign at its exactly double zeros and does so at triple zeros.
 #[test]
 fn double_and_triple_zeros_are_distinguished() {
     verify_repeated_zeros(false);
 }
 
-/// Verifies repeated zeros on an axis, where the form is exactly zero.
+/// Verifies double and triple zeros on an axis, where the form is exactly zero.
 #[test]
 fn repeated_zeros_on_axes_are_distinguished() {
     verify_repeated_zeros(true);
@@ -173,7 +173,8 @@ fn nearly_double_zeros_are_separated_or_merged() {
     assert!(widest < 3e-7, "zeros {widest:e} apart were merged");
 }
 
-/// Verifies that a form 1e-6 above zero has no zeros, and that F(θ + π) = (−1)^d F(θ) closes the circle.
+/// Verifies that definite forms, one of which nearly touches zero, have no zeros, that their products with a linear
+/// factor have one, and that zeros on the axes are counted once.
 #[test]
 fn zeros_of_definite_factors_and_axes_are_counted() {
     for power in 1..=3 {
@@ -182,10 +183,10 @@ fn zeros_of_definite_factors_and_axes_are_counted() {
         let zeros = product_form(&factors).zeros();
         assert_eq!(zeros.len(), 1, "{zeros:?}");
     }
-    // (3κ₁ − 5κ₂)² 10⁶ + κ₁²
+    // Definite, but small along 3κ₁ = 5κ₂: (3κ₁ − 5κ₂)² 10⁶ + κ₁².
     let near = product_form(&[vec![9_000_001, -30_000_000, 25_000_000]]);
     assert!(near.zeros().is_empty());
-    // Axes as zeros.
+    // Zeros on the axes.
     let zeros = product_form(&[vec![1, 0], vec![0, 1]]).zeros();
     assert_eq!(zeros.len(), 2, "{zeros:?}");
     assert!(zeros[0].angle < 1e-15 && angular_distance(zeros[1].angle, PI / 2.0) < 1e-15);

@@ -189,7 +189,7 @@ fn verdict_is_invariant_for_degenerate_directions_along_the_axes() {
     assert!(wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// Verifies that for a moving observer the verdict is the same bit for bit and the roots shift by −ik·W.
+/// Verifies that a superposed velocity W leaves the verdict unchanged bit for bit and shifts the roots by −ik·W.
 #[test]
 fn verdict_and_growth_are_galilean_invariant() {
     for (_, mut random, sample) in random_samples(0x6a11) {
@@ -215,8 +215,9 @@ fn verdict_and_growth_are_galilean_invariant() {
     }
 }
 
-/// Verifies a superposed rotation at rate s, which adds s to half the vorticity and to the spin at constant r: C gains
-/// ρs J for the velocities and ρs ∇I in the row of the spin, and the growth of short waves is unchanged.
+/// Verifies a superposed rotation at the rate s, which adds s to half the vorticity and to the spin at constant
+/// rotational stress: in C, with J the rotation by 90°, the velocities gain ρs J in the momentum equations and ρs ∇I
+/// (moment of inertia I) in the equation of the spin. The growth of short waves is unchanged.
 #[test]
 fn superposed_rotation_leaves_growth_unchanged() {
     for n in 0..STATE_COUNT {

@@ -17,7 +17,7 @@ use wellposed_analysis::pencil::Pencil;
 const FLOW_KINDS: [FlowKind; 3] =
     [registry::HARRIS_GREKOVA, registry::DOUBLE_SHEARING, registry::PLASTIC_POTENTIAL];
 
-/// A uniform, incompressible flow.
+/// A random uniform, incompressible flow.
 fn random_flow(kind: FlowKind, random: &mut RandomNumbers) -> (Model, DeformingFlow) {
     let parameters = FlowParameters {
         friction_angle: random.uniform(0.1, 1.2),
@@ -88,9 +88,11 @@ fn eigenvalues(matrix: &nalgebra::DMatrix<Complex64>) -> Vec<Complex64> {
     }
 }
 
-/// Verifies the contribution of k̇ to the rate of the velocity against −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ cos β), β = 2(Ψ
-/// − θ), obtained by elimination of the pressure: k̇·v is the defect of the constraint, −k²(1 − sin φ cos β) the symbol
-/// of the pressure, and ξ⊥·(ξ − sin φ n) = −sin φ sin β the effect of the pressure across the wave.
+/// Verifies the contribution of k̇ to the rate of the velocity against −sin φ sin β (ξ·Γξ⊥)/(1 − sin φ cos β), with the
+/// unit wave vector ξ at the angle θ, the velocity gradient Γ, the stress angle Ψ and β = 2(Ψ − θ). The formula is
+/// obtained by elimination of the pressure: k̇·v is the defect of the constraint, −k²(1 − sin φ cos β) the symbol of
+/// the pressure, and ξ⊥·(ξ − sin φ n) = −sin φ sin β, with n at the angle 2Ψ − θ, the effect of the pressure across the
+/// wave.
 #[test]
 fn rate_of_the_wave_vector_contributes_its_closed_form() {
     let mut random = seeded_generator(2);

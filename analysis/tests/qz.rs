@@ -324,7 +324,7 @@ fn extreme_scales_change_eigenvalues_by_powers_of_two() {
     }
 }
 
-/// Verifies Jordan blocks in any basis: eigenvalues move by ε^(1/n) at most.
+/// Verifies that the eigenvalues of n × n Jordan blocks in any basis move by about ε^(1/n) at most.
 #[test]
 fn defective_eigenvalues_move_by_a_root_of_the_rounding() {
     for n in 2..=10 {
@@ -349,7 +349,8 @@ fn defective_eigenvalues_move_by_a_root_of_the_rounding() {
     }
 }
 
-/// Verifies roots of unity: cyclic permutations, which a zero shift leaves unchanged.
+/// Verifies that cyclic permutation matrices, which a QZ step with zero shift leaves unchanged, have the roots of
+/// unity.
 #[test]
 fn cyclic_permutations_have_roots_of_unity() {
     for n in 1..=10 {

@@ -55,9 +55,9 @@ fn condition_number(system: &LinearisedSystem<2>, wave: [f64; 2], root: Complex2
 struct RootComparison {
     variant: usize,
     roots: usize,
-    /// Largest deviation of the roots within 1e-12.
+    /// Largest relative deviation of the roots that deviate by at most 1e-12.
     max_deviation: f64,
-    /// Roots beyond 1e-12: (deviation, 1e-15 × condition number).
+    /// Roots that deviate by more than 1e-12: (relative deviation, 1e-15 × condition number).
     conditioned_deviations: Vec<(f64, f64)>,
     /// Numbers of well-conditioned roots tested with QZ alone, and of roots missed by it.
     qz_counts: (usize, usize),

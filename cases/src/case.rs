@@ -40,7 +40,7 @@ pub struct Case {
     pub name: String,
     /// Title of the case, one line; may be empty.
     pub title: String,
-    /// Kind of model, yield set and numbers; in a case with regions the values common to all regions.
+    /// Kind of model, yield set and numbers; in a case with regions the values that the regions inherit.
     pub material: Material,
     /// Section `[map]`: the sweep of `wellposed map`.
     pub map: Option<MapAxes>,
@@ -80,7 +80,7 @@ pub enum TimeDomainRun<'a> {
 }
 
 impl Case {
-    /// Reads a case file; `--set` options (`key=value`) override its values.
+    /// Reads a case file; `sets` are the `--set` options (`key=value`), which override its values.
     ///
     /// # Errors
     /// The file or an option is invalid; the error gives position, key, value found and values allowed.
@@ -88,7 +88,7 @@ impl Case {
         Self::load_for_purpose(path, sets, Purpose::Analysis)
     }
 
-    /// Reads the case file of a time-domain simulation.
+    /// Reads the case file of a time-domain simulation; `sets` as in [`load`](Self::load).
     ///
     /// # Errors
     /// The case has no section `[grid]` (reported first), or an error of [`load`](Self::load).
@@ -120,7 +120,8 @@ impl Case {
         }
     }
 
-    /// Parses the text of a case file with the name `file`; `--set` options override its values.
+    /// Parses the text of a case file with the name `file`; `sets` are the `--set` options (`key=value`), which
+    /// override its values.
     ///
     /// # Errors
     /// The text or an option is invalid; the error gives position, key, value found and values allowed.
@@ -231,7 +232,7 @@ impl Case {
         self.material.medium()
     }
 
-    /// Returns the value of the number `name`; `None` if the case has no such number.
+    /// Returns the value of the number `name`; `None` if the case has no number of this name.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.material.number(name)
     }
@@ -262,8 +263,8 @@ impl Case {
         })
     }
 
-    /// Adds the position to an input error of a model at a point of the map. The value of a swept number is located at
-    /// its axis in `[map]`, not at its own key.
+    /// Adds the position to an input error of a model at a point of the map. An error of a swept number is reported at
+    /// its axis in `[map]`, not at the key of the number.
     pub fn locate_error_in_map(&self, error: InputError) -> CaseError {
         let axes = self.map.iter().flat_map(|map| [("map.x", &map.x), ("map.y", &map.y)]);
         let key = self.material.case_key(error.input);

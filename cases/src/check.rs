@@ -11,8 +11,8 @@ pub struct CheckOptions {
     pub wave_numbers: Option<Vec<f64>>,
     /// Directions of the wave vector, degrees anticlockwise from x₁, with the elevation of `[wave]`.
     pub directions_deg: Option<Vec<f64>>,
-    /// Grid sizes, ascending. Solid: cells per period along each axis. Flow: points along each axis of the grids on
-    /// which the perturbation is refined.
+    /// Grid sizes, ascending. Solid: cells per period along each axis. Flow: grid points along each axis, for the
+    /// convergence study of the perturbation.
     pub grid_sizes: Option<Vec<usize>>,
 }
 

@@ -20,8 +20,8 @@ pub struct ConvertedCase {
 }
 
 /// Converts an angle from degrees to radians. Full turns are removed in degrees, where the reduction is exact: the sine
-/// of 1e308° is well-defined, whereas the sine of 1.7e306 rad is rounding noise. Angles below a full turn keep all
-/// bits.
+/// of 1e308° is well-defined, whereas the sine of 1.7e306 rad is rounding noise. The reduction does not change angles
+/// below a full turn.
 pub fn degrees_to_radians(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()
 }
@@ -59,7 +59,7 @@ impl Case {
         let other = &mut case.material.numbers.background;
         if matches!(kind, ModelKind::Flow(flow) if flow.is_coaxial()) && kind != self.material.kind
         {
-            // Principal axes are defined modulo half a turn.
+            // Principal axes are defined modulo 180°.
             lost_noncoaxiality_deg = state.filter(|delta| delta % 180.0 != 0.0);
             other.noncoaxiality_deg = Some(0.0);
         } else if self.material.numbers.background.spin.is_some() && other.spin.is_none() {

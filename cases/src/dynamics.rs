@@ -83,7 +83,7 @@ pub struct SolidRun {
     pub loads: Vec<FaceLoad>,
     /// Sources inside the grid.
     pub sources: Vec<PointSource>,
-    /// Parts of the initial state; parts are summed.
+    /// Terms of the initial state, which are summed.
     pub initial_terms: Vec<InitialStateTerm>,
     /// Components of the uniform initial stress (Pa) and couple stress (N/m).
     pub initial_stress: Vec<(StateComponent, f64)>,
@@ -108,7 +108,7 @@ impl SolidRun {
     }
 
     /// Reads all sections in `root` except `[grid]`, for a case of material `material`; `material_of` reads the
-    /// material of a region.
+    /// material of a region, `folder` is the folder of the case file.
     ///
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.
@@ -227,8 +227,7 @@ impl SolidRun {
         }
     }
 
-    /// Finds the region other than [`RegionShape::Complement`] that contains a point; `None` if there is no such
-    /// region.
+    /// Finds the region other than [`RegionShape::Complement`] that contains a point; `None` if no region contains it.
     fn find_region(&self, x: &[f64]) -> Result<Option<usize>, CaseError> {
         let mut holders =
             (0..self.regions.len()).filter(|&region| self.regions[region].shape.contains(x));

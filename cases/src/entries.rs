@@ -165,7 +165,7 @@ impl<'a> CaseEntries<'a> {
         // Quotes around a text are optional, since shells remove them.
         let value = DeValue::parse(text).map(|value| value.into_inner());
         let value = value.unwrap_or_else(|_| DeValue::String(text.into()));
-        // All parts of the value are located at the option.
+        // Errors in any part of the value are reported at the option.
         let node = Node::from_toml(&value, name, &mut |_, _| {});
         let key = self.structured_sections.insert_at_key(name, node).map_err(
             |OptionError { key, found, allowed }| {
@@ -380,7 +380,8 @@ struct DocumentEntry<'d, 'a> {
     offset: usize,
 }
 
-/// Collects the entries of a table and of the sections inside it, with dotted names.
+/// Collects the entries of a table and of the sections inside it, with dotted names; `prefix` is the dotted name of the
+/// table.
 fn collect_entries<'d, 'a>(
     prefix: &str,
     table: &'d DeTable<'a>,

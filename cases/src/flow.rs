@@ -22,7 +22,8 @@ use models::flow::RotationKind;
 use reader::FlowReader;
 use std::path::Path;
 
-/// Keys of the state that must be 0, since the mean flow is uniform and the box moves with it.
+/// Keys that must be 0 in a time-domain simulation of a flow, since the mean flow is uniform and isochoric and the box
+/// moves with it.
 pub const ZERO_IN_UNIFORM_FLOW: [&str; 9] = [
     "model.dilatancy_angle_deg",
     "background.velocity",
@@ -35,7 +36,7 @@ pub const ZERO_IN_UNIFORM_FLOW: [&str; 9] = [
     "background.acceleration",
 ];
 
-/// Schemas of the sections, in the order of writing; the last schema is for coaxial flows only.
+/// Schemas of the time-domain sections of a flow, in the order of writing; the last schema is for coaxial flows only.
 pub(crate) const FLOW_SCHEMAS: [&TableSchema; 6] = [
     &grid::GRID_SCHEMA,
     &grid::TIME_SCHEMA,
@@ -45,7 +46,7 @@ pub(crate) const FLOW_SCHEMAS: [&TableSchema; 6] = [
     &grid::LIMITS_SCHEMA,
 ];
 
-/// Returns the schemas of the sections of a kind of flow; empty if the kind has no time-domain solver.
+/// Returns the schemas of the time-domain sections of a kind of flow; empty if the kind has no time-domain solver.
 pub(crate) fn schemas_for_kind(kind: ModelKind) -> Vec<&'static TableSchema> {
     match kind.simulation_rotation() {
         None => Vec::new(),
@@ -64,10 +65,10 @@ pub struct FlowRun {
     pub grid: FlowGrid,
     /// Section `[time]`: duration and tolerances.
     pub time: FlowTime,
-    /// Lower limit of the shear rate Q_D relative to the mean flow, at which a simulation stops (plastic potential
-    /// only).
+    /// Lower limit of the shear rate Q_D (magnitude of the deviatoric deformation rate, 1/s), as a fraction of its
+    /// value in the mean flow; a simulation stops at this limit (plastic potential only).
     pub min_shear_rate: f64,
-    /// Parts of the initial perturbation, which are summed; at least one.
+    /// Terms of the initial perturbation, which are summed; at least one.
     pub perturbation_terms: Vec<FlowPerturbation>,
     /// Receivers: points of the box at which fields are recorded.
     pub receivers: Vec<ReceiverPoint<FlowQuantity>>,
@@ -77,7 +78,7 @@ pub struct FlowRun {
 }
 
 impl FlowRun {
-    /// Reads all sections in `root`.
+    /// Reads all time-domain sections in `root`; `folder` is the folder of the case file.
     ///
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.

@@ -1,8 +1,8 @@
 //! JSON Schema of case files (draft 2020-12), for completion and validation in editors.
 //!
 //! The schema accepts every case that the program accepts, except a number out of range that is replaced only by a map
-//! sweep. It rejects wrong types, ranges and words as well as missing and unknown keys, for each kind of model.
-//! Relations between numbers are checked by the program only.
+//! sweep. It rejects wrong types, numbers out of range and unknown names as well as missing and unknown keys, for each
+//! kind of model. Relations between numbers are checked by the program only.
 
 mod value_types;
 
@@ -204,7 +204,7 @@ fn add_scalar_key(
         || *section == "compare"
         || key.name == "yield.kind"
     {
-        // Required in its section, whatever the kind of model.
+        // The key is required in its section for every kind of model.
         if is_required {
             let mut slot = &mut *properties;
             for (depth, section) in sections.iter().enumerate() {
@@ -241,7 +241,7 @@ fn build_key_schema(key: &Key) -> Value {
     };
     match key.name {
         "name" => {
-            // Dots alone are names of existing folders.
+            // Names of dots only are refused: `.` and `..` are existing folders.
             schema = build_type_schema(&ValueType::Name, &SchemaScope::default());
             schema["not"] = json!({ "pattern": r"^\.*$" });
         }
@@ -366,7 +366,7 @@ fn build_table_schema(form: &'static TableSchema, scope: &SchemaScope) -> Value 
     }
 }
 
-/// Builds the schema of the table whose keys are stress components.
+/// Builds the schema of the table `initial_stress`, whose keys are stress components.
 fn build_stress_schema() -> Value {
     let stresses = stress::stress_components().map(|component| {
         let schema = json!({ "type": "number", "description": stress::stress_unit(component) });

@@ -125,7 +125,7 @@ impl SweepParameter {
             KeyStorage::OptionalPair(f) => {
                 f(numbers).get_or_insert_default()[self.component_index] = value;
             }
-            // `all` yields no parameters of other types.
+            // `all_parameters` yields no parameters of other types.
             _ => {}
         }
     }

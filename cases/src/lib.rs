@@ -2,10 +2,10 @@
 //!
 //! [`Case`] is a case as stated in its file, overridden by options, with defaults filled in; it can be written as TOML.
 //! Rows of [`keys()`] are the scalar keys, which a map can sweep; they include the constants of the registered models.
-//! A structured section is a [`schema::TableSchema`] of keys with type, unit, range, default and meaning. Reader, writer,
-//! the templates of `wellposed new` ([`template`]), the reference page ([`generate_reference()`]) and the JSON Schema
-//! ([`generate_json_schema()`]) are derived from these schemas. An error gives file, line and key, the value found and
-//! the values allowed. [`CASES`] has the texts of the bundled cases.
+//! A structured section is a [`schema::TableSchema`] of keys with type, unit, range, default and meaning. Reader,
+//! writer, the templates of `wellposed new` ([`template`]), the reference page ([`generate_reference()`]) and the JSON
+//! Schema ([`generate_json_schema()`]) are derived from these schemas. An error gives file, line and key, the value
+//! found and the values allowed. [`CASES`] has the texts of the bundled cases.
 //!
 //! The crate depends on the models, but not on analysis, solvers or reports.
 #![deny(missing_docs)]

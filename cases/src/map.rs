@@ -34,9 +34,10 @@ pub struct ParameterSweep {
 }
 
 impl ParameterSweep {
-    /// Computes the value at `index` < `points`, evenly spaced from `from` to `to`.
+    /// Computes the value with the number `index` < `point_count`; the values are evenly spaced from `first_value` to
+    /// `last_value`.
     ///
-    /// The only division is the last operation, so that whole-number ends give exact whole numbers between them.
+    /// The only division is the last operation, so that whole numbers between two whole-number ends are exact.
     pub fn sweep_value(&self, index: usize) -> f64 {
         if index == 0 || self.point_count < 2 {
             return self.first_value;
@@ -159,7 +160,7 @@ fn read_sweep(
     Ok(ParameterSweep { parameter, first_value: from, last_value: to, point_count: points })
 }
 
-/// Checks that neighbouring values of a sweep of at least 2 points differ.
+/// Checks that neighbouring values of a sweep with `points` ≥ 2 values from `from` to `to` differ.
 fn check_spacing(
     entries: &CaseEntries,
     [from_key, to_key, points_key]: [&'static str; 3],
@@ -175,7 +176,8 @@ fn check_spacing(
         let found = format!("found {from:?} … {to:?}, whose difference overflows");
         return Err(entries.positions.error_at(key, found, "give ends whose difference is finite"));
     }
-    // Rounding changes a value of the sweep by at most 3/2 of this unit, or by the smallest subnormal double.
+    // Rounding changes a value of the sweep by at most 3/2 of `unit`: ε times the largest magnitude, but at least the
+    // smallest subnormal double.
     let unit = (f64::EPSILON * largest).max(f64::from_bits(1));
     if range.abs() / (points - 1) as f64 <= 4.0 * unit {
         let found =

@@ -18,7 +18,7 @@ pub struct CaseNumbers {
     pub stress: StressNumbers,
     /// Local state of a flow, section `[background]`.
     pub background: BackgroundNumbers,
-    /// Wave vector at which roots are listed, section `[wave]`.
+    /// Wave vector at which the roots of the dispersion relation are listed, section `[wave]`.
     pub wave: WaveNumbers,
 }
 
@@ -53,8 +53,8 @@ impl ConstantValues {
         }
     }
 
-    /// Lists the values of the constants of a model in the order of its registry entry, in SI units and rad; NaN for
-    /// absent constants.
+    /// Replaces the content of `values` by the values of the constants `parameters` of a model, in SI units and rad;
+    /// NaN for absent constants.
     pub fn collect_si_values<'a>(
         &self,
         parameters: impl IntoIterator<Item = &'a Constant>,

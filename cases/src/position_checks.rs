@@ -7,7 +7,7 @@ use crate::section::{SectionReader, join_with_commas};
 /// intended decimal number by rounding (100 × 0.29 < 29).
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
-/// Checks that a position, the value of `key`, is within the `bounds` of the grid or box.
+/// Checks that a position, the value of `key` along `axes`, is within the `bounds` of the grid or box.
 pub(crate) fn check_position(
     section: &SectionReader,
     key: &str,

@@ -48,7 +48,7 @@ pub(super) const FIRST_POINT_KEY: KeySchema = KeySchema::new_optional(
 )
 .with_note("first point of a line or grid");
 
-/// Key `to`: last point of a line of receivers, or list of the other corners of a grid.
+/// Key `to`: last point of a line of receivers, or list of the corners of a grid that are adjacent to the first point.
 pub(super) const LAST_POINT_KEY: KeySchema = KeySchema::new_required(
     "to",
     ValueType::PointList,
@@ -95,7 +95,7 @@ pub struct ReceiverPoint<F> {
 }
 
 impl<F: Display> ReceiverPoint<F> {
-    /// Builds the table of the entry, without the keys that only solids have.
+    /// Builds the TOML table of the receiver, without the keys that only solids have.
     pub(super) fn to_table(&self) -> TableWriter {
         TableWriter::default()
             .with_text("name", &self.name)

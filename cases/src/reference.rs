@@ -187,7 +187,7 @@ fn append_table(page: &mut String, form: &'static TableSchema) {
     }
 }
 
-/// Adds the table of the section whose keys are stress components.
+/// Adds the table of the section `[initial_stress]`, whose keys are stress components.
 fn append_stress_table(page: &mut String) {
     page.push_str("\n| key | value | unit |\n|---|---|---|\n");
     for component in stress::stress_components() {

@@ -107,7 +107,8 @@ pub(super) fn read_active_conditions(
             let allowed = format!("{meant}allowed: {}", known.join(", "));
             return Err(entries.positions.error_at(YIELD_ACTIVE_KEY, found, allowed));
         };
-        // Both signs of one condition are active only at zero stress and zero strength, an indeterminate case.
+        // The conditions on the positive and the negative sign of one stress are both active only if stress and
+        // strength are zero, an indeterminate case.
         let stress = |index: usize| known[index].trim_start_matches(['+', '-']);
         if active.iter().any(|&other| stress(other) == stress(index)) {
             let allowed = "name each stress once, with one sign";

@@ -2,9 +2,9 @@
 //!
 //! Each table of a case is a [`TableSchema`], each of its keys a [`KeySchema`] with type, unit, meaning and default.
 //! The reader of a section, the templates of `wellposed new`, the reference page and the JSON Schema are derived from
-//! it. To add a key to a section, add a [`KeySchema`] to its table schema, a field, and lines in `read` and `to_toml` of
-//! the same file. Relations between keys are checked by code next to the table schema.
-//! Constants and states, which can be swept, are rows of [`keys`](crate::keys()).
+//! these schemas. To add a key to a section, add a [`KeySchema`] to its table schema, a field, and lines in `read` and
+//! `to_toml` of the same file. Relations between keys are checked by code next to the table schema. Constants and
+//! states, which can be swept, are rows of [`keys`](crate::keys()).
 
 use crate::kind::ModelKind;
 pub use models::common::range::AllowedRange;
@@ -71,14 +71,14 @@ pub struct KeySchema {
     pub conditions: &'static [KeyCondition],
 }
 
-/// Requirement of a key: required, with a default, or optional. Values are TOML.
+/// Presence of a key: required, optional with a default, or optional without default. Values are given as TOML.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyPresence {
     /// Required, with an example.
     Required(&'static str),
     /// Optional with this default.
     Default(&'static str),
-    /// Optional without default; the meaning describes its absence. With an example.
+    /// Optional without default, with an example; the meaning of the key states the effect of its absence.
     Optional(&'static str),
 }
 
@@ -165,7 +165,7 @@ pub enum ValueType {
     PointCounts,
     /// One of the allowed names.
     OneOf(AllowedNames),
-    /// A list of allowed words without repetition.
+    /// A list of allowed names without repetition.
     AnyOf(AllowedNames),
     /// An inline table.
     Table(&'static TableSchema),
@@ -348,7 +348,7 @@ impl KeySchema {
         Self::new(name, value, unit, KeyPresence::Default(default), meaning)
     }
 
-    /// Builds an optional key without default, with an example; the meaning describes its absence.
+    /// Builds an optional key without default, with an example; `meaning` states the effect of its absence.
     pub(crate) const fn new_optional(
         name: &'static str,
         value: ValueType,

@@ -87,7 +87,7 @@ impl<'a> SectionReader<'a> {
         }
     }
 
-    /// Returns the item of a key whose conditions hold, else the first item of this name.
+    /// Returns the schema of the key `name` whose conditions hold, else the first key schema of this name.
     fn find_key_schema(&self, name: &str) -> Option<&'static KeySchema> {
         let named = |item: &&KeySchema| item.name == name;
         let elsewhere = || self.schema.keys().map(|(_, item)| item).find(named);
@@ -198,7 +198,7 @@ impl<'a> SectionReader<'a> {
         })
     }
 
-    /// Reads an optional choice among `all`, whose names `word` returns.
+    /// Reads an optional choice among `all`; `word` returns the name of each.
     pub(super) fn read_optional_choice<T: Copy, N: AsRef<str>>(
         &self,
         name: &str,
@@ -213,7 +213,7 @@ impl<'a> SectionReader<'a> {
         }
     }
 
-    /// Reads a required choice among `all`, whose names `word` returns.
+    /// Reads a required choice among `all`; `word` returns the name of each.
     pub(super) fn read_choice<T: Copy, N: AsRef<str>>(
         &self,
         name: &str,
@@ -226,7 +226,8 @@ impl<'a> SectionReader<'a> {
         })
     }
 
-    /// Reads a list of quantities without repetition, with names in `among`; `None` if absent.
+    /// Reads a list of quantities without repetition, whose names are in `among` and which `find` finds by name; `None`
+    /// if absent.
     pub(super) fn read_distinct_list<T: PartialEq>(
         &self,
         key: &str,

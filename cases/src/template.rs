@@ -12,13 +12,13 @@ use std::fmt::Write;
 /// Purpose of a template.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TemplateKind {
-    /// Analysis of one state: `point`, `map`, `dispersion`, `speeds`.
+    /// Analysis of one state, for the commands `point`, `map`, `dispersion` and `speeds`.
     SingleState,
-    /// Time-domain simulation: `run`.
+    /// Time-domain simulation, for the command `run`.
     Simulation,
 }
 
-/// Columns of the comments: in templates of states, and in time-domain sections.
+/// Columns at which comments start: in templates of states, and in time-domain sections.
 const COMMENT_COLUMNS: [usize; 2] = [48, 29];
 
 /// Example time-domain simulation of a solid in plane strain.
@@ -74,7 +74,7 @@ const EXAMPLE_FLOW_RUN: &[ExampleSection] = &[
     ("limits", &[]),
 ];
 
-/// Section `[compare]`, with kinds of model whose keys all flows have.
+/// Section `[compare]`, commented out, with kinds of model that use no key which other flows lack.
 const COMPARE_COMMENT: &str = "\
 # compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # wellposed point: models compared at this state
 ";

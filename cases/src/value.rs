@@ -201,7 +201,7 @@ pub(super) fn find_similar_name<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
-    const MIN_SIMILARITY: f64 = 0.3; // minimum similarity: about a third of the letters
+    const MIN_SIMILARITY: f64 = 0.3; // about a third of the letters agree
     let name: String = name.chars().take(80).collect();
     candidates
         .into_iter()

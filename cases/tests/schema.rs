@@ -149,7 +149,7 @@ fn collect_template_keys(text: &str, names: &mut KeyNames) {
             continue;
         };
         let name = if section.is_empty() { key.into() } else { format!("{section}.{key}") };
-        // Keys of an inline table, and keys in space that its comment lists.
+        // Keys of an inline table, and keys for three dimensions listed in its comment.
         for (inner, _) in value.split(['{', ',']).filter_map(|part| part.split_once(" = ")) {
             let inner = inner.trim().trim_start_matches("in 3D also ");
             if value.starts_with('{') && is_key(inner) {
@@ -172,7 +172,7 @@ fn templates_have_exactly_all_keys() {
         }
     }
     let mut expected = collect_all_keys();
-    // Written as inline tables; their keys are listed in the key table.
+    // `map.x` and `map.y` are inline tables, whose keys are rows of the key table.
     names.retain(|name| name != "map.x" && name != "map.y");
     // Inline tables and the parameters of shapes are written in full once; their keys are equal in all sections.
     let fold = |name: &str| match name.split('.').collect::<Vec<_>>()[..] {
@@ -405,7 +405,7 @@ const INVALID_MODIFICATIONS: &[(&str, &str, &str)] = &[
     (FLOW_CASE, "pressure = 1000\n", ""),
     (FLOW_CASE, "length = 0.1\n", ""),
     (FLOW_CASE, "seed = 1\n", ""),
-    // Numbers out of range and unknown words.
+    // Numbers out of range and unknown names.
     (SOLID_CASE, "duration = 1\n", "duration = 0\n"),
     (SOLID_CASE, "duration = 1\n", "duration = 1\ncourant = 1.5\n"),
     (SOLID_CASE, "cells = [20, 10]", "cells = [20, 0]"),

@@ -30,7 +30,7 @@ fn median_seconds(mut call: impl FnMut()) -> f64 {
     all[MEASURED_CALLS / 2]
 }
 
-/// Returns the problem of a closure in simple shear.
+/// Returns simple shear with a closure (constitutive model of granular flow) on a grid of `points` × `points` points.
 fn build_problem(closure: Closure, points: usize) -> FlowProblem {
     let noncoaxiality = match closure {
         Closure::HarrisGrekova => 0.3,
@@ -87,7 +87,7 @@ fn print_rows(points: usize, threads: usize) {
     let transform = 0.5 * pair;
     for closure in [Closure::HarrisGrekova, Closure::DoubleShearing, Closure::PlasticPotential] {
         let mut own = build_flow(&build_problem(closure, points));
-        // Steps have many stages, so that the time per evaluation is that of a run.
+        // The step is long enough for many stages, so that the time per evaluation is the same as in a complete run.
         let step = 2e-5 * (512.0 / points as f64).powi(2);
         own.advance_by(step, 0).expect("a stress");
         let [evaluations, iterations] = own.evaluation_counts();

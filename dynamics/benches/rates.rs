@@ -1,7 +1,8 @@
 //! Rate of the solvers, million cell-updates per second, and memory bandwidth measured at the same time.
 //!
-//! A cell-update advances one cell by one Courant unit in every direction; a step consists of two cell-updates.
-//! `cargo bench -p wellposed-dynamics --bench rates -- [word…]` runs the rows whose names contain all these words.
+//! A cell-update advances one cell by half a time step, with one sweep along every axis; a step consists of two
+//! cell-updates. `cargo bench -p wellposed-dynamics --bench rates -- [word…]` runs the rows whose names contain all
+//! these words.
 
 #[path = "../tests/solid/support/noise.rs"]
 mod noise;
@@ -21,7 +22,7 @@ use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme, Splitting}
 use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::simd::InstructionSet;
 
-/// Distribution of media.
+/// Distribution of the media in the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum MediaDistribution {
     Elastic,
@@ -131,16 +132,16 @@ fn process_cpu_time() -> Option<f64> {
     Some((ticks(fields.next())? + ticks(fields.next())?) / 100.0)
 }
 
-/// Results of a row.
+/// Measured quantities of one row of the table.
 struct Measurement {
     /// Median over all rounds, million cell-updates per second.
     rate: f64,
     /// Rate at the first decile of the round times, million cell-updates per second; of fewer than ten rounds, the
     /// fastest.
     first_decile_rate: f64,
-    /// CPU time over wall time and number of threads.
+    /// CPU time divided by wall time and by the number of threads; `None` where the CPU time is not available.
     cpu_share: Option<f64>,
-    /// Time of one evaluation of the energy, in steps.
+    /// Time of one evaluation of the energy, relative to the time of one step.
     energy_cost: f64,
     /// Memory traffic per cell-update, bytes; `None` for the reference solver.
     bytes_per_update: Option<f64>,
@@ -190,7 +191,7 @@ fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement
     let (media, cell_media) = build_media::<D>(row);
     let count = cell_media.len();
     let speed = media.iter().map(Medium::max_speed).fold(0.0, f64::max);
-    // Defaults of cases.
+    // Slopes and splitting are the defaults of case files.
     let is_elastic = media.iter().all(|medium| medium.yield_set.is_none());
     let slopes = if is_elastic { Slopes::FourthOrder } else { Slopes::Limited };
     let scheme = Scheme {
@@ -246,7 +247,7 @@ fn measure_row<T: SolverReal, const D: usize>(row: &BenchmarkRow) -> Measurement
         first_decile_rate: rate(first_decile_rate),
         cpu_share: share,
         energy_cost: energies,
-        // Each pass reads and writes all fields once; a step consists of two cell-updates.
+        // Each pass of several steps reads and writes all fields once; a step consists of two cell-updates.
         bytes_per_update: match solver {
             MeasuredSolver::Fused(split) => {
                 Some((fields * size_of::<T>()) as f64 / split.max_pass_steps() as f64)
@@ -283,7 +284,7 @@ fn measure_triad(bytes: usize, threads: usize) -> f64 {
     best
 }
 
-/// Returns all rows, in the order of their grid sizes.
+/// Returns all rows of the table, in the order of their grid sizes.
 fn benchmark_rows() -> Vec<BenchmarkRow> {
     let instructions = InstructionSet::widest();
     let (is_reference, is_single_precision, threads, media) =

@@ -1,6 +1,6 @@
 //! Cost of the return mapping: million cell-updates per second in the plane on one thread, for yield sets that no
-//! stress reaches and for trial stresses beyond the yield set in nearly all cells and steps, and the ratio to the plain
-//! row.
+//! stress reaches and for trial stresses beyond the yield set in nearly all cells and steps, and the ratio of this rate
+//! to that of the plain configuration.
 //!
 //! `cargo bench -p wellposed-dynamics --bench return_mapping -- [word…]` runs the theories and precisions whose names
 //! contain all these words. A row is the fastest of nine rounds of four steps from the same state, by CPU time; rounds
@@ -29,7 +29,7 @@ enum Configuration {
     Plain,
     /// An initial stress that depends on depth.
     Gravity,
-    /// The midpoint reflection 2P − I.
+    /// The midpoint reflection 2P − I, with the projection P onto the yield set.
     SecondOrder,
     /// An interlayer yield set in a tenth of the layers.
     TwoKinds,
@@ -65,7 +65,7 @@ fn build_media(theory: Theory, kind: Configuration, strength: f64) -> Vec<Medium
     media
 }
 
-/// Creates a domain with stresses far beyond the strength (`yields`), or far below it.
+/// Creates a domain with stresses far beyond the yield set if `yields` is true, else far inside it.
 fn build_domain<T: SolverReal>(theory: Theory, kind: Configuration, yields: bool) -> Domain<T, 2> {
     let strength = if yields { 0.02 } else { 1e3 };
     let media = build_media(theory, kind, strength);

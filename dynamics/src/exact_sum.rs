@@ -4,7 +4,7 @@
 //! the "small superaccumulator" of Neal 2015, *Fast exact summation using small and large superaccumulators*).
 //! Subdomains, threads and tiles may add terms and merge accumulators in any order; the sum is rounded once.
 
-/// Bits per digit.
+/// Number of bits of a digit.
 const DIGIT_BITS: usize = 32;
 
 /// Number of digits: from the smallest subnormal number 2⁻¹⁰⁷⁴ to 2¹⁰²⁴, plus two digits for carries.
@@ -24,7 +24,7 @@ pub(crate) struct ExactSum {
     digits: [i64; DIGIT_COUNT],
     /// Number of terms that may be added before carries must be propagated.
     remaining_terms: u32,
-    /// Sum of the non-finite terms; else zero.
+    /// Sum of the non-finite terms; zero if there are none.
     non_finite_sum: f64,
 }
 
@@ -67,9 +67,10 @@ impl ExactSum {
     /// Adds many terms and overwrites them; vectorised in groups of [`GROUP_SIZE`] as long as the terms have similar
     /// magnitudes.
     ///
-    /// With A = 3/2 · 2ᵉ so large that no partial sum reaches 2ᵉ, h = (t + A) − A is t rounded to a multiple of ulp(A),
-    /// t − h is exact, and so are sums of all h (Demmel & Nguyen 2015, *Parallel reproducible summation*). Remainders t
-    /// − h are split again; after [`MAX_LEVELS`] levels they are added one by one.
+    /// For the anchor A = 3/2 · 2ᵉ, with e so large that no partial sum of the terms t reaches 2ᵉ, h = (t + A) − A is t
+    /// rounded to a multiple of ulp(A), t − h is exact, and so are sums of all h (Demmel & Nguyen 2015, *Parallel
+    /// reproducible summation*). The remainders t − h are split in the same way; after [`MAX_LEVELS`] levels they are
+    /// added one by one.
     #[inline(always)]
     pub(crate) fn add_terms(&mut self, terms: &mut [f64]) {
         let (groups, rest) = terms.as_chunks_mut::<GROUP_SIZE>();
@@ -86,7 +87,7 @@ impl ExactSum {
             if greatest == 0 {
                 break rest.iter().for_each(|term| self.add(*term));
             }
-            // Exponent of the anchor: that of the largest term, plus log₂ of the number of terms, plus two bits.
+            // Exponent e of the anchor A: that of the largest term, plus log₂ of the number of terms, plus two bits.
             let bits = (GROUP_SIZE * groups.len()).next_power_of_two().trailing_zeros() as i32 + 2;
             let exponent = (greatest >> 52) as i32 - 1023 + bits;
             if levels == MAX_LEVELS || !(-900..900).contains(&exponent) {
@@ -273,7 +274,8 @@ mod tests {
         }
     }
 
-    /// Verifies `add_terms` against `add`: similar and very different magnitudes, zeros, non-finite terms, odd lengths.
+    /// Verifies `add_terms` against `add` for similar and very different magnitudes, zeros, non-finite terms, and
+    /// numbers of terms that are no multiples of the group size.
     #[test]
     fn adding_many_terms_equals_adding_each() {
         for seed in 0..300 {

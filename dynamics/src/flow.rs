@@ -1,5 +1,5 @@
-//! Time-domain granular flow: the equations of Harris & Grekova (2005) and related models, ν = 0, in a periodic box
-//! that deforms with a homogeneous flow Γx.
+//! Time-domain granular flow at constant volume (dilatancy angle ν = 0): the equations of Harris & Grekova (2005) and
+//! related models, in a periodic box that deforms with a homogeneous background flow of velocity Γx.
 //!
 //! - [`FlowProblem`]: background flow, box, tolerances;
 //! - [`Closure`]: equation for the stress angle; `equations`: right-hand side, from the balance laws;
@@ -8,8 +8,9 @@
 //! - [`perturbation`]: initial perturbations;
 //! - `chebyshev`: Runge–Kutta–Chebyshev coefficients; [`FlowSolver`] chooses the number of stages and the step size.
 //!
-//! The body force that maintains Γ is (Γ² − ½ tr Γ²) x = 0, since Γ² = −det Γ I for traceless Γ; the remaining force
-//! −det Γ x is curl-free. A steady spin requires the uniform body moment −2r/ρ of the rotational stress r.
+//! A steady velocity gradient Γ at uniform stress requires the body force Γ²x = −det Γ x per unit mass, m/s², since Γ
+//! is traceless (Γ² = −det Γ I); it is curl-free and does not enter the vorticity equation. A steady spin requires the
+//! uniform body moment −2r/ρ per unit mass, m²/s², of the rotational stress r, Pa.
 
 mod chebyshev;
 mod closure;
@@ -33,11 +34,11 @@ pub use problem::{FlowError, FlowProblem};
 const MAX_STAGES: usize = 2000;
 /// Number of steps after which the spectral radius is estimated again.
 const SPECTRAL_RADIUS_STEPS: usize = 25;
-/// Deformation |Γ|Δt of the box after which the spectral radius is estimated again.
+/// Deformation |Γ|t of the box after which the spectral radius is estimated again.
 const SPECTRAL_RADIUS_SHEAR: f64 = 0.02;
 /// Maximum number of successive reductions of a step.
 const MAX_STEP_REDUCTIONS: usize = 20;
-/// Maximum deformation of the box in a step, Δt |Γ|.
+/// Maximum deformation |Γ|Δt of the box in a step.
 const MAX_STEP_SHEAR: f64 = 0.25;
 /// Rounding error of a step relative to the norm of the state.
 const STEP_ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -49,11 +50,12 @@ pub enum FlowField {
     Velocity(usize),
     /// The spin ω, rad/s.
     Spin,
-    /// Angle ψ of the major principal stress from x₁, rad; in (−π/2, π/2] unless it is an evolving variable.
+    /// Angle ψ of the major principal stress from x₁, rad; in (−π/2, π/2] unless ψ is the internal variable (double
+    /// shearing).
     StressAngle,
     /// The pressure p, Pa.
     Pressure,
-    /// The magnitude Q_D of the deviatoric deformation rate, 1/s.
+    /// The shear rate Q_D, the magnitude of the deviatoric deformation rate, 1/s.
     ShearRate,
 }
 
@@ -69,7 +71,8 @@ pub struct LeftDomain {
     pub time: f64,
 }
 
-/// Energy of the perturbation and works since time 0 per volume, J/m³.
+/// Energy of the perturbation and works since time 0 per volume, J/m³. v′: velocity perturbation; ⟨⟩: mean over the
+/// box; qN: deviatoric stress with q = p sin φ + c cos φ and N = \[\[cos 2ψ, sin 2ψ\], \[sin 2ψ, −cos 2ψ\]\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlowEnergy {
     /// Kinetic energy ½ρ⟨|v′|²⟩.
@@ -78,7 +81,8 @@ pub struct FlowEnergy {
     pub background_work: f64,
     /// Work of the stress, −∫⟨qN : ∇v′⟩dt.
     pub stress_work: f64,
-    /// Internal power ⟨2Q_D q cos 2Δ⟩, W/m³.
+    /// Internal power ⟨2Q_D q cos 2Δ⟩, W/m³, with the shear rate Q_D and Δ = ψ − ψ_D, the angle from the major
+    /// principal deformation rate to the major principal stress.
     pub internal_power: f64,
 }
 
@@ -87,7 +91,8 @@ pub struct FlowEnergy {
 pub struct FlowSnapshot {
     /// Number of steps done.
     pub steps: usize,
-    /// Arrays in a fixed order: numbers of the step size control, state, pressure modes, direction of the power method.
+    /// Arrays in a fixed order: numbers of the step size control, state, pressure modes, eigenvector estimate of the
+    /// power method.
     pub arrays: Vec<Vec<f64>>,
 }
 
@@ -104,17 +109,18 @@ struct StepControl {
     steps_since_estimate: usize,
     /// Time of the last estimate, s.
     estimate_time: f64,
-    /// Eigenvector estimate of the power method.
+    /// Estimate of the dominant eigenvector, by the power method.
     eigenvector: Vec<Complex64>,
 }
 
-/// Time-domain flow. Uses the surrounding thread pool; results do not depend on the number of threads.
+/// Time-domain flow solver. It uses the thread pool of the caller; results do not depend on the number of threads.
 pub struct FlowSolver {
-    /// Right-hand side; between steps its point values are those of the state.
+    /// Right-hand side; between steps its point values are those of the present state.
     equations: FlowEquations,
     time: f64,
     steps: usize,
-    /// Modes of ζ, then of ω or ψ; then works of background and stress; then ω or ψ of the background.
+    /// Modes of the vorticity ζ, 1/s, then of the internal variable (ω or ψ), if any; then the works of the background
+    /// flow (real part) and of the stress (imaginary part); then ω or ψ of the background flow.
     state: Vec<Complex64>,
     /// Time derivative of the state.
     rates: Vec<Complex64>,
@@ -124,7 +130,8 @@ pub struct FlowSolver {
 }
 
 impl FlowSolver {
-    /// The unperturbed background flow; [`output_values`](Self::output_values) are defined after perturbing or restoring it.
+    /// Returns the unperturbed background flow; [`output_values`](Self::output_values) are defined after perturbing or
+    /// restoring it.
     ///
     /// # Errors
     /// The first invalid parameter. Whether the background stress exists is checked by [`perturb`](Self::perturb).
@@ -138,7 +145,7 @@ impl FlowSolver {
         Self::from_checked_problem(self.equations.problem().clone())
     }
 
-    /// The background flow of a checked problem.
+    /// Returns the unperturbed background flow of a checked problem.
     fn from_checked_problem(problem: FlowProblem) -> Self {
         let closure = problem.closure;
         let background = match closure {
@@ -170,8 +177,9 @@ impl FlowSolver {
         flow
     }
 
-    /// Adds perturbations at the points (i + ½)L₁/N₁, (j + ½)L₂/N₂ (x₁ fastest): of the velocity, m/s, and of ω, rad/s,
-    /// or ψ, rad. The velocity is projected onto divergence-free fields, and both onto the resolved modes.
+    /// Adds perturbations at the points (i + ½)L₁/N₁, (j + ½)L₂/N₂ (x₁ fastest), with edges L and numbers of points N
+    /// of the box: of the velocity, m/s, and of ω, rad/s, or ψ, rad. The velocity is projected onto divergence-free
+    /// fields, and both perturbations onto the resolved modes.
     ///
     /// # Errors
     /// The stress is undetermined at a point; the flow is then unchanged.
@@ -271,8 +279,8 @@ impl FlowSolver {
         let start = self.equations.pressure.clone();
         let (mut cuts, mut last_left) = (0, None);
         loop {
-            // The step ends before the box has deformed by `MAX_STEP_SHEAR`. The remaining time is divided into equal steps, to
-            // avoid a very short last one.
+            // The step ends before the box has deformed by `MAX_STEP_SHEAR`. The remaining time is divided into equal
+            // steps, to avoid a very short last one.
             let sheared =
                 (self.time - self.control.estimate_time) * self.gradient_norm() + MAX_STEP_SHEAR;
             let fastest = self.control.spectral_radius * (2.0 * sheared).cr_exp();
@@ -284,7 +292,7 @@ impl FlowSolver {
             let step = rest / (rest / longest).ceil().max(1.0);
             let end = if step == rest { until } else { self.time + step };
             if end <= self.time {
-                // Report the point that made the steps this short, if any.
+                // Report the point whose failure made the steps this short, if any.
                 let stuck =
                     || self.error_without_position("a step is below the rounding of the time");
                 return Err(last_left.unwrap_or_else(stuck));
@@ -331,7 +339,8 @@ impl FlowSolver {
         LeftDomain { description: what.to_owned(), position: None, time: self.time }
     }
 
-    /// Returns state and time derivative after a step, and the error divided by its tolerance.
+    /// Computes a step of size `step`, s, that ends at time `end`, s. Returns state and time derivative after it, and
+    /// the error estimate divided by its tolerance.
     fn try_step(
         &mut self,
         step: f64,
@@ -357,7 +366,7 @@ impl FlowSolver {
             if index > 0 {
                 self.equations.compute_rates(time, &last, &mut rates)?;
             }
-            // Yⱼ overwrites Yⱼ₋₂.
+            // The stage vector Yⱼ overwrites Yⱼ₋₂.
             if index == 0 {
                 axpby(&mut last, 1.0, &rates, step * stage.mu_tilde);
             } else {
@@ -370,7 +379,8 @@ impl FlowSolver {
             time = self.time + step * stage.time;
         }
         self.equations.compute_rates(end, &last, &mut rates)?;
-        // Error estimate 0.8 (y − y⁺) + 0.4 h (y′ + y⁺′) (Sommeijer, Shampine & Verwer 1998).
+        // Error estimate 0.8 (y − y⁺) + 0.4 h (y′ + y⁺′) of a step of size h from state y to y⁺ (Sommeijer, Shampine &
+        // Verwer 1998).
         before.copy_from_slice(&self.state);
         axpby(&mut before, 0.8, &last, -0.8);
         axpby(&mut before, 1.0, &self.rates, 0.4 * step);
@@ -379,18 +389,19 @@ impl FlowSolver {
         Ok((last, rates, self.norm(&before) / allowed))
     }
 
-    /// Returns Q_D of the background, 1/s.
+    /// Returns the shear rate Q_D of the background flow, 1/s.
     fn shear_rate(&self) -> f64 {
         gradient_shear_rate(self.equations.problem().velocity_gradient)
     }
 
-    /// Returns |Γ| = Q_D + |s₂₁|, an upper bound of the relative rate of change of wave vectors, 1/s.
+    /// Returns |Γ| = Q_D + |s₂₁| (shear rate plus magnitude of half the vorticity), an upper bound of the relative rate
+    /// of change of wave vectors, 1/s.
     fn gradient_norm(&self) -> f64 {
         let gradient = self.equations.problem().velocity_gradient;
         self.shear_rate() + closure::Deformation::new(gradient).half_vorticity.abs()
     }
 
-    /// Computes the root-mean-square norm, 1/s; ψ is multiplied by 2Q_D.
+    /// Computes the root mean square of the fields of a state over the box, 1/s; ψ is multiplied by 2Q_D, in 1/s.
     fn norm(&self, state: &[Complex64]) -> f64 {
         let series = &self.equations.series;
         let unit = match self.equations.problem().closure {
@@ -403,7 +414,8 @@ impl FlowSolver {
         squares.sum::<f64>().sqrt()
     }
 
-    /// Computes the error tolerance of a step to this state: relative to the perturbation, plus rounding.
+    /// Computes the error tolerance of a step to this state, 1/s: the relative tolerance times the norm of the
+    /// perturbation, plus rounding.
     fn error_tolerance(&self, state: &[Complex64]) -> f64 {
         let mut perturbation = state.to_vec();
         let count = self.equations.series.mode_count();
@@ -467,11 +479,11 @@ impl FlowSolver {
         if !rate.is_finite() {
             return Err(self.error_without_position("rates that are not finite"));
         }
-        // At least the rate of the background.
+        // At least the shear rate of the background flow.
         Ok(1.2 * rate.max(self.shear_rate()))
     }
 
-    /// Estimates the first step size, s, from the change of the time derivative along a short Euler step.
+    /// Estimates the first step size, s, from the change of the time derivative over a short Euler step.
     fn estimate_first_step(&mut self, rest: f64) -> Result<f64, LeftDomain> {
         let start = self.equations.pressure.clone();
         let step = rest.min(1.0 / self.control.spectral_radius);
@@ -504,7 +516,7 @@ impl FlowSolver {
         self.stage_count
     }
 
-    /// Returns the number of evaluations of the right-hand side and of all iterations for the pressure in them.
+    /// Returns the number of evaluations of the right-hand side, and the total number of iterations for the pressure.
     pub fn evaluation_counts(&self) -> [usize; 2] {
         self.equations.evaluation_counts
     }

@@ -1,8 +1,9 @@
 //! Time loop of all time-domain simulations.
 //!
-//! A [`Simulation`] holds a state and advances it, an [`Observer`] receives the output, and [`run_simulation`] is the loop:
+//! A [`Simulation`] holds a state and advances it, an [`Observer`] receives the output, and [`run_simulation`] is the
+//! loop:
 //!
-//! 1. If the initial state is unsound, the run ends with it.
+//! 1. If the initial state is unsound (see [`Simulation::check_state`]), the run ends at once with this fault.
 //! 2. A new run delivers the record, the account and the snapshot of its initial state. For a resumed run all output
 //!    due up to the restored state has been delivered before.
 //! 3. Until the end of the duration, the simulation advances by a batch of steps towards the next time at which an
@@ -12,8 +13,8 @@
 //!    interrupted). After a fault the simulation is at its last sound state, whose records and account are delivered if
 //!    they have not been.
 //!
-//! Steps do not depend on the output. A run resumed from a saved [`SimulationState`] delivers the same bits as an uninterrupted
-//! one. This module writes no files; observers do.
+//! Steps do not depend on the output. A run resumed from a saved [`SimulationState`] delivers the same bits as an
+//! uninterrupted one. This module writes no files; observers do.
 
 mod flow;
 mod regular_times;
@@ -44,14 +45,14 @@ pub struct SimulationState {
 }
 
 impl SimulationState {
-    /// Iterates over the sections `name0`, `name1`, …
+    /// Iterates over the sections whose names are `name` followed by 0, 1, …
     fn numbered_sections(&self, name: &str) -> impl Iterator<Item = &[u8]> {
         (0..)
             .map_while(move |index| self.sections.get(&format!("{name}{index}")).map(Vec::as_slice))
     }
 }
 
-/// Names sections `name0`, `name1`, …
+/// Gives sections the names `name` followed by 0, 1, …
 fn number_sections(
     name: &str,
     sections: impl Iterator<Item = Vec<u8>>,
@@ -90,7 +91,7 @@ pub trait Simulation {
     /// Compares `time`, s, with the time of the state: `Less` if it is earlier, `Equal` up to rounding.
     fn compare_time(&self, time: f64) -> Ordering;
 
-    /// Checks whether the present state is sound.
+    /// Checks whether the present state is sound: its values are finite, and its stress is determined.
     ///
     /// # Errors
     /// The fault of an unsound state.
@@ -98,15 +99,15 @@ pub trait Simulation {
         Ok(())
     }
 
-    /// Makes one step or more, and no further step once `due`, s, is reached or passed; output at that time is then
+    /// Makes one or more steps, but none after the step that reaches or passes `due`, s; output at that time is then
     /// available from [`account_at`](Self::account_at) and [`fields_at`](Self::fields_at).
     ///
     /// # Errors
     /// A state is unsound: [`recover`](Self::recover) must then return to the last sound one.
     fn advance(&mut self, due: f64) -> Result<(), Self::Fault>;
 
-    /// Returns to the last sound state after a fault and gives the fault of the state after it. If steps must be
-    /// repeated, `go_on` is called before each batch of them.
+    /// Returns to the last sound state after a fault, and returns the fault of the state that follows it. If steps must
+    /// be repeated, `go_on` is called before each batch of them.
     ///
     /// # Errors
     /// The first error of `go_on`; the simulation is unusable afterwards.

@@ -54,7 +54,8 @@ fn count_allocations(problem: &Problem<2>, parts: usize, steps: usize) -> [usize
     [after[0] - before[0], after[1] - before[1]]
 }
 
-/// Starting threads may allocate, but the number of allocations must not increase with the number of steps.
+/// Verifies that steps of one subdomain allocate no memory, and that the number of allocations by the threads of three
+/// subdomains does not increase with the number of steps.
 #[test]
 fn steps_allocate_nothing() {
     let couple = Some(CoupleModuli { beta: 0.3, gamma: 0.7, eta: 0.45 });

@@ -12,7 +12,8 @@ use wellposed_dynamics::flow::{Closure, FlowError, FlowField, FlowProblem, FlowS
 const CLOSURES: [Closure; 3] =
     [Closure::HarrisGrekova, Closure::DoubleShearing, Closure::PlasticPotential];
 
-/// Returns simple shear with a steady mean flow: sin 2Δ = −sin φ for double shearing, Δ = 0 for the plastic potential.
+/// Returns simple shear with a steady mean flow. The non-coaxiality angle Δ is 0.3 rad in the model of Harris &
+/// Grekova; sin 2Δ = −sin φ in double shearing, with the friction angle φ; Δ = 0 for the plastic potential.
 fn steady_shear(closure: Closure, points: usize) -> FlowProblem {
     match closure {
         Closure::HarrisGrekova => simple_shear(closure, points, 0.3),
@@ -21,7 +22,9 @@ fn steady_shear(closure: Closure, points: usize) -> FlowProblem {
     }
 }
 
-/// Creates a flow with four plane waves of velocity, relative to Q_D/k, and of ω or ψ, relative to Q_D or 1.
+/// Creates a flow perturbed by four plane waves, with the deviatoric strain rate Q_D = 25 1/s and the wave number k
+/// (1/m): transverse velocity of amplitude `amplitude` Q_D/k, and an internal variable of amplitude ½ `amplitude` Q_D
+/// (spin ω) or ½ `amplitude` (stress angle ψ, rad).
 fn perturbed_flow(problem: &FlowProblem, amplitude: f64) -> FlowSolver {
     let mut flow = FlowSolver::new(problem).expect("a problem");
     let [columns, rows] = problem.points;
@@ -54,7 +57,8 @@ fn field_values(flow: &FlowSolver, field: FlowField) -> Vec<f64> {
     flow.output_values().swap_remove(place)
 }
 
-/// Computes a Fourier coefficient of grid values by direct summation.
+/// Computes the Fourier coefficient of grid values for a mode, given by its numbers of periods along both axes, by
+/// direct summation.
 fn fourier_coefficient(values: &[f64], columns: usize, mode: [i32; 2]) -> Complex64 {
     let rows = values.len() / columns;
     let sum: Complex64 = values
@@ -69,14 +73,14 @@ fn fourier_coefficient(values: &[f64], columns: usize, mode: [i32; 2]) -> Comple
     sum / values.len() as f64
 }
 
-/// Verifies the pressure equation ∂ᵢ∂ⱼσᵢⱼ = ρ ∂ᵢvⱼ∂ⱼvᵢ, with the stress computed from the output fields and both sides
-/// by directly summed Fourier series; also ∂ᵢvᵢ = 0 and the prescribed mean pressure.
+/// Verifies the pressure equation ∂ᵢ∂ⱼσᵢⱼ = ρ ∂ᵢvⱼ∂ⱼvᵢ, with the stress σ computed from the output fields and the left-
+/// and right-hand sides computed from directly summed Fourier series; also ∂ᵢvᵢ = 0 and the prescribed mean pressure.
 #[test]
 fn pressure_equation_and_incompressibility_hold() {
     for closure in CLOSURES {
         let problem = steady_shear(closure, 16);
         let mut flow = perturbed_flow(&problem, 0.2);
-        // The box has been sheared.
+        // A short run, so that the box is sheared and its lattice is not rectangular.
         flow.advance_by(2e-4, 0).expect("a stress");
         assert!(flow.pressure_residual() <= 1e-11);
         let [v1, v2, p, angle] = [
@@ -132,7 +136,7 @@ fn pressure_equation_and_incompressibility_hold() {
         let inertia: Vec<f64> = (0..count)
             .map(|i| {
                 let [g11, g12, g21, g22] = [0, 1, 2, 3].map(|n| gradient[n][i]);
-                // ∂ᵢvⱼ∂ⱼvᵢ with Γ₁₂
+                // ∂ᵢvⱼ∂ⱼvᵢ of the total velocity, whose gradient includes the background shear rate Γ₁₂.
                 problem.density * (g11 * g11 + g22 * g22 + 2.0 * (g12 + shear) * g21)
             })
             .collect();
@@ -153,8 +157,8 @@ fn pressure_equation_and_incompressibility_hold() {
     }
 }
 
-/// Verifies that the number of pressure iterations does not depend on the grid. Also, in slow flow with non-uniform ψ,
-/// that the pressure is positive, non-uniform and proportional to its mean.
+/// Verifies that the number of pressure iterations does not depend on the grid. Also, in slow flow with a non-uniform
+/// stress angle ψ, that the pressure is positive, non-uniform and proportional to its mean.
 #[test]
 fn pressure_iterations_do_not_depend_on_the_grid() {
     for closure in CLOSURES {
@@ -190,8 +194,8 @@ fn pressure_iterations_do_not_depend_on_the_grid() {
     assert!(one.iter().all(|p| *p > 0.0));
 }
 
-/// Verifies that the change of kinetic energy equals the work of background and stress, with an error of second order
-/// in the step.
+/// Verifies that the change of kinetic energy equals the work of the background flow and of the stress, with an error
+/// of second order in the step.
 #[test]
 fn kinetic_energy_changes_by_the_work_of_background_and_stress() {
     for closure in CLOSURES {
@@ -215,7 +219,8 @@ fn kinetic_energy_changes_by_the_work_of_background_and_stress() {
     }
 }
 
-/// Computes the L2 norm of the difference between a coarse and a fine grid from their lowest Fourier modes.
+/// Computes the L2 norm of the difference of a field between flows on a coarse and a fine grid, from the lowest Fourier
+/// modes.
 fn low_mode_difference(coarse: &FlowSolver, fine: &FlowSolver, own: FlowField) -> f64 {
     let (coarse, fine) = (field_values(coarse, own), field_values(fine, own));
     let (few, many) = (coarse.len().isqrt(), fine.len().isqrt());
@@ -252,7 +257,7 @@ fn errors_decrease_exponentially_with_the_number_of_points() {
         let errors = [12, 18, 24, 36]
             .map(|points| low_mode_difference(&end(points), &finest, FlowField::Velocity(1)));
         println!("{closure:?}: {errors:?}");
-        // Second order would reduce the error by 2.25 for 1.5 times as many points.
+        // At second order 1.5 times as many points would reduce the error by a factor of 2.25.
         assert!(
             errors[1] < errors[0] / 5.0 && errors[2] < errors[1] / 3.0,
             "{closure:?}: {errors:?}"
@@ -288,8 +293,9 @@ fn errors_decrease_with_the_tolerance() {
     assert!(found.windows(2).all(|pair| pair[1].0 < 0.5 * pair[0].0 && pair[1].1 > pair[0].1));
 }
 
-/// Verifies for the model of Harris & Grekova: within the bound of well-posedness finite perturbations decay and grids
-/// agree; beyond it they grow, with rates proportional to k², hence faster on finer grids.
+/// Verifies for the model of Harris & Grekova: within the bound of well-posedness finite perturbations decay, and
+/// results on both grids agree; beyond the bound perturbations grow at rates proportional to k², hence faster on finer
+/// grids.
 #[test]
 fn growth_depends_on_resolution_only_beyond_the_well_posedness_bound() {
     let growth = |noncoaxiality: f64, points: usize, amplitude: f64, duration: f64| {
@@ -323,10 +329,12 @@ fn growth_depends_on_resolution_only_beyond_the_well_posedness_bound() {
     assert!(coarse > 0.0 && fine > 3.0 * coarse, "{coarse} {fine}");
 }
 
-/// Verifies that a run stops with the last valid state where a point has no stress, and that the error gives the point.
+/// Verifies that a run stops, in its last valid state, when some point has no stress angle, and that the error states
+/// the position of that point.
 #[test]
 fn points_without_a_stress_angle_stop_the_run() {
-    // A background spin that accelerates beyond the limit sin φ |ω − s₂₁| = Q_D.
+    // The background spin ω accelerates beyond the limit sin φ |ω − s₂₁| = Q_D, with the half-vorticity s₂₁ and the
+    // deviatoric strain rate Q_D = 25 1/s.
     let fast =
         FlowProblem { spin_acceleration: -2e4, ..simple_shear(Closure::HarrisGrekova, 8, 0.3) };
     let mut flow = perturbed_flow(&fast, 1e-4);
@@ -336,7 +344,7 @@ fn points_without_a_stress_angle_stop_the_run() {
             Err(left) => break left,
         }
     };
-    // −25 − 25 sin 0.6/sin φ − 2e4 t = −25 − 50
+    // Time t at which the spin ω = −25 − 25 sin 0.6/sin φ − 2e4 t, 1/s, reaches the limit −25 − 50 1/s.
     let expected = 50.0 * (1.0 - 0.6f64.sin()) / 2e4;
     assert!(left.description.contains("no stress angle"), "{left}");
     assert!((left.time / expected - 1.0).abs() < 1e-2, "{} {expected}", left.time);
@@ -353,7 +361,8 @@ fn points_without_a_stress_angle_stop_the_run() {
         (0..256).map(|i| 50.0 * 0.1 / TAU * (TAU * f64::from(i / 16) / 16.0).cos()).collect();
     let left = flow.perturb([&stop, &vec![0.0; 256]], &[]).expect_err("rigid");
     assert!(left.description.contains("nearly rigid"), "{left}");
-    // ∂₂v₁ = −50 1/s at a quarter of the box above the first point.
+    // The perturbation has ∂₂v₁ = −50 1/s, the opposite of the background, at a quarter of the box above the first
+    // point.
     let at = left.position.expect("a point");
     assert!((at[1] - 4.5 * 0.1 / 16.0).abs() < 1e-12, "{left:?}");
 }
@@ -395,7 +404,7 @@ fn results_do_not_depend_on_threads_or_snapshots() {
     assert!(!flow.restore(&other));
 }
 
-/// Verifies that steps of an unperturbed flow have a bounded length, and that steps needing too many stages are
+/// Verifies that the length of steps is limited in an unperturbed flow, and that a step which needs too many stages is
 /// refused.
 #[test]
 fn step_size_and_number_of_stages_are_limited() {
@@ -433,7 +442,8 @@ fn invalid_problems_are_refused() {
     assert_eq!(error(turning), FlowError::VelocityGradient(rotation));
 }
 
-/// Verifies the deformation of the box against exp(Γt): shear, pure shear, and a gradient with rotation.
+/// Verifies the deformation of the box against exp(Γt) for velocity gradients Γ of simple shear, of pure shear, and
+/// with rotation.
 #[test]
 fn box_deformation_is_the_exponential_of_the_velocity_gradient() {
     for gradient in

@@ -20,8 +20,8 @@ const INK_SHARES: [f64; 2] = [0.35, 0.7];
 /// Animated GIF of fields, written frame by frame, so that only one frame is in memory.
 ///
 /// All frames share one palette that contains the field colours, so that a value has the same colour in all frames.
-/// Frames must have the same [`FieldFigure::fixed_limit`] and picture size; axes, marks and label should not change either.
-/// The animation repeats indefinitely.
+/// Frames must have the same [`FieldFigure::fixed_limit`] and picture size; axes, marks and label should not change
+/// either. The animation repeats indefinitely.
 ///
 /// A refused frame leaves the written frames unchanged. The file is incomplete until [`GifAnimation::finish`].
 pub struct GifAnimation<W: Write> {
@@ -67,8 +67,8 @@ pub fn animate(
 }
 
 impl<W: Write> GifAnimation<W> {
-    /// Creates an animation without frames. `seconds_per_frame` is rounded to hundredths of a second, at least two of
-    /// which viewers require; `width` in pixels is at most 1600, the width of a figure. The height follows from the
+    /// Creates an animation without frames. `seconds_per_frame` is rounded to hundredths of a second, of which viewers
+    /// require at least two; `width` in pixels is at most 1600, the width of a figure. The height follows from the
     /// first frame.
     ///
     /// # Errors

@@ -101,7 +101,7 @@ impl DirectionsFigure {
 
         let top = page::heading_bottom(&self.title, &self.subtitle);
         let below = 16.0 + legend.height() + MARGIN - 12.0;
-        // The circle must be high enough for the column of labels on either side.
+        // The area of the circle must be high enough for the columns of labels on its left and right.
         let sides = self.place_labels([0.0, 0.0], 1.0);
         let count = sides.iter().map(Vec::len).max().unwrap_or(0) as f64;
         let plane = (count * LABEL_HEIGHT + 20.0).max(700.0);
@@ -148,7 +148,7 @@ impl DirectionsFigure {
         for direction in directions {
             let (dashes, width, colour) = direction.kind.line_style();
             let angle = direction.angle_deg;
-            // From the circle towards the centre, so that the dashes are symmetric.
+            // Each half is drawn from the circle towards the centre, so that the dashes are symmetric about the centre.
             for end in [angle, angle + 180.0] {
                 picture.draw_dashed_line(&[at(end, radius), centre], dashes, width, colour);
             }

@@ -69,7 +69,7 @@ pub struct GrowthFigure {
 const REFERENCE_LINE_COLOUR: Colour = RGBColor(203, 205, 214);
 const REFERENCE_LINE_WIDTH: f64 = 11.0;
 
-/// Style of a line; styles differ in colour and in greyscale.
+/// Style of a line; any two of the styles differ in colour and in greyscale.
 #[derive(Clone, Copy)]
 pub(crate) struct LineStyle {
     pub colour: Colour,

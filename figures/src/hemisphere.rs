@@ -21,8 +21,8 @@ impl HemisphereProjection {
         polar_to_point(self.centre, azimuth_deg, radius)
     }
 
-    /// Computes the angles (degrees, from x₃ and from x₁) of the direction projected to a point; outside the rim the
-    /// angles of the opposite direction, which is in the hemisphere.
+    /// Computes the angles (degrees, from x₃ and from x₁) of the direction projected to a point; for a point outside
+    /// the rim the angles of the opposite direction, which is in the hemisphere.
     pub(crate) fn unproject(self, [x, y]: Point) -> [f64; 2] {
         let (dx, dy) = (x - self.centre[0], self.centre[1] - y);
         let half_sine = (dx.hypot(dy) / (SQRT_2 * self.radius)).min(1.0);

@@ -22,7 +22,7 @@ const TICK_LENGTH: f64 = 9.0;
 /// Line width of frames and ticks, pixels.
 pub(crate) const FRAME_LINE_WIDTH: f64 = 2.0;
 
-/// Breaks a text into at most `most` lines of `width` pixels; a truncated text ends in an ellipsis.
+/// Breaks a text into at most `max_lines` lines of `width` pixels; a truncated text ends in an ellipsis.
 pub(crate) fn wrap_text(
     text: &str,
     size: f64,
@@ -174,8 +174,8 @@ pub(crate) fn max_label_width(ticks: &[Tick]) -> f64 {
     ticks.iter().map(|(_, label)| text_width(label, TICK_LABEL_SIZE, false)).fold(0.0, f64::max)
 }
 
-/// Returns the largest set of ticks whose labels do not overlap along `length` pixels; `compute_ticks` computes the ticks for a
-/// maximum number.
+/// Returns the largest set of ticks whose labels do not overlap along `length` pixels; `compute_ticks` computes the
+/// ticks for a maximum number.
 pub(crate) fn choose_ticks(
     length: f64,
     is_vertical: bool,
@@ -194,13 +194,13 @@ pub(crate) fn choose_ticks(
     (2..=max_count).rev().map(&compute_ticks).find(fits).unwrap_or_else(|| compute_ticks(2))
 }
 
-/// Function that draws the sample of a legend entry in an area.
+/// Function that draws the swatch of a legend entry (sample of its line, marker or fill) in an area.
 pub(crate) type Swatch = Box<dyn Fn(&mut Picture, Rectangle)>;
 
-/// Legend entry: text and sample.
+/// Legend entry: text and swatch.
 pub(crate) type LegendEntry = (String, Swatch);
 
-/// Legend: samples with their texts, row by row in aligned columns.
+/// Legend: swatches with their texts, row by row in aligned columns.
 pub(crate) struct Legend {
     entries: Vec<(Vec<String>, Swatch)>,
     column_widths: Vec<f64>,

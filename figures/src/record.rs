@@ -444,8 +444,8 @@ impl RecordFigure<'_> {
     }
 }
 
-/// Splits a line into pieces of low and high density, each with whether it is dense, i.e. oscillates so fast that its
-/// strokes would merge.
+/// Splits a line into pieces of low and high density, each with a flag that it is dense, i.e. that the line oscillates
+/// so fast that its strokes would merge.
 fn split_by_density(part: Vec<Point>) -> Vec<(bool, Vec<Point>)> {
     let mut pieces: Vec<(bool, Vec<Point>)> = Vec::new();
     let mut start = 0;

@@ -176,8 +176,8 @@ impl SymmetricLog {
         }
     }
 
-    /// Computes the ticks between two positions: zero and powers of ten. About `label_count` of them have labels; the other
-    /// labels are empty.
+    /// Computes the ticks between two positions: zero and powers of ten. About `label_count` of them have labels; the
+    /// other labels are empty.
     pub fn ticks(self, low: f64, high: f64, label_count: usize) -> Vec<Tick> {
         let step = ((high - low) / label_count.max(2) as f64).ceil().max(1.0) as i32;
         let mut ticks = vec![(0.0, "0".to_owned())];

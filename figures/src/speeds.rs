@@ -259,7 +259,7 @@ impl SpeedsFigure {
             picture.draw_line(ends, 1.4, RING_COLOUR);
         }
         for spoke in spokes {
-            // From the rim inwards, so that the dashes are symmetric.
+            // Each half is drawn from the rim inwards, so that the dashes are symmetric about the centre.
             for end in [spoke.angle_deg, spoke.angle_deg + 180.0] {
                 spoke.style.draw(picture, &[polar_to_point(centre, end, radius), centre]);
             }

@@ -471,7 +471,7 @@ fn draw_graticule(picture: &mut Picture, disc: HemisphereProjection) {
         picture.draw_line([[x - arm, y], [x + arm, y]], width, colour);
         picture.draw_line([[x, y - arm], [x, y + arm]], width, colour);
     }
-    // Covers the edges of cells that extend beyond the rim.
+    // A white ring covers the edges of cells that extend beyond the rim.
     draw_circle(picture, centre, radius + 3.0, 6.0, WHITE);
     draw_circle(picture, centre, radius, 2.4, INK);
     let turns = [0.0, 90.0, 180.0, 270.0];

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::regular_file::FileDigest;
 
-/// Header line.
+/// First line of a list.
 const HEADER_LINE: &str = "# CRC-32, length in bytes and name of every file but the log; the last line is for those above\n";
 
 /// List of files with lengths and checksums.

@@ -22,7 +22,7 @@ impl From<&str> for CsvCell {
     }
 }
 
-/// Error of a row whose length differs from that of the header.
+/// Error: a row has another number of cells than the header.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("row {row} of the table has {found} cells where the header names {expected} columns")]
 pub struct RowLengthError {

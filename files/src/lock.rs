@@ -25,12 +25,14 @@ pub enum LockError {
     Io(#[from] io::Error),
 }
 
-/// Held lock. Drop releases it, and removes its file if the lock created it.
+/// Held lock. Drop releases it, and removes its file if the lock created the file or
+/// [`with_removal_on_drop`](Self::with_removal_on_drop) was called.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
     file: File,
-    /// Whether the lock created its file.
+    /// Whether the file is removed on drop: the lock created it, or
+    /// [`with_removal_on_drop`](Self::with_removal_on_drop) was called.
     is_removed_on_drop: bool,
 }
 
@@ -47,7 +49,7 @@ impl Lock {
                     Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                         match open_for_update(path) {
                             Ok(file) => (file, false),
-                            // Removed by its holder in the meantime.
+                            // The file was removed by its holder in the meantime.
                             Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                             Err(error) => return Err(error.into()),
                         }

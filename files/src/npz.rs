@@ -1,7 +1,7 @@
 //! Named arrays in NumPy's NPZ format.
 //!
-//! An NPZ file is a ZIP archive with one `.npy` entry per array. `numpy.load` opens it without
-//! `allow_pickle`: numbers and Unicode strings are plain data.
+//! An NPZ file is a ZIP archive with one `.npy` entry per array. NumPy's function `numpy.load` reads it without the
+//! option `allow_pickle`, since numbers and Unicode strings are plain data.
 
 use std::io::{self, Cursor, Read, Write};
 

@@ -1,10 +1,10 @@
 //! Checkpoint file format: named sections of bytes with checksums, so that damage to a file is detected on reading.
 //!
 //! All numbers are little-endian. A file begins with an opening of 28 bytes, the same in every version of the format:
-//! eight magic bytes, the format version (4 bytes), the number of sections (4), the length of the file in bytes (8)
-//! and the checksum (4) of these 24 bytes. A section consists of the length of its name (4), the length of its
-//! content (8), the name, the checksum (4) of these three, the content, and the checksum (4) of the content. The file
-//! ends with the checksum (4) of the concatenation of all these parts without their checksums. Checksums are CRC-32
+//! eight magic bytes, the format version (4 bytes), the number of sections (4), the length of the file in bytes (8) and
+//! the checksum (4) of these 24 bytes. A section consists of the length of its name (4), the length of its content (8),
+//! the name, the checksum (4) of these three, the content, and the checksum (4) of the content. The file ends with the
+//! checksum (4) of the opening and all sections in sequence, without the checksums they contain. Checksums are CRC-32
 //! as in zlib: they detect accidental but not intentional damage.
 
 use std::collections::HashSet;
@@ -16,7 +16,7 @@ use crc32fast::Hasher;
 use crate::regular_file::open_regular_file;
 use crate::{FileError, write_atomically_with};
 
-// The first byte is not ASCII, and the line ends are altered by text-mode transfers.
+// The first byte is not ASCII, and text-mode transfers would alter the line ends.
 const MAGIC: [u8; 8] = *b"\x89seal\r\n\x1a";
 /// Version of the format written and read by this module.
 const FORMAT_VERSION: u32 = 1;
@@ -42,7 +42,7 @@ pub enum SectionFileProblem {
     /// The operating system refused to open or to read the file.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// The file is not of this format.
+    /// The file does not begin with the magic bytes of this format.
     #[error("is not a file of sealed sections")]
     UnknownFormat,
     /// The file has a different version of the format.
@@ -120,8 +120,8 @@ fn invalid_input(reason: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, reason)
 }
 
-/// Writer with the running checksum of all parts. The checksums of the parts are excluded, since the CRC of data
-/// followed by their own CRC is constant.
+/// Writer of parts (opening, section heads, contents) with the running checksum of all parts. The checksums of the
+/// parts are excluded, since the CRC of data followed by their own CRC is constant.
 struct ChecksumWriter<W> {
     writer: W,
     file_hasher: Hasher,
@@ -191,7 +191,7 @@ impl<R: Read> ChecksumReader<R> {
         self.reader.read_exact(bytes)
     }
 
-    /// Reads the next bytes of a part and returns their hash.
+    /// Fills `bytes` with the next bytes of a part and returns their CRC-32 hasher.
     fn read_part(&mut self, bytes: &mut [u8]) -> io::Result<Hasher> {
         self.read_exact(bytes)?;
         let mut hasher = Hasher::new();

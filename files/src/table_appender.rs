@@ -1,8 +1,8 @@
 //! CSV tables extended row by row, with resumption of interrupted runs.
 //!
-//! Rows are buffered in memory and written to disk by [`Appender::sync`]; before that a reader may find an incomplete
-//! last line. An interrupted run resumes at the length returned by the last `sync`, if that part of the file is
-//! unchanged; later bytes are truncated and the rows are written again.
+//! Rows are buffered in memory and written to disk by [`Appender::sync`]; before that call a reader may find an
+//! incomplete last line. An interrupted run resumes at the length returned by the last `sync`, if the file is unchanged
+//! up to this length; later bytes are removed and their rows are written again.
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
@@ -50,13 +50,13 @@ pub enum AppendProblem {
         /// Length of the part already written, bytes.
         length: u64,
     },
-    /// The length to resume at is not the end of a line of a table with a header.
+    /// The first `length` bytes are not a header followed by complete rows.
     #[error("has no header and whole rows in its first {length} bytes")]
     InvalidHeader {
         /// Length to resume at, bytes.
         length: u64,
     },
-    /// The length of a row differs from that of the header.
+    /// A row has another number of cells than the header.
     #[error("a row has {found} cells where the header names {expected} columns")]
     RowLength {
         /// Cells in the row.
@@ -138,7 +138,8 @@ impl Appender {
         Ok(appender)
     }
 
-    /// Resumes a table after the part already written, with checksum `digest`, which must be unchanged; later bytes are truncated.
+    /// Resumes a table after the part already written, which must be unchanged, i.e. have the length and checksum
+    /// `digest`; later bytes are removed.
     pub fn resume(path: &Path, digest: FileDigest) -> Result<Self, AppendError> {
         InterruptedTable::open(path, digest)?.resume()
     }
@@ -174,7 +175,7 @@ impl Appender {
     }
 }
 
-/// Interrupted table that is verified and can be resumed; the file is not changed yet.
+/// Interrupted table that has been verified and can be resumed; the file has not been changed yet.
 #[derive(Debug)]
 pub struct InterruptedTable {
     path: PathBuf,
@@ -183,10 +184,11 @@ pub struct InterruptedTable {
 }
 
 impl InterruptedTable {
-    /// Opens an interrupted table and verifies that the part already written, with checksum `digest`, is unchanged.
+    /// Opens an interrupted table and verifies that the part already written is unchanged, i.e. has the length and
+    /// checksum `digest`.
     ///
     /// # Errors
-    /// The part already written was changed or cannot be read.
+    /// The part already written was changed or truncated, or the file cannot be read.
     pub fn open(path: &Path, digest: FileDigest) -> Result<Self, AppendError> {
         let length = digest.length;
         let mut file = open_for_update(path).map_err(map_io_error(path, "be opened"))?;
@@ -225,7 +227,7 @@ impl InterruptedTable {
     }
 }
 
-/// Hasher over the first `length` bytes, or over all bytes of a shorter file.
+/// CRC-32 hasher of the first `length` bytes of a file, or of all bytes of a shorter file.
 fn hash_prefix(mut file: &File, length: u64) -> io::Result<Hasher> {
     file.rewind()?;
     let mut prefix = file.take(length);

@@ -7,10 +7,10 @@
 //! |---|---|
 //! | [`common`] | numbers with rounding bounds, linearised systems, symmetric rate equations, constants with units |
 //! | [`flow`] | granular flows: shared equations, and one folder per model |
-//! | [`solid`] | elastic laws, their symbol, and their waves in closed form |
+//! | [`solid`] | elastic laws, their linearised equations, and their waves in closed form |
 //! | [`yield_set`] | yield sets: conditions, return mapping, tangent of the flow rule |
 //! | [`rheology`] | solids whose stress depends on history: relaxation of the deviator |
-//! | [`interface`] | face laws between Riemann invariants and fluxes, with history variables: interlayers |
+//! | [`interface`] | face laws: fluxes from the Riemann invariants incoming at a face, with history variables |
 //! | [`elastoplastic`] | a solid with an elastic law and a yield set |
 //! | [`registry`] | all models by name; a program adds one with one call |
 //!

@@ -25,11 +25,11 @@ pub const FREE_ROTATING: FlowKind = FlowKind::new(&free_rotating::MODEL);
 pub const STANDARD_FLOWS: [FlowKind; 4] =
     [HARRIS_GREKOVA, DOUBLE_SHEARING, PLASTIC_POTENTIAL, FREE_ROTATING];
 
-/// Classical elastic solid: λ, μ.
+/// Classical isotropic elastic solid with the Lamé moduli λ and μ.
 pub const CLASSICAL: SolidKind = SolidKind::new(&isotropic::CLASSICAL);
-/// Reduced Cosserat solid: λ, μ, α; microrotation without couple stress.
+/// Isotropic reduced Cosserat solid with the moduli λ, μ, α: microrotation without couple stress.
 pub const REDUCED_COSSERAT: SolidKind = SolidKind::new(&isotropic::REDUCED_COSSERAT);
-/// Cosserat solid: λ, μ, α, β, γ, η.
+/// Isotropic Cosserat solid with the moduli λ, μ, α and the couple moduli β, γ, η.
 pub const COSSERAT: SolidKind = SolidKind::new(&isotropic::COSSERAT);
 /// Cosserat solid in plane strain by its compliances a₁, b₁, a₂, b₂, α₂.
 pub const COSSERAT_COMPLIANCES: SolidKind = SolidKind::new(&cubic_plane::COSSERAT_COMPLIANCES);
@@ -40,11 +40,11 @@ pub const STANDARD_SOLIDS: [SolidKind; 4] =
 
 /// Interlayer yield set: slip and rolling along the layers between blocks; plane strain.
 pub const INTERLAYER: YieldSetKind = YieldSetKind::new(&interlayer::INTERLAYER);
-/// von Mises yield set.
+/// von Mises yield set, without friction.
 pub const VON_MISES: YieldSetKind = YieldSetKind::new(&mises::VON_MISES);
 /// Drucker–Prager yield set, equal to the Mises–Schleicher condition linear in the mean stress.
 pub const DRUCKER_PRAGER: YieldSetKind = YieldSetKind::new(&mises::DRUCKER_PRAGER);
-/// Cosserat–Mises yield set: with antisymmetric stress and couple stress.
+/// Cosserat–Mises yield set, which also limits antisymmetric stress and couple stress.
 pub const COSSERAT_MISES: YieldSetKind = YieldSetKind::new(&mises::COSSERAT_MISES);
 
 /// Yield sets of this crate, in the order of listings.
@@ -61,13 +61,13 @@ static YIELD_SETS: Registry<YieldSetKind> =
 /// Error of registering a model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RegistryError {
-    /// A model of this name is registered already.
+    /// A model of the contained name is registered already.
     #[error("a model is called {0} already")]
     DuplicateName(&'static str),
-    /// Another model has a parameter of this name in another unit.
+    /// A registered model has a parameter of the same name in another unit.
     #[error("{model}: the parameter {parameter} has the unit '{unit}' in other models")]
     UnitMismatch {
-        /// The model.
+        /// Name of the model to be registered.
         model: &'static str,
         /// Name of the parameter.
         parameter: &'static str,
@@ -77,7 +77,7 @@ pub enum RegistryError {
     /// An example value of a constant, used in templates, is out of range.
     #[error("{model}: the examples of its constants are refused: {error}")]
     InvalidExample {
-        /// The model.
+        /// Name of the model to be registered.
         model: &'static str,
         /// Error of the constant out of range.
         error: InputError,
@@ -169,7 +169,8 @@ pub fn register_yield_set(model: &'static YieldSetModel) -> Result<(), RegistryE
     YIELD_SETS.add(YieldSetKind::new(model))
 }
 
-/// Checks that the example constants build a set and that every named condition has a half-space.
+/// Checks that the example constants build a set for at least one theory of the solid, and that every named condition
+/// has a half-space.
 fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
     let model = kind.name;
     let sets = [Theory::Classical, Theory::Reduced, Theory::Cosserat].map(|theory| {
@@ -191,7 +192,7 @@ fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
             });
         }
     }
-    // It suffices that one theory admits the set: an error of a single theory is ignored.
+    // It suffices that one theory admits the set, so an error is returned only if all three theories give one.
     match sets {
         [(_, Err(error)), (_, Err(_)), (_, Err(_))] => {
             Err(RegistryError::InvalidExample { model, error })

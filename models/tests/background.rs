@@ -1,5 +1,5 @@
-//! Completion of a state to a background: regions, defaults, derived quantities, rejected inputs; and the index order
-//! of an asymmetric stress.
+//! Completion of a state to a background: yield regions, default values, derived quantities, rejected inputs; and the
+//! index order of an asymmetric stress. Equation numbers refer to Harris & Grekova (2005).
 
 mod support;
 
@@ -44,7 +44,7 @@ fn parse_residual(error: &InputError) -> f64 {
 }
 
 /// A deviatoric stress q within 1e-12 (relative) of yield counts as on yield and is replaced by the yield value; other
-/// values of q are inside or outside yield. The yield deviator (eq. 13) is computed here in 31 digits.
+/// values of q are inside or outside yield. The yield deviator (eq. 13) is computed here with 31 digits.
 #[test]
 fn deviatoric_stress_determines_the_yield_region() {
     for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
@@ -57,7 +57,8 @@ fn deviatoric_stress_determines_the_yield_region() {
             assert_eq!(find_region(&model, &state), YieldRegion::FullyDeforming);
             for factor in [1.0, 1.0 + 9e-13, 1.0 - 9e-13] {
                 assert_eq!(find_region(&model, &with(factor)), YieldRegion::FullyDeforming);
-                // q is replaced by the yield deviator, so the deviation of 1e-12 does not enter the analysis.
+                // q is replaced by the yield deviator, so its relative deviation of up to 9e-13 from yield does not
+                // enter the analysis.
                 let (own, exact) = (
                     states::complete_flow(&model, &with(factor)),
                     states::complete_flow(&model, &state),
@@ -70,7 +71,7 @@ fn deviatoric_stress_determines_the_yield_region() {
             for factor in [1.0 + 1.1e-12, 1.0 + 1e-9, 3.0] {
                 assert_eq!(find_region(&model, &with(factor)), YieldRegion::OutsideYield);
             }
-            // A background off yield returns the given stress.
+            // A state off yield has no flow, and its background contains the given deviatoric stress.
             let background = model.background(&with(0.5)).unwrap();
             assert!(background.flow().is_none());
             assert_eq!(background.stress().deviator.value, q * 0.5);
@@ -78,8 +79,8 @@ fn deviatoric_stress_determines_the_yield_region() {
     }
 }
 
-/// A rotational stress r counts as 0 or ±m within 1e-12 m; otherwise |r| < m is indeterminate and |r| > m outside
-/// yield. A state is outside yield if either q or r is.
+/// A rotational stress r within 1e-12·m of 0 or ±m, with the rotational yield strength m, counts as equal to it;
+/// otherwise |r| < m is indeterminate and |r| > m outside yield. A state is outside yield if either q or r is.
 #[test]
 fn rotational_stress_determines_the_yield_region() {
     let mut random = RandomNumbers::new(620);
@@ -109,7 +110,7 @@ fn rotational_stress_determines_the_yield_region() {
         assert_eq!(find_region(&model, &both(0.5 * q, 2.0 * m)), YieldRegion::OutsideYield);
         assert_eq!(find_region(&model, &both(0.5 * q, m)), YieldRegion::RigidOrIndeterminate);
     }
-    // Without rotational strength (m = 0) r = 0 is the only admissible value.
+    // Without rotational strength (m = 0) the only admissible value is r = 0.
     let (parameters, _, state) = random_harris_grekova(&mut random, DilatancyKind::Zero);
     let weak = FlowParameters { rotational_strength: Some(0.0), ..parameters };
     let model = states::build_model(registry::HARRIS_GREKOVA, &weak);
@@ -167,7 +168,7 @@ fn noncoaxiality_is_derived_from_a_given_spin() {
                 let only = MaterialState { noncoaxiality: None, spin: Some(spin), ..state };
                 let flow = states::complete_flow(&model, &only);
                 assert!((2.0 * flow.noncoaxiality).cos() > 0.0);
-                // asin loses half of the digits as Δ → 45°; the tolerance assumes cos 2Δ ≥ 0.01.
+                // The arc sine loses half of the digits as Δ → 45°; the tolerance assumes cos 2Δ ≥ 0.01.
                 let size = 1.0 + state.half_vorticity.abs() / turn(delta).abs();
                 assert!((flow.noncoaxiality - delta).abs() < 1e-13 * size);
                 let size = spin.abs() + 2.0 * state.half_vorticity.abs();
@@ -179,7 +180,7 @@ fn noncoaxiality_is_derived_from_a_given_spin() {
                     let flow = states::complete_flow(&model, &both);
                     assert_eq!(flow.noncoaxiality, delta);
                 }
-                // A value of Δ with eleven correct digits is accepted.
+                // Δ with a relative error of 1e-11 beside the exact spin is accepted.
                 let printed = MaterialState { noncoaxiality: Some(delta * (1.0 + 1e-11)), ..only };
                 assert_eq!(find_region(&model, &printed), YieldRegion::FullyDeforming);
                 let wrong = delta + 1e-3 * (1.0 + random.uniform(0.0, 1.0));
@@ -189,7 +190,7 @@ fn noncoaxiality_is_derived_from_a_given_spin() {
                 let expected = (2.0 * delta).sin() - (2.0 * wrong).sin();
                 assert!((parse_residual(&error).abs() / expected.abs() - 1.0).abs() < 1e-6);
 
-                // A spin above the maximum over all Δ.
+                // A spin above the maximum over all Δ is rejected.
                 let too_much = MaterialState {
                     spin: Some(state.half_vorticity + 1.001 * turn(std::f64::consts::FRAC_PI_4)),
                     noncoaxiality: None,
@@ -221,7 +222,7 @@ fn contradictory_inputs_are_rejected_with_their_residual() {
             };
             assert_eq!(states::complete_flow(&model, &all), flow);
 
-            // Values with ten or eleven correct digits are accepted; the derived values are unchanged.
+            // Values with relative errors of 0.5e-10 to 1e-10 are accepted; the derived values are unchanged.
             let mut printed =
                 |x: f64, size: f64| x + random.signed_uniform(0.5, 1.0) * 1e-10 * size;
             let rates = state.shear_rate + state.half_vorticity.abs();
@@ -236,7 +237,7 @@ fn contradictory_inputs_are_rejected_with_their_residual() {
             assert_eq!(states::complete_flow(&model, &rounded), flow);
 
             let size = state.shear_rate + state.half_vorticity.abs();
-            // Change one of trace, d₁₁ − d₂₂, 2 d₁₂ and vorticity at a time.
+            // Change one of tr d, d₁₁ − d₂₂, 2 d₁₂ and the vorticity at a time.
             for (change, part, factor) in [
                 ([[1.0, 0.0], [0.0, 1.0]], "tr d", 2.0),
                 ([[1.0, 0.0], [0.0, -1.0]], "d₁₁ − d₂₂", 2.0),
@@ -440,8 +441,9 @@ fn internal_power_is_the_contraction_of_stress_and_strain_rate() {
 }
 
 /// The stress tensor gives the tractions t = σn, second index = face normal. The torque of the tractions on a small
-/// square about its centre is 2r per area, the source of spin in eq. (9); in the index order of the paper it would be
-/// −2r. The greater principal value of the symmetric part is −p + q, along ψ.
+/// square about its centre is 2r per area, the source of spin in eq. (9); in the index order of the paper, whose
+/// first index is the face normal, it would be −2r. The greater principal value of the symmetric part is −p + q, at the
+/// angle ψ from x₁.
 #[test]
 fn second_index_of_the_stress_tensor_is_the_face_normal() {
     let mut random = RandomNumbers::new(740);
@@ -476,7 +478,7 @@ fn second_index_of_the_stress_tensor_is_the_face_normal() {
             let value = -pressure + stress.deviator.value;
             assert!((image - value * along[i]).abs() < 1e-14 * size);
         }
-        // Definition (4) of r in the index order of the paper (transposed).
+        // Definition (4) of the rotational stress r, with the stress tensor transposed to the index order of the paper.
         let paper = [[tensor[0][0], tensor[1][0]], [tensor[0][1], tensor[1][1]]];
         assert!(
             (0.5 * (paper[0][1] - paper[1][0]) - stress.rotational_stress).abs() < 1e-14 * size
@@ -484,7 +486,7 @@ fn second_index_of_the_stress_tensor_is_the_face_normal() {
     }
 }
 
-/// The derived body moment G satisfies the balance of spin I Dω/Dt + ω DI/Dt = (torque per area)/ρ + G.
+/// The derived body moment G satisfies the balance of spin, eq. (9): I Dω/Dt + ω DI/Dt = (torque per area)/ρ + G.
 #[test]
 fn body_moment_satisfies_the_balance_of_spin() {
     let mut random = RandomNumbers::new(750);

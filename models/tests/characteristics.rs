@@ -2,8 +2,8 @@
 //! eq. (70), and the exact dispersion relation for ν = 0.
 //!
 //! The determinants are expanded over all permutations in 31 digits from the entries in double precision. The error is
-//! then due to the rounding of the entries, about ten units in the last place each. Tolerance: 50 × 6 u times the sum
-//! of the absolute values of all terms (the permanent).
+//! then due to the rounding of the entries, about ten units in the last place each. Tolerance: 300 u (50 u for each of
+//! six factors, with the unit roundoff u) times the sum of the absolute values of all terms (the permanent).
 
 mod support;
 
@@ -20,7 +20,7 @@ use wellposed_models::registry;
 const STATE_COUNT: usize = 300;
 const DETERMINANT_TOLERANCE: f64 = 300.0 * f64::EPSILON / 2.0;
 
-/// Matrix ξ₁(B¹ + V₁A) + ξ₂(B² + V₂A) of the steady equations.
+/// Matrix ξ₁(B¹ + V₁A) + ξ₂(B² + V₂A) of the steady equations for ξ = `direction`.
 fn steady_matrix(
     system: &LinearisedSystem<2>,
     direction: [DoubleDouble; 2],
@@ -47,7 +47,7 @@ fn compute_steady_determinant(
     (complex_determinant(&complex).re.to_f64(), permanent(&sizes))
 }
 
-/// Quadratic form 𝒜 of eq. (69).
+/// Quadratic form 𝒜 = (cos 2Ψ − sin φ) x² + 2 sin 2Ψ xy − (cos 2Ψ + sin φ) y² of eq. (69).
 fn characteristic_form(angle: f64, phi: f64, [x, y]: [DoubleDouble; 2]) -> DoubleDouble {
     let angle = dd(angle);
     let (s, c) = (angle + angle).sin_cos();
@@ -57,12 +57,12 @@ fn characteristic_form(angle: f64, phi: f64, [x, y]: [DoubleDouble; 2]) -> Doubl
 
 /// The determinant of the steady equations equals eq. (70) for Harris–Grekova and the analogous formulas below for the
 /// other models. In the crate the mass row and the density column are last, in the paper fourth: two even permutations,
-/// which leave the sign unchanged. e = ξ·V.
+/// which leave the sign unchanged. With e = ξ·V the determinant is
 ///
 /// - Harris–Grekova, ν > 0: −2 q ρI cos(φ − 2ν) e²𝒜², as printed. For ν = 0 the mass row and the density column are
 ///   absent, and with them one factor e: −2 q ρI cos φ e 𝒜².
-/// - Plastic potential: without spin the factor ρIe is absent. The kinematic factor cos(φ − 2ν) 𝒜 of (68) becomes 𝒜
-///   with sin ν in place of sin φ, so that stress and velocity characteristics differ unless ν = φ.
+/// - Plastic potential: the factor ρIe is absent, since there is no spin. The kinematic factor cos(φ − 2ν) 𝒜 of
+///   eq. (68) becomes 𝒜 with sin ν in place of sin φ, so that stress and velocity characteristics differ unless ν = φ.
 /// - Double shearing: the factor ρIe is absent, and the rotation row has the entry 2 sin(φ − ν) e in the column of ψ.
 ///   The permutations through this entry add −ρe · 2 sin(φ − ν) e · (e₅₁e₁₄ + e₅₂e₂₄), in the numbering of the paper
 ///   with column 4 for p. This term makes the steady equations depend on inertia.
@@ -93,7 +93,7 @@ fn steady_determinant_equals_eq_70() {
             };
             let mut expected = -(dd(2.0) * q * form(phi) * kinematic);
             if kind == registry::DOUBLE_SHEARING {
-                // ξ − sin φ n and cos(φ − ν) ξ − sin ν n, where n is ξ reflected about the axis Ψ.
+                // ξ − sin φ n and cos(φ − ν) ξ − sin ν n, where n is ξ reflected about the axis at the angle Ψ.
                 let angle = dd(state.stress_angle);
                 let (s, c) = (angle + angle).sin_cos();
                 let along = |sine: DoubleDouble| {
@@ -127,8 +127,9 @@ fn steady_determinant_equals_eq_70() {
     println!("largest deviation from (70), of the permanent: {worst:.1e}");
 }
 
-/// In the Harris–Grekova model the characteristic directions ψ_σ ± ε and the streamlines are double for general ν: the
-/// determinant vanishes quadratically there, since stress and velocity characteristics coincide.
+/// In the Harris–Grekova model with ν > 0 the characteristic directions ψ_σ ± ε, with the stress angle ψ_σ and
+/// ε = π/4 + φ/2, and the streamlines are double: the determinant vanishes quadratically there, since stress and
+/// velocity characteristics coincide.
 #[test]
 fn harris_grekova_characteristics_are_double_roots() {
     let mut random = RandomNumbers::new(450);
@@ -151,7 +152,8 @@ fn harris_grekova_characteristics_are_double_roots() {
                 compute_steady_determinant(&system, [-s, c]).0
             };
             let (h, k) = (1e-4, 5e-5);
-            // The ratio is 4 up to the cubic term, of relative size a few h/(distance to the other characteristics).
+            // The ratio is 4 up to the cubic term, whose relative size is a few times h/(angle to the other
+            // characteristics).
             let ratio = at(h) / at(k);
             assert!((ratio - 4.0).abs() < 0.05, "ratio {ratio} at {line}");
             let other = at(-h) / at(h);
@@ -167,9 +169,10 @@ fn harris_grekova_characteristics_are_double_roots() {
 /// y = ρ (ς + ik·V),
 /// ```
 ///
-/// at random complex ς and real k. The left-hand side is the determinant divided by −cos φ ik: the crate writes
-/// continuity as cos φ ik ξ·v, and elimination along ξ⊥ changes the sign once. All terms are computed here from the
-/// state.
+/// at random complex ς and real k. G̃ = ikG + (c₁₄, c₂₄) and H̃ = ikH + (c₁₅, c₂₅) are the coefficients of p and ψ in
+/// the momentum rows, c₃ = (c₃₁, c₃₂), and cᵢⱼ are the entries of C numbered as in the paper. The left-hand side is the
+/// determinant divided by −cos φ ik: the crate writes continuity as cos φ ik ξ·v, and elimination along ξ⊥ changes the
+/// sign once. All terms are computed here from the state.
 #[test]
 fn determinant_equals_the_dispersion_relation_for_zero_dilatancy() {
     let mut random = RandomNumbers::new(460);
@@ -228,7 +231,7 @@ fn exact_dispersion_relation(
     let h = [two * q * n2, -(two * q * n1)];
 
     // c₁₄, c₂₄ and c₁₅, c₂₅: derivatives with respect to p and ψ of the divergence of the stress, sin φ ∇·(p S) with
-    // the reflection S about the axis Ψ.
+    // the matrix S of the reflection about the axis at the angle Ψ.
     let (s, c) = (psi + psi).sin_cos();
     let [a1, a2] = flow.stress_angle_gradient.map(dd);
     let [p1, p2] = flow.pressure_gradient.map(dd);

@@ -12,7 +12,8 @@ use wellposed_models::flow::{FlowKind, Model};
 use wellposed_models::registry;
 use wellposed_models::{ClosedFormVerdict, LinearisedSystem};
 
-/// Number of states of each test; [`DIRECTION_COUNT`] is the number of directions scanned per state.
+/// Number of random states per case of a test (the Harris–Grekova tests use twice as many); [`DIRECTION_COUNT`] is the
+/// number of directions scanned per state.
 const STATE_COUNT: usize = 100;
 const DIRECTION_COUNT: usize = 240;
 
@@ -59,7 +60,7 @@ fn dispersion_polynomial(system: &LinearisedSystem<2>, angle: f64) -> Polynomial
     states::dispersion_polynomial(system, [dd(SHORT_WAVE_NUMBER) * c, dd(SHORT_WAVE_NUMBER) * s])
 }
 
-/// Limit of ς/k² of the only root of order 2 in k, from the sum of all roots.
+/// Limit of Re ς/k² of the only root ς of order 2 in k, from the sum of all roots.
 fn leading_coefficient_of_order_2(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     let polynomial = dispersion_polynomial(system, angle);
     let [.., next, last] = polynomial[..] else { panic!("no roots") };
@@ -67,8 +68,8 @@ fn leading_coefficient_of_order_2(system: &LinearisedSystem<2>, angle: f64) -> f
     (root.re * dd(SHORT_WAVE_NUMBER.powi(-2))).to_f64()
 }
 
-/// Limit |ς|/k of two roots ±ck, positive if they are real and negative if imaginary, from the sum of the products of
-/// all pairs of roots, −c²k².
+/// Limit of |ς|/k of the two roots ς = ±ck of order 1, positive if they are real and negative if imaginary, from the
+/// sum of the products of all pairs of roots, −c²k².
 fn leading_coefficient_of_order_1(system: &LinearisedSystem<2>, angle: f64) -> f64 {
     let polynomial = dispersion_polynomial(system, angle);
     let [.., second, _, last] = polynomial[..] else { panic!("one root") };
@@ -76,7 +77,8 @@ fn leading_coefficient_of_order_1(system: &LinearisedSystem<2>, angle: f64) -> f
     square.abs().sqrt().copysign(square)
 }
 
-/// Checks the coefficient and direction of a closed form against the values `at` of all directions and their maximum.
+/// Checks that a closed form has the order `expected_order`, and that its coefficient is the value of `at`, the leading
+/// coefficient by angle of the wave vector, in its direction and the maximum over [`DIRECTION_COUNT`] directions.
 fn check_growth(found: Option<ClosedFormVerdict>, expected_order: u8, at: impl Fn(f64) -> f64) {
     let Some(ClosedFormVerdict::PowerLawGrowth { order, coefficient, direction }) = found else {
         panic!("grows with order {expected_order}, yet {found:?}")
@@ -89,7 +91,8 @@ fn check_growth(found: Option<ClosedFormVerdict>, expected_order: u8, at: impl F
     }
 }
 
-/// Double shearing: order 1, coefficient and direction of the closed form agree with the determinant.
+/// Double shearing: the growth is of order 1, and coefficient and direction of the closed form agree with the
+/// determinant.
 #[test]
 fn double_shearing_grows_with_order_1() {
     for dilatancy in [DilatancyKind::Zero, DilatancyKind::Positive] {
@@ -103,7 +106,8 @@ fn double_shearing_grows_with_order_1() {
     }
 }
 
-/// Plastic potential: order 2, coefficient and direction of the closed form agree with the determinant.
+/// Plastic potential: the growth is of order 2, and coefficient and direction of the closed form agree with the
+/// determinant.
 #[test]
 fn plastic_potential_grows_with_order_2() {
     for dilatancy in [DilatancyKind::Zero, DilatancyKind::Positive] {
@@ -154,7 +158,7 @@ fn harris_grekova_verdict_with_dilatancy_follows_the_sign_of_the_highest_coeffic
         let (parameters, mut state) =
             random_uniform_state(&mut random, registry::HARRIS_GREKOVA, DilatancyKind::Positive);
         if n % 4 == 0 {
-            // For this Δ one of the two zeros is at 𝒜 = 0.
+            // For this Δ one of the two zeros of the highest coefficient is at 𝒜 = cos β − sin φ = 0.
             let turn = if n % 8 == 0 { 0.5 } else { -0.5 } * parameters.dilatancy_angle;
             state.noncoaxiality = Some((0.25 * PI + turn) * if n % 16 < 8 { 1.0 } else { -1.0 });
         }
@@ -178,12 +182,13 @@ fn harris_grekova_verdict_with_dilatancy_follows_the_sign_of_the_highest_coeffic
                 let [left, right] =
                     [-1e-7, 1e-7].map(|turn| highest(&system, direction + turn).signum());
                 assert!(left * right < 0.0, "no change of sign at {direction}");
-                // The direction is away from 𝒜 = 0, where the numerator of ς vanishes too.
+                // The direction is away from 𝒜 = cos β − sin φ = 0, where the numerator of ς vanishes too.
                 let gap =
                     (2.0 * (flow.stress.angle - direction)).cos() - parameters.friction_angle.sin();
                 assert!(gap.abs() > 1e-3);
             }
-            // No verdict: either the coefficient is the root of a quartic, or |Δ| is too close to the bound.
+            // No verdict: either the largest growth coefficient is the root of a quartic, since the highest coefficient
+            // has the opposite sign in all directions, or |Δ| is too close to the bound.
             None => {
                 let bound = states::build_model(registry::HARRIS_GREKOVA, &parameters)
                     .noncoaxiality_bound();

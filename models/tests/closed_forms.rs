@@ -31,7 +31,7 @@ fn random_uniform_state(
     (parameters, MaterialState { velocity: [0.0; 2], ..state })
 }
 
-/// Determinant as a polynomial in ς in the direction with β = 2(Ψ_Σ − ψ_K).
+/// Determinant as a polynomial in ς at the wave number `k` in the direction with β = 2(Ψ_Σ − ψ_K) = `beta`.
 fn dispersion_polynomial(
     model: &Model,
     flow: &DeformingFlow,
@@ -61,10 +61,11 @@ fn sum_of_roots(polynomial: &[Complex]) -> Complex {
     -(*next / *last)
 }
 
-/// Harris–Grekova, ν = 0, zero gradients, |Δ| below and above 45°: `leading_coefficient` equals lim ς/k². The other
-/// root is of order one, so the sum of the roots over k² has the relative error (rates ~ 10)/(k² × 1e-3), below 1e-13
-/// at k = 1e9. The entries have relative errors of 1e-15, amplified near 𝒜 = 0 and |Δ| = 45° (by 1/0.05 each):
-/// tolerance 1e-12.
+/// Harris–Grekova, ν = 0, zero gradients, |Δ| below and above 45°: `leading_coefficient` equals lim ς/k².
+///
+/// Tolerance 1e-12. The other root is of the order of the background rates, about 10 1/s, and the coefficient at least
+/// 1e-3 m²/s, so the sum of the roots over k² has a relative error below 1e-13 at k = 1e9 1/m. The entries have
+/// relative errors of 1e-15, amplified by up to 1/0.05 each near cos β = sin φ and near |Δ| = 45°.
 #[test]
 fn harris_grekova_leading_coefficient_is_the_limit_of_the_roots() {
     let mut random = RandomNumbers::new(500);
@@ -93,8 +94,10 @@ fn harris_grekova_leading_coefficient_is_the_limit_of_the_roots() {
     println!("Harris–Grekova: {worst:.1e}");
 }
 
-/// Double shearing, ν = 0, at rest: the roots are ±k × `leading_coefficient`. At k = 1e12 the relative corrections are
-/// (rates)/(kc) with c of order 0.1 m/s: tolerance 1e-9.
+/// Double shearing, ν = 0, at rest: the roots are ±k × `leading_coefficient`.
+///
+/// Tolerance 1e-9. At k = 1e12 1/m the relative corrections are (background rates)/(kc) with the coefficient c of order
+/// 0.1 m/s.
 #[test]
 fn double_shearing_leading_coefficient_is_the_limit_of_the_roots() {
     let mut random = RandomNumbers::new(510);
@@ -142,7 +145,8 @@ fn double_shearing_roots_are_advected_with_the_material() {
         let (s, c) = (state.stress_angle - 0.5 * beta).sin_cos();
         let drift = c * state.velocity[0] + s * state.velocity[1];
         for root in roots {
-            // Corrections: (rates and gradients × velocities)/k, below 1e-6 m/s.
+            // Corrections of Im ς/k are of the order (background rates, and gradients times velocities)/k, below
+            // 1e-6 m/s.
             assert!((root.im.to_f64() / k + drift).abs() < 1e-6);
         }
     }
@@ -177,10 +181,12 @@ fn plastic_potential_leading_coefficient_is_the_limit_of_the_roots() {
             let polynomial = dispersion_polynomial(&model, &flow, k, dd(beta));
             let root = find_root_near(&polynomial, complex(closed * k * k, 0.0));
             let truth = (root / complex(k * k, 0.0)).re.to_f64();
-            // It is the largest root: the sum of all roots agrees, since the others are of order k at most.
+            // The root found is the only one of order k²: the sum of all roots agrees, since the others are of order k
+            // at most.
             let sum = (sum_of_roots(&polynomial) / complex(k * k, 0.0)).re.to_f64();
             assert!((sum / truth - 1.0).abs() < 1e-6);
-            // Errors of the entries of 1e-15, amplified by up to 1e3 near a zero of the coefficient.
+            // The tolerance allows for errors of the entries of 1e-15, amplified by up to 1e3 near a zero of the
+            // coefficient.
             worst = worst.max((closed / truth - 1.0).abs());
             assert!((closed / truth - 1.0).abs() < 1e-11, "{closed:e} against {truth:e}");
         }
@@ -190,8 +196,8 @@ fn plastic_potential_leading_coefficient_is_the_limit_of_the_roots() {
     }
 }
 
-/// `PlasticPotential::fastest_growth` returns the largest growth rate and its direction; verified by a scan of the roots of the
-/// determinant over the directions.
+/// `PlasticPotential::fastest_growth` returns the maximum over the directions of the leading growth rate, and its
+/// direction; verified by the roots of the determinant in 100 directions.
 #[test]
 fn plastic_potential_fastest_growth_is_the_maximum_over_directions() {
     let mut random = RandomNumbers::new(530);
@@ -217,7 +223,8 @@ fn plastic_potential_fastest_growth_is_the_maximum_over_directions() {
             (sum / complex(k * k, 0.0)).re.to_f64()
         };
         let beta = cosine.acos();
-        // An error of the direction enters quadratically: tolerance = rounding over the squared gap.
+        // Tolerance: rounding errors of the entries over tan²((φ − ν)/2), |φ − ν| ≥ 0.1. An error of the direction
+        // enters quadratically.
         assert!((at(beta) / rate - 1.0).abs() < 1e-11, "{} {rate}", at(beta));
         for n in 0..100 {
             let other = at(std::f64::consts::PI * f64::from(n) / 100.0);
@@ -234,8 +241,8 @@ fn plastic_potential_fastest_growth_is_the_maximum_over_directions() {
 /// is k² (a + b cos β + c sin β), fitted in three directions and checked in a fourth, so it has one sign exactly if
 /// |a| > √(b² + c²). The limit Δ is found by bisection.
 ///
-/// Tolerance 1e-10: errors of the entries of 1e-15 divided by the slope of |a| − √(b² + c²) in Δ, which is small for ν
-/// near φ or 0.
+/// Tolerance 1e-10: errors of 1e-15 of the entries are divided by the slope of |a| − √(b² + c²) in Δ, which is small
+/// for ν near φ or 0.
 #[test]
 fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
     for dilatancy in [DilatancyKind::Zero, DilatancyKind::Positive] {
@@ -247,7 +254,8 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
             let model = states::build_model(registry::HARRIS_GREKOVA, &parameters);
             let closed = model.noncoaxiality_bound().unwrap();
             let k = 7.0;
-            // Mean a and amplitude √(b² + c²) of the highest coefficient over the directions, normalised.
+            // Mean a and amplitude √(b² + c²) of the highest coefficient over the directions, divided by
+            // |a| + |b| + |c|.
             let mean_and_amplitude = |delta: f64| {
                 let flow = states::complete_flow(
                     &model,
@@ -281,8 +289,8 @@ fn noncoaxiality_bound_is_where_the_leading_coefficient_vanishes() {
                 assert!((highest(4.0) - fourth).abs() < 1e-11 * size, "no trigonometric line");
                 [a / size, b.hypot(c) / size]
             };
-            // Positive if the coefficient has the same sign as in a coaxial flow in all directions. (For ν = 0 it
-            // changes sign in all directions at the same Δ.)
+            // Difference of mean and amplitude: positive if in all directions the coefficient has the sign that it has
+            // in a coaxial flow. (For ν = 0 it changes sign in all directions at the same Δ.)
             let coaxial = mean_and_amplitude(0.0)[0].signum();
             let mean_and_amplitude = |delta: f64| {
                 let [mean, amplitude] = mean_and_amplitude(delta);
@@ -336,7 +344,7 @@ fn noncoaxiality_bound_separates_growth_from_decay() {
                 .fold(f64::MIN, f64::max)
         };
         // The sum of the roots equals the leading root, since the others are of lower order in k. Near directions with
-        // 𝒜 = 0 it is zero up to errors of the entries.
+        // cos β = sin φ it is zero up to errors of the entries.
         let scale = state.pressure / state.density / state.shear_rate;
         assert!(max_growth_rate(0.95 * bound) <= 1e-9 * scale);
         assert!(max_growth_rate(bound + 0.05) > 1e-6 * scale);

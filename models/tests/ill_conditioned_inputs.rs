@@ -1,4 +1,4 @@
-//! Rounding bounds in ill-conditioned cases, and invalid inputs that case files exclude.
+//! Rounding bounds in ill-conditioned cases, and rejection of inputs that are not finite or not used by the model.
 
 mod support;
 
@@ -122,7 +122,7 @@ fn underflowed_product_is_not_a_structural_zero() {
     assert_eq!((tiny * tiny).sign(), None, "{:?}", tiny * tiny);
 }
 
-/// The computed bound is rounded upwards, so it is never below the error.
+/// The computed rounding bound is rounded upwards, so it is never below the error.
 #[test]
 fn bound_is_rounded_upwards() {
     let u = f64::EPSILON / 2.0;

@@ -1,11 +1,13 @@
-//! Face law of an elastic interlayer: dense solution of its equations, welded limit, energy balance, mirror symmetry.
+//! Face law of an elastic interlayer: dense solution of its equations, welded limit, energy balance, symmetry under
+//! reflection.
 
 use nalgebra::{DMatrix, DVector};
 use testkit::random::RandomNumbers;
 use wellposed_models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
 use wellposed_models::interface::{FaceLaw, RiemannData};
 
-/// Random law, incoming invariants, time step and history variables (V, S) of a face, with coefficients over four decades.
+/// Random face law, incoming Riemann invariants and impedances, time step and history variables (V, S); mass,
+/// compliance, impedances and time step over four decades.
 fn random_face(
     random: &mut RandomNumbers,
 ) -> (ElasticInterlayer<f64>, RiemannData<f64>, f64, [f64; 2]) {
@@ -40,7 +42,7 @@ fn solve_midpoint_rule(
     matrix.lu().solve(&DVector::from_row_slice(&right)).expect("regular")
 }
 
-/// A step of the face law agrees with the dense solution of the equations of both sides and of the layer.
+/// A step of the face law agrees with the dense solution of the equations of both adjacent cells and of the layer.
 #[test]
 fn step_agrees_with_the_dense_solution_of_the_midpoint_rule() {
     let mut random = RandomNumbers::new(1);
@@ -51,7 +53,7 @@ fn step_agrees_with_the_dense_solution_of_the_midpoint_rule() {
         let found = law.advance(&incoming, step, &mut history);
         let [before, after] = found.states;
         let [z, y] = incoming.impedance;
-        // Scale of the results relative to the coefficients.
+        // Magnitude of the results for these coefficients, to which the error is related.
         let scale = (history[1].abs() + 1.0) * (z.max(y) / z.min(y)) / z.min(y).min(1.0);
         for (found, expected) in [
             (before.velocity, expected[0]),
@@ -65,7 +67,7 @@ fn step_agrees_with_the_dense_solution_of_the_midpoint_rule() {
         }
     }
     println!("{worst:e}");
-    // The tolerance allows for the condition number with coefficients over four decades.
+    // The tolerance allows for the condition number of the system, whose coefficients span four decades.
     assert!(worst < 1e-11, "{worst:e}");
 }
 
@@ -82,7 +84,7 @@ fn interlayer_without_mass_and_compliance_is_a_welded_interface() {
         let velocity = (before + after) / (z + y);
         let stress = (z * after - y * before) / (z + y);
         for state in found.states {
-            // The tolerance allows for cancellation in zv − R and in (R⁺ − R⁻)/z.
+            // The tolerance allows for cancellation in zv − R and in the opening rate (R⁺ − R⁻)/z̄.
             let size = 2.0 * (z.max(y) / z.min(y));
             assert!((state.velocity - velocity).abs() < 8.0 * f64::EPSILON * size / z.min(y));
             assert!((state.stress - stress).abs() < 8.0 * f64::EPSILON * size);
@@ -90,7 +92,8 @@ fn interlayer_without_mass_and_compliance_is_a_welded_interface() {
     }
 }
 
-/// The energy balance of a step holds to rounding: gain of the layer = work of both sides.
+/// The energy balance of a step holds to rounding: the energy gained by the layer plus the dissipated energy equals the
+/// work of both adjacent cells.
 #[test]
 fn energy_gain_of_the_interlayer_equals_the_work_of_both_cells() {
     let mut random = RandomNumbers::new(3);
@@ -119,7 +122,8 @@ fn energy_gain_of_the_interlayer_equals_the_work_of_both_cells() {
     assert!(energy_change > 0.01);
 }
 
-/// Reflection of the axis: with both sides exchanged the results are bitwise equal up to the sign of the velocities.
+/// Under reflection of the axis, which exchanges the cells and reverses the velocities, the results are reflected
+/// bitwise.
 #[test]
 fn mirrored_interlayer_gives_bitwise_mirrored_results() {
     let mut random = RandomNumbers::new(4);

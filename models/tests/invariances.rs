@@ -1,5 +1,5 @@
 //! Invariances of the linearised equations: rotation of the frame, superposed rigid spin, Galilean shift, change of
-//! units.
+//! units; and reuse of a system.
 
 mod support;
 
@@ -42,7 +42,7 @@ fn rotation_matrix(size: usize, angle: f64) -> Vec<Vec<f64>> {
     matrix
 }
 
-/// Product L M Rᵀ with rounding bounds.
+/// Product L M Rᵀ of `left`, `matrix` and the transpose of `right`, with rounding bounds.
 fn transform_matrix(
     left: &[Vec<f64>],
     matrix: impl Fn(usize, usize) -> Rounded,
@@ -67,11 +67,11 @@ fn transform_matrix(
         .collect()
 }
 
-/// Under a rotation of the frame A and C transform as tensors in their velocity columns and momentum rows, and Bⁱ also
-/// as the components of a vector.
+/// Under a rotation of the frame A and C transform as tensors in their velocity columns and momentum rows, and the Bⁱ
+/// besides as the components of a vector with the index i.
 ///
-/// Tolerance: twice the rounding bounds of both sides. The vectors of the rotated state are rounded by a few units in
-/// the last place, which the bounds of the terms that contain them cover.
+/// Tolerance: twice the rounding bounds of both compared values. The vectors of the rotated state are rounded by a few
+/// units in the last place, which the bounds of the terms that contain them cover.
 #[test]
 fn coefficients_transform_as_tensors_under_rotation_of_the_frame() {
     let mut worst = 0.0f64;
@@ -196,7 +196,7 @@ fn superposed_rigid_spin_changes_only_the_expected_coefficients() {
                     };
                     let (old, new) = (before.c[(i, j)], after.c[(i, j)]);
                     let off = (new.value - old.value - change).abs();
-                    // w and s₂₁ + w have one more rounding error each.
+                    // The last term allows for the roundings of w and of s₂₁ + w.
                     let bound = old.bound + new.bound + 4.0 * f64::EPSILON * change.abs();
                     assert!(off <= bound, "{kind:?} ({i}, {j})");
                 }
@@ -205,7 +205,8 @@ fn superposed_rigid_spin_changes_only_the_expected_coefficients() {
     }
 }
 
-/// A Galilean shift changes only `velocity`; A, B and C are bitwise unchanged.
+/// A Galilean shift changes only the velocity of the frame, `LinearisedSystem::velocity`; A, B and C are bitwise
+/// unchanged.
 #[test]
 fn galilean_shift_changes_only_the_frame_velocity() {
     for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
@@ -307,7 +308,8 @@ fn coefficients_scale_with_the_units() {
     }
 }
 
-/// Writing into a reused system gives the same result as writing into a new one, for any previous model.
+/// Linearised equations written into a reused system equal those written into a new system, whatever model the reused
+/// system held before.
 #[test]
 fn reused_system_equals_a_new_system() {
     let mut random = RandomNumbers::new(990);

@@ -15,17 +15,17 @@ use wellposed_models::Rounded;
 
 const STATE_COUNT: usize = 300;
 
-/// Every entry of A, Bⁱ + Vᵢ A and C is the derivative of the nonlinear equation named by its row
-/// with respect to the unknown named by its column.
+/// Every entry of A, Bⁱ + Vᵢ A and C is the derivative of the nonlinear equation named by its row with respect to the
+/// time derivative, the space derivative ∂ᵢ or the value of the unknown named by its column.
 ///
 /// Tolerance: the rounding bound of the entry, which must cover the reference value (computed from the same doubles),
-/// plus the rounding error of 31 digits. The bound itself must be below 1e-12 of the largest value of the entry in the
-/// ensemble.
+/// plus the rounding error of the arithmetic of 31 digits. The bound itself must be below 1e-12 of the largest value of
+/// the entry in the ensemble.
 #[test]
 fn symbol_equals_the_derivatives_of_the_nonlinear_equations() {
     for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
         let mut random = RandomNumbers::new(100 + seed as u64);
-        // (matrix, row, column) → (largest value, largest deviation, largest bound)
+        // Map from (matrix, row, column) to the largest magnitude, deviation and rounding bound of the entry.
         let mut sizes: HashMap<(usize, usize, usize), [f64; 3]> = HashMap::new();
         for _ in 0..STATE_COUNT {
             let (parameters, model, state) = states::random_case(&mut random, kind, dilatancy);
@@ -95,8 +95,8 @@ fn symbol_equals_the_derivatives_of_the_nonlinear_equations() {
     }
 }
 
-/// The derived background (velocity gradient, spin, acceleration, body moment, stress angle rate)
-/// satisfies every nonlinear equation of its model.
+/// The derived background (velocity gradient, spin, acceleration, body moment, stress angle rate) satisfies every
+/// nonlinear equation of its model.
 ///
 /// Scale of a residual: the sum of the absolute values of (coefficient × derivative of an unknown) over all
 /// derivatives. Tolerance: 1e-13 of this scale, for about ten roundings of doubles in the derived quantities; the
@@ -108,7 +108,7 @@ fn derived_background_satisfies_the_nonlinear_equations() {
         let mut random = RandomNumbers::new(200 + seed as u64);
         for number in 0..STATE_COUNT {
             let (parameters, model, mut state) = states::random_case(&mut random, kind, dilatancy);
-            // The three admissible rotational stresses and the default.
+            // In turn the default and the three admissible rotational stresses ±m and 0.
             if let Some(m) = parameters.rotational_strength {
                 state.rotational_stress = [None, Some(m), Some(-m), Some(0.0)][number % 4];
             }
@@ -144,8 +144,8 @@ fn derived_background_satisfies_the_nonlinear_equations() {
     println!("largest relative residual of a background: {worst:.1e}");
 }
 
-/// The derived velocity gradient has the given Q_D and Ψ_D (eqs 84, 85), half vorticity and Δ = Ψ_D − Ψ_Σ including its
-/// sign.
+/// The derived velocity gradient has the given magnitude Q_D and angle Ψ_D of the deviatoric deformation rate (eqs 84,
+/// 85), the given half vorticity, and Δ = Ψ_D − Ψ_Σ including its sign.
 #[test]
 fn velocity_gradient_has_the_given_rate_angle_and_vorticity() {
     for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {

@@ -56,8 +56,9 @@ fn all_components() -> impl Iterator<Item = StressComponent> {
         .chain(pairs.map(|(i, j)| StressComponent::Couple(i, j)))
 }
 
-/// Checks `gradient` against ∂f/∂s by central differences over ±h. Truncation error h² f'''/6 and rounding error over h
-/// are about 1e-10 each for stresses and radii of curvature of order 0.1 and more.
+/// Checks `gradient` against central differences over ±h of the function `value` of the stress, and returns the largest
+/// difference. The truncation error h² f'''/6 and the rounding error divided by h are about 1e-10 each for stresses and
+/// radii of curvature of order 0.1 and more.
 fn check_gradient(value: impl Fn(&Stress) -> f64, gradient: &Stress, stress: &Stress) -> f64 {
     const STEP: f64 = 2e-6;
     let mut worst = 0.0f64;
@@ -88,7 +89,8 @@ fn yield_normals_are_gradients_of_the_yield_function() {
         let value = |s: &Stress| YieldSet::from(potential).yield_function(s);
         worst = worst.max(check_gradient(value, &condition.flow_direction, &stress));
 
-        // The yield function is the maximum over the eight half-spaces; it must exceed the other values by 0.01.
+        // The yield function is the maximum over the eight half-spaces. The gradient is compared only if no other
+        // half-space comes within 0.01 of the maximum.
         let set = random_interlayer(&mut random);
         let couple = set.couple.unwrap();
         let values: Vec<f64> = [0, 1]
@@ -125,7 +127,8 @@ fn yield_normals_are_gradients_of_the_yield_function() {
     assert_eq!(random_interlayer(&mut random).half_spaces().count(), 8);
 }
 
-/// Normals of a deviator of 1e-9 times the pressure are exact to rounding, since its differences are exact.
+/// The yield normal of a deviator that is 1e-9 times the pressure is exact to rounding, since the differences of the
+/// normal stresses are exact.
 #[test]
 fn yield_normal_is_exact_under_high_pressure() {
     let set = Mises::new_drucker_prager(1.0, 0.5, 0.5);
@@ -134,7 +137,7 @@ fn yield_normal_is_exact_under_high_pressure() {
     for (i, own) in [3.0, -1.0, -2.0].into_iter().enumerate() {
         stress.force[i][i] = mean + own;
     }
-    // |s|² = 14, τ̄ = √7.
+    // The deviator s has |s|² = 14, so τ̄ = √7.
     assert!((set.equivalent_shear(&stress) - 7f64.sqrt()).abs() <= 1e-15);
     let normal = set.condition(&stress).unwrap().normal;
     for (i, own) in [3.0, -1.0, -2.0].into_iter().enumerate() {
@@ -154,7 +157,7 @@ fn zero_stress_is_in_the_yield_set() {
         assert!(set.yield_function(&zero) < 0.0 && set.active_conditions(&zero, 1e-9).is_empty());
     }
     assert_eq!(random_mises(&mut random).condition(&zero), None);
-    // Without strength zero stress is the apex: on the boundary, all conditions active.
+    // Without strength zero stress is the apex: it is on the yield surface, and all conditions are active.
     let couple = InterlayerCoupleLimits { strength: 0.0, friction: 0.5, dilatancy: 0.5 };
     let set = InterlayerYieldSet {
         shear_strength: 0.0,
@@ -207,7 +210,8 @@ fn component_derivatives(stresses: &[StressComponent], gradient: &Stress) -> Vec
     stresses.iter().map(|c| c.derivative(gradient)).collect()
 }
 
-/// Computes D − DM(H + NᵀDM)⁻¹NᵀD in double-double precision; H is diagonal.
+/// Computes the tangent stiffness D − DM(H + NᵀDM)⁻¹NᵀD in double-double precision from the elastic stiffness D, the
+/// matrices N of normals and M of flow directions, and the diagonal matrix H of plastic moduli.
 fn direct_tangent(
     d: &[Vec<DoubleDouble>],
     normals: &[Vec<DoubleDouble>],
@@ -311,8 +315,9 @@ fn random_case(random: &mut RandomNumbers, number: usize) -> TangentCase {
     TangentCase { stresses, elastic_stiffness, conditions }
 }
 
-/// The tangent stiffness annihilates normals and flow directions of ideal conditions, does not depend on their order,
-/// and for associated flow is symmetric, positive semidefinite and at most the elastic stiffness.
+/// The tangent stiffness annihilates normals and flow directions of conditions without hardening, does not depend on
+/// the order of the conditions, and for associated flow is symmetric, positive semidefinite and at most the elastic
+/// stiffness.
 #[test]
 fn tangent_annihilates_normals_and_flow_directions() {
     let mut random = RandomNumbers::new(4);
@@ -407,7 +412,7 @@ fn rounding_bounds_of_the_tangent_cover_the_direct_formula() {
     }
     println!("off by {worst:e}, bounds up to {widest:e}");
     assert!(worst <= 1e-13, "{worst:e}");
-    // The bounds are not too wide.
+    // The rounding bounds are not far too large.
     assert!(widest <= 1e-10, "{widest:e}");
 }
 
@@ -417,8 +422,8 @@ fn linearly_dependent_conditions_are_skipped() {
     for number in 0..500 {
         let TangentCase { stresses, elastic_stiffness, conditions } =
             random_case(&mut random, number);
-        // Every condition twice; associated and without hardening, since with hardening the plastic flow would be
-        // distributed over equal conditions.
+        // Every condition is given twice, with associated flow and without hardening, since with hardening the plastic
+        // flow would be distributed over equal conditions.
         let ideal: Vec<ActiveCondition> = conditions
             .into_iter()
             .map(|c| ActiveCondition { hardening: 0.0, ..with_associated_flow(c) })
@@ -445,7 +450,8 @@ fn linearly_dependent_conditions_are_skipped() {
     }
 }
 
-/// For a Drucker–Prager cone n·Dm = μ + κκ̂K. If contraction or softening makes H + n·Dm ≤ 0, the error contains the
+/// For a Drucker–Prager cone with friction κ and dilatancy κ̂ in a solid with shear modulus μ and bulk modulus K
+/// n·Dm = μ + κκ̂K. If contraction or softening makes the plastic denominator H + n·Dm ≤ 0, the error contains its
 /// value; slightly above the critical dilatancy the tangent stiffness exists.
 #[test]
 fn nonpositive_plastic_denominator_is_an_error() {
@@ -476,14 +482,14 @@ fn nonpositive_plastic_denominator_is_an_error() {
             assert_eq!(error.condition, "yield");
             assert!(error.to_string().contains(&format!("{:e}", error.value)), "{error}");
         }
-        // Slightly above the critical dilatancy.
+        // Slightly above the critical dilatancy the tangent stiffness exists.
         let set = Mises::new_drucker_prager(1.0, friction, critical * 0.9999);
         assert!(tangent(&elastic_stiffness, stresses, &[set.condition(&stress).unwrap()]).is_ok());
     }
 }
 
-/// If n·Dm is zero to within rounding, its sign is uncertain: the result is an error, not a division by it, and the
-/// condition is not mistaken for a linearly dependent one.
+/// If the plastic denominator n·Dm is zero to within rounding, its sign is uncertain: the result is an error, not a
+/// division by n·Dm, and the condition is not mistaken for a linearly dependent one.
 #[test]
 fn uncertain_plastic_denominator_is_an_error() {
     let mut random = RandomNumbers::new(8);
@@ -508,7 +514,7 @@ fn uncertain_plastic_denominator_is_an_error() {
     assert_eq!(skipped, 0, "of 200");
 }
 
-/// Stress rate of an ideally plastic solid that yields at `stress`, from the nonlinear law; `strain`: the strain rate.
+/// Stress rate of an ideally plastic solid that yields at `stress`, from the nonlinear law at the strain rate `strain`.
 fn stress_rate(
     elastic_stiffness: &DMatrix<f64>,
     set: &Mises,
@@ -527,8 +533,9 @@ fn stress_rate(
     elastic_stiffness * (strain - m * rate)
 }
 
-/// In a background that flows plastically at the rate Λ with constant stress, perturbations of the stress relax with
-/// the matrix −D_t Λ∇²f; verified by finite differences of the nonlinear law.
+/// In a background that flows plastically at the multiplier rate Λ with constant stress, perturbations s′ of the stress
+/// obey ṡ′ = −D_t Λ∇²f s′ with the tangent stiffness D_t and the Hessian ∇²f of the yield function; verified by finite
+/// differences of the nonlinear law.
 #[test]
 fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface() {
     let random = &mut RandomNumbers::new(31);
@@ -561,7 +568,8 @@ fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface()
         assert!((&curvature - curvature.transpose()).amax() < 1e-14 * curvature.amax());
         let least = curvature.clone().symmetric_eigenvalues().min();
         assert!(least > -1e-14 * curvature.amax(), "{least:e}");
-        // Scaling of the stress does not change the flow direction: the curvature along it is zero.
+        // Scaling of the deviatoric and couple stress does not change the flow direction: the curvature along this
+        // stress is zero.
         let along = DVector::from_fn(components.len(), |i, _| {
             let mut deviator = tensor;
             let mean = (0..3).map(|i| deviator.force[i][i]).sum::<f64>() / 3.0;
@@ -589,6 +597,7 @@ fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface()
         }
     }
     println!("{worst:e}");
-    // Errors of central differences: h² times third derivatives, and rounding over h.
+    // The tolerance allows for the errors of central differences over ±h: h² times third derivatives, and rounding
+    // errors divided by h.
     assert!(worst < 1e-6);
 }

@@ -9,7 +9,8 @@ use wellposed_models::solid::stress::Stress;
 
 type Tensor = [[f64; 3]; 3];
 
-/// Relaxed moduli λ and μ; [`BRANCH_MODULUS`] is μ₁ and [`RELAXATION_TIME`] is τ.
+/// Relaxed Lamé modulus λ and shear modulus μ_R; [`BRANCH_MODULUS`] is the modulus μ₁ of the Maxwell branch and
+/// [`RELAXATION_TIME`] is τ.
 const RELAXED_MODULI: [f64; 2] = [1.3, 0.7];
 const BRANCH_MODULUS: f64 = 0.45;
 const RELAXATION_TIME: f64 = 0.8;
@@ -68,8 +69,8 @@ fn assert_close(found: &Tensor, expected: &Tensor, tolerance: f64) {
     }
 }
 
-/// After a step of strain the deviator relaxes as s(t) = 2μ_R e + 2μ₁e exp(−t/τ) for random time steps; mean stress,
-/// antisymmetric stress and couple stress are constant.
+/// After a step of strain with the deviator e the deviatoric stress relaxes as s(t) = 2μ_R e + 2μ₁e exp(−t/τ), for
+/// random time steps; mean stress, antisymmetric stress and couple stress are constant.
 #[test]
 fn stress_relaxes_at_constant_strain() {
     let (solid, mut random) = (standard_solid(), RandomNumbers::new(1));
@@ -126,8 +127,8 @@ fn creep_at_constant_stress_converges_at_first_order() {
     assert!((2.0 * errors[2] - errors[1]).abs() < 2e-6, "{errors:?}");
 }
 
-/// The viscous strain and the dissipation agree with τȧ = e − a integrated by the classical Runge–Kutta method in 4000
-/// steps.
+/// The viscous strain a and the dissipated energy agree with the rate equation τȧ = e − a integrated by the classical
+/// Runge–Kutta method in 4000 steps.
 #[test]
 fn viscous_strain_agrees_with_runge_kutta_integration() {
     let (solid, mut random) = (standard_solid(), RandomNumbers::new(2));
@@ -172,7 +173,8 @@ fn viscous_strain_agrees_with_runge_kutta_integration() {
     }
 }
 
-/// The stored energy equals the energy of the springs, and decreases by the dissipated energy to rounding for any step.
+/// The stored energy equals the energy of the springs, and in a relaxation of any duration it decreases by the
+/// dissipated energy to rounding.
 #[test]
 fn stored_energy_decreases_by_the_dissipated_energy() {
     let (solid, mut random) = (standard_solid(), RandomNumbers::new(3));
@@ -201,7 +203,7 @@ fn stored_energy_decreases_by_the_dissipated_energy() {
     }
 }
 
-/// Steps of zero length change nothing, very long steps reach the relaxed state, and all results are finite.
+/// Relaxation over zero or negligible time changes nothing; over a very long time it reaches the relaxed state.
 #[test]
 fn steps_of_extreme_length_are_exact() {
     let solid = standard_solid();
@@ -243,7 +245,7 @@ fn complex_modulus_is_the_laplace_transform_of_the_relaxation() {
                 _ if index % 2 == 1 => 4.0,
                 _ => 2.0,
             };
-            // The constant part 2μ_R has the transform 2μ_R/ς.
+            // The constant stress 2μ_R, whose transform is 2μ_R/ς, is subtracted here and added in closed form below.
             let relaxing = stress.force[0][1] - 2.0 * RELAXED_MODULI[1];
             sum += (-rate * (f64::from(index) * h)).exp() * (weight * relaxing * h / 3.0);
             solid.relax(&mut stress, &mut strain, h);
@@ -255,7 +257,7 @@ fn complex_modulus_is_the_laplace_transform_of_the_relaxation() {
         let difference = solid.longitudinal_modulus(rate) - expected * (4.0 / 3.0) - bulk;
         assert!(difference.norm() < 2e-9);
     }
-    // Limits of low and high frequency: the relaxed and the unrelaxed moduli.
+    // At low and high frequency the moduli tend to the relaxed and the unrelaxed moduli.
     for (frequency, limit) in [(1e-9, solid.relaxed()), (1e9, solid.unrelaxed())] {
         let rate = Complex::new(0.0, frequency);
         assert!((solid.shear_modulus(rate) - limit.mu).norm() < 1e-8);
@@ -264,7 +266,7 @@ fn complex_modulus_is_the_laplace_transform_of_the_relaxation() {
     }
 }
 
-/// Both constructors give the same solid, and both reject invalid constants with their name.
+/// `from_relaxed` and `from_unrelaxed` give the same solid, and both reject invalid constants with their name.
 #[test]
 fn both_constructors_agree_and_reject_invalid_constants() {
     let own = standard_solid();
@@ -296,8 +298,8 @@ fn both_constructors_agree_and_reject_invalid_constants() {
     }
 }
 
-/// Increments in single precision agree with double precision to rounding; increments in plane strain equal those in
-/// space.
+/// Relaxation increments in single precision agree with double precision to rounding; increments in plane strain equal
+/// those in space, and increments do not depend on the mean stress and strain.
 #[test]
 fn increments_agree_in_single_precision_and_in_plane_strain() {
     let step = standard_solid().compute_relaxation(0.3);

@@ -1,4 +1,4 @@
-//! Optimised operations of the return mapping are bitwise equal to the plain formulas.
+//! Bitwise equality of optimised operations of the return mapping with the plain formulas.
 
 mod support;
 
@@ -23,7 +23,7 @@ fn multiplication_by_one_third_is_bitwise_equal_to_division() {
     }
 }
 
-/// Plain Newton's method: two divisions per step, until the step is zero.
+/// Plain Newton's method, which evaluates the step by its formula and iterates until the step is zero; returns x.
 fn solve_by_plain_newton<N: Number>(equation: &ConsistencyEquation<N>) -> N {
     let mut x = N::ZERO;
     loop {
@@ -57,7 +57,8 @@ fn count_differing_roots<N: Number + PartialEq>(seed: u64) -> usize {
         let rates: [f64; EIGENSPACE_COUNT] =
             std::array::from_fn(|_| draw_log_uniform(&mut random, -1.0, 1.0) * 1e9);
         let shear = squares[..count].iter().sum::<f64>().sqrt();
-        // The shear stress exceeds the shear capacity by a relative 1e-13 (close to the yield surface) to 1e3 (far outside).
+        // The equivalent shear stress exceeds the shear capacity by a relative 1e-13 (close to the yield surface) to
+        // 1e3 (far outside).
         let shear_capacity = shear / (1.0 + draw_log_uniform(&mut random, -13.0, 3.0));
         let a =
             [0.0, draw_log_uniform(&mut random, -2.0, 1.0) * 1e9][number / EIGENSPACE_COUNT % 2];

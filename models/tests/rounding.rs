@@ -1,4 +1,5 @@
-//! `Rounded` against arithmetic of 31 digits: the bounds cover the errors and are not far too large.
+//! `Rounded` against arithmetic of 31 digits: the bounds cover the errors, and bounds of simple expressions are not far
+//! too large.
 
 mod support;
 
@@ -6,8 +7,8 @@ use support::{DifferentiableReal, DoubleDouble, RandomNumbers, dd};
 use wellposed_models::Rounded;
 use wellposed_models::common::rounding::UNIT_ROUNDOFF;
 
-/// A rounded number, its exact value in 31 digits, and the largest magnitude of an intermediate result, which scales
-/// the error of the 31 digits.
+/// A rounded number, its exact value with 31 digits, and the largest magnitude of an intermediate result, which scales
+/// the error of the 31-digit arithmetic.
 #[derive(Clone, Copy)]
 struct TrackedNumber {
     rounded: Rounded,
@@ -16,8 +17,8 @@ struct TrackedNumber {
 }
 
 impl TrackedNumber {
-    /// Random number: exact, or with an exact value inside or at an end of the interval of half a unit in the last
-    /// place.
+    /// Creates a random number whose value is exact, or whose exact value is inside or at an end of the interval of one
+    /// rounding error u·|value| about the value, with the unit roundoff u.
     fn new_random(random: &mut RandomNumbers) -> Self {
         let value =
             random.signed_uniform(1.0, 10.0) * 10f64.powi(random.uniform_index(7) as i32 - 3);
@@ -87,7 +88,7 @@ fn rounding_bounds_hold_for_random_operation_sequences() {
                 1 | 2 => a.subtract(b),
                 3 | 4 => a.multiply(b),
                 5 => a.divide(b),
-                // Larger arguments are excluded: their reduction loses digits of the reference.
+                // Larger arguments are excluded, since argument reduction would lose digits of the reference.
                 6 if a.rounded.value.abs() < 1e3 => a.sine(),
                 7 if a.rounded.value.abs() < 1e3 => a.cosine(),
                 _ => {
@@ -168,14 +169,14 @@ fn rounding_bounds_of_simple_expressions_are_at_most_50_times_the_error() {
     }
 }
 
-/// Near zeros of sin x and 1 − cos x a certain sign is correct, and both certain and uncertain signs occur.
+/// For sin x and 1 − cos x near multiples of π a certain sign is correct, and both certain and uncertain signs occur.
 #[test]
 fn certain_signs_are_correct_near_zeros() {
     let mut random = RandomNumbers::new(820);
     let (mut certain, mut uncertain) = (0, 0);
     for _ in 0..5_000 {
         let turns = random.uniform_index(8) as f64;
-        // At a distance of 1 to 1e4 units in the last place from a zero of the sine.
+        // The distance from the zero n π of the sine is up to (1 + n) × 1e-12, where n is `turns`.
         let offset = 10f64.powf(random.uniform(-16.5, -12.0));
         let value =
             turns * std::f64::consts::PI + random.signed_uniform(0.5, 1.0) * offset * (1.0 + turns);

@@ -79,7 +79,7 @@ fn scaled_stresses_lie_on_the_yield_surface() {
             let stress = scale_onto_yield(&set, pressure, &stress_direction()).unwrap();
             let size = stress.force.as_flattened().iter().fold(0.0f64, |a, x| a.max(x.abs()));
             assert!(set.yield_function(&stress).abs() <= 1e-12 * size, "{set:?} {pressure}");
-            // The magnitude of the direction has no influence.
+            // Doubling the direction does not change the scaled stress.
             let mut doubled = stress_direction();
             doubled.force = doubled.force.map(|row| row.map(|x| 2.0 * x));
             doubled.couple = doubled.couple.map(|row| row.map(|x| 2.0 * x));

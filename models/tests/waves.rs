@@ -1,4 +1,5 @@
-//! Compares the two formulations of an elastic law: velocity–stress pairs and coefficient matrices.
+//! Comparison of the two formulations of an elastic law, velocity–stress pairs and coefficient matrices; spin rotation,
+//! and stored energy.
 
 mod support;
 
@@ -103,7 +104,7 @@ fn compare_wave_pairs<const D: usize>(
     }
 }
 
-/// The velocity–stress pairs and the spin rotation of isotropic solids agree with the matrices.
+/// The velocity–stress pairs and the spin rotation of isotropic solids agree with the matrices of the rate equations.
 #[test]
 fn wave_pairs_of_isotropic_solids_agree_with_the_matrices() {
     let random = &mut RandomNumbers::new(51);
@@ -119,7 +120,8 @@ fn wave_pairs_of_isotropic_solids_agree_with_the_matrices() {
     }
 }
 
-/// The velocity–stress pairs and the spin rotation of solids by compliances agree with the matrices.
+/// The velocity–stress pairs and the spin rotation of solids by compliances agree with the matrices of the rate
+/// equations.
 #[test]
 fn wave_pairs_from_compliances_agree_with_the_matrices() {
     let random = &mut RandomNumbers::new(52);
@@ -152,7 +154,8 @@ fn state_fields_have_the_names_of_the_unknowns() {
     }
 }
 
-/// The spin rotation agrees with a Runge–Kutta solution of its equations and conserves the energy ½jω² + ½a²/α.
+/// The spin rotation of spin ω and antisymmetric stress a agrees with a Runge–Kutta solution of its equations and
+/// conserves the energy ½jω² + ½a²/α.
 #[test]
 fn spin_rotation_agrees_with_runge_kutta_integration() {
     let random = &mut RandomNumbers::new(54);
@@ -162,7 +165,7 @@ fn spin_rotation_agrees_with_runge_kutta_integration() {
         let state = [random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)];
         let duration = random.uniform(0.0, 3.0);
         let found = rotation.advance(state, duration);
-        // ω̇ = −2a/j, ȧ = 2αω by the classical Runge–Kutta method.
+        // Reference: ω̇ = −2a/j, ȧ = 2αω integrated by the classical Runge–Kutta method.
         let steps = 2000;
         let h = duration / f64::from(steps);
         let rate = |[w, a]: [f64; 2]| [-2.0 * a / own.inertia, 2.0 * own.alpha * w];
@@ -185,7 +188,7 @@ fn spin_rotation_agrees_with_runge_kutta_integration() {
     }
 }
 
-/// The stored energy equals ½ s·D⁻¹s with the stiffness matrix D.
+/// The stored energy of a stress s equals ½ s·D⁻¹s with the stiffness matrix D.
 #[test]
 fn stored_energy_agrees_with_hookes_law() {
     let random = &mut RandomNumbers::new(55);

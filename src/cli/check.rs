@@ -127,7 +127,7 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
     refuse_disagreement(failed, all, "cases")
 }
 
-/// Result line of one case of a folder.
+/// Result of the check of one case in a folder, as a line of text and as JSON.
 struct CaseLine {
     text: String,
     json: Value,

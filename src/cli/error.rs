@@ -24,7 +24,7 @@ pub enum Error {
     /// A simulation was stopped by its own state, such as a non-finite field.
     #[error(transparent)]
     Stopped(#[from] StopReport),
-    /// The equations of the flow are ill-posed, and a simulation was not explicitly accepted.
+    /// The equations of the flow are ill-posed, and `--accept-ill-posed` was not given.
     #[error("{0}; --accept-ill-posed runs it all the same")]
     IllPosed(IllPosedness),
     /// Measurement and prediction disagree.
@@ -37,7 +37,7 @@ pub enum Error {
         /// Noun of the message: rows or cases.
         noun: &'static str,
     },
-    /// The folder to be checked contains no case.
+    /// The folder to be checked contains no case file.
     #[error(
         "{folder}: no case file (*.toml) in the folder or below; name a case file, or a folder that holds some"
     )]
@@ -109,7 +109,7 @@ impl Error {
         all
     }
 
-    /// Returns the kind of the error for programs, one word.
+    /// Returns the value of `kind` in the JSON object, one word.
     fn kind(&self) -> &'static str {
         match self {
             Self::Study(crate::Error::Case(_)) | Self::Medium(_) => "case",

@@ -40,7 +40,7 @@ pub(super) fn create_thread_pool(threads: Option<usize>) -> Result<rayon::Thread
     builder.build().map_err(|error| Error::Threads(error.to_string()))
 }
 
-/// Checks that `count` threads can be started besides those of the pool, as each step of a solid does.
+/// Checks that `count` threads can be started besides those of the pool: each time step of a solid may start that many.
 pub(super) fn check_threads(count: usize) -> Result<(), Error> {
     let (wait, end) = std::sync::mpsc::channel::<()>();
     let end = std::sync::Mutex::new(end);

@@ -11,7 +11,7 @@ use crate::report;
 use std::io::Write;
 use std::path::Path;
 
-/// Archive of the final fields.
+/// File name of the archive of the final fields.
 const FIELDS_ARCHIVE: &str = "fields.npz";
 
 /// Runs `plot`.

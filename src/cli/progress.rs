@@ -1,5 +1,5 @@
-//! Progress of work longer than a second, with the estimated remaining time: a bar on terminals, elsewhere a line every ten
-//! seconds.
+//! Progress of work that takes longer than a second, with the estimated remaining time: a bar on terminals, elsewhere a
+//! line every ten seconds.
 
 use crate::report::run::DisplayTime;
 use crate::study::ProgressCallback;
@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 /// Delay before the progress bar appears.
 const PROGRESS_BAR_DELAY: Duration = Duration::from_secs(1);
-/// Interval of progress lines where standard error is not a terminal.
+/// Interval between progress lines, printed where standard error is not a terminal.
 pub(super) const PROGRESS_LINE_INTERVAL: Duration = Duration::from_secs(10);
 
-/// Runs a study on the threads of a pool with a progress bar labelled `name`.
+/// Runs a study on the threads of a pool and shows its progress, labelled `name`.
 pub fn run_with_progress<T: Send>(
     pool: &ThreadPool,
     name: &'static str,
@@ -30,10 +30,10 @@ pub fn run_with_progress<T: Send>(
     pool.install(|| study(&on_progress))
 }
 
-/// Thread-safe progress bar on standard error; cleared on drop.
+/// Thread-safe progress display on standard error; a bar is cleared on drop.
 pub struct DelayedProgressBar {
     name: &'static str,
-    /// `None` if standard error is not a terminal.
+    /// Progress bar; `None` if standard error is not a terminal.
     bar: Option<ProgressBar>,
     /// Time of the last line where standard error is not a terminal.
     last_line: Mutex<Instant>,
@@ -61,7 +61,7 @@ impl DelayedProgressBar {
         }
     }
 
-    /// Advances the bar by `steps`.
+    /// Advances the bar by `steps`; prints no line.
     pub fn advance_by(&self, steps: u64) {
         if let Some(bar) = &self.bar {
             self.show_after_delay(bar);
@@ -82,7 +82,7 @@ impl DelayedProgressBar {
 
     /// Prints a progress line if the last one is older than [`PROGRESS_LINE_INTERVAL`].
     fn print_line(&self, done: u64, all: u64) {
-        // Another thread may be printing.
+        // If another thread is printing, this one prints nothing.
         let Ok(mut last_line) = self.last_line.try_lock() else { return };
         if last_line.elapsed() < PROGRESS_LINE_INTERVAL || done == 0 {
             return;

@@ -12,7 +12,8 @@ use std::path::Path;
 /// Resumes an interrupted or killed run.
 ///
 /// # Errors
-/// The folder holds no run, a finished run, or a damaged checkpoint; otherwise the errors of [`run_simulation`](super::run_simulation).
+/// The folder holds no run, a finished run, or a damaged checkpoint; otherwise the errors of
+/// [`run_simulation`](super::run_simulation).
 pub fn resume(
     path: &Path,
     threads: Option<usize>,

@@ -90,8 +90,8 @@ pub(super) struct RunContext<'a> {
     pub(super) threads: Option<usize>,
 }
 
-/// Computes a run from its beginning or from a checkpoint and writes all results. `lock` is the folder lock of a
-/// resumed run.
+/// Computes a run from its beginning or from `checkpoint` and writes all results. `lock` is the run lock of a resumed
+/// run.
 pub(super) fn execute_run(
     run: &RunContext,
     job: &dyn SimulationJob,

@@ -34,7 +34,7 @@ pub(super) fn set_stage(stage: ProgramStage) {
     PROGRAM_STAGE.store(stage as u8, Ordering::Relaxed);
 }
 
-/// Sets the stage until the returned guard is dropped.
+/// Sets the stage until the returned guard is dropped; then the stage is [`ProgramStage::OutsideRun`].
 pub(super) fn set_stage_until_drop(stage: ProgramStage) -> impl Drop {
     struct StageGuard;
     impl Drop for StageGuard {
@@ -46,14 +46,14 @@ pub(super) fn set_stage_until_drop(stage: ProgramStage) -> impl Drop {
     StageGuard
 }
 
-/// Whether a run has been interrupted.
+/// Returns whether a run has been interrupted.
 pub(super) fn is_interrupted() -> bool {
     IS_INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// Installs the handlers. SIGINT, SIGTERM and SIGHUP end a run after a checkpoint, and everything else at once, without
-/// partial files; a second signal ends a run at once. A file beyond the size limit gives a write error and does not end
-/// the program.
+/// Installs the handlers. SIGINT, SIGTERM and SIGHUP end a run after a checkpoint, and any other work at once, without
+/// partial files; a second signal ends a run at once. A write beyond the file size limit (SIGXFSZ) returns an error and
+/// does not end the program.
 pub fn install_signal_handlers() {
     static INSTALL_ONCE: Once = Once::new();
     INSTALL_ONCE.call_once(|| {
@@ -121,10 +121,11 @@ fn is_hangup_ignored() -> bool {
     }
 }
 
-/// Ignores SIGXFSZ, so that writing beyond the file size limit returns an error; ignores SIGHUP if `ignores_hangup` is set.
+/// Ignores SIGXFSZ, so that writing beyond the file size limit returns an error; ignores SIGHUP if `ignores_hangup` is
+/// set.
 #[cfg(unix)]
 fn ignore_signals(ignores_hangup: bool) {
-    // SAFETY: no code of this program handles these signals otherwise.
+    // SAFETY: `SIG_IGN` is a valid disposition that runs no code; for SIGHUP it replaces the handler installed before.
     unsafe {
         libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
         if ignores_hangup {

@@ -50,13 +50,13 @@ pub(super) fn print_report(
     Ok(())
 }
 
-/// Paths of the files that a verb would write: the common files and `names`.
+/// Returns the paths of the files that a verb would write: the common files and `names`.
 pub(super) fn planned_paths(folder: &ResultFolder, names: &[impl AsRef<str>]) -> Vec<String> {
     let names = ResultFolder::COMMON_FILES.into_iter().chain(names.iter().map(AsRef::as_ref));
     names.map(|name| folder.path().join(name).display().to_string()).collect()
 }
 
-/// Prints what a verb would do, as in "assess 12 states", and the files that it would write.
+/// Prints a description of the work of a verb, such as "assess 12 states", and the files that the verb would write.
 pub(super) fn print_plan(
     plan: &str,
     paths: &[String],

@@ -129,7 +129,7 @@ fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {
             },
         })
     });
-    // Bands between 0 and a cut-off frequency are left to the dashed cut-off line.
+    // Bands from 0 to a cut-off frequency are omitted, since the dashed line of the cut-off frequency shows them.
     let bands = found.families.iter().flat_map(|family| {
         let between = |band: &&[f64; 2]| band[0] > 0.0 && band[1].is_finite();
         family.forbidden_bands.iter().filter(between).map(|&[from, to]| FrequencyBand {
@@ -183,7 +183,7 @@ fn closed_form_speeds(found: &DispersionResult) -> Vec<ReferenceLevel> {
     [
         Some(level("c_p", speeds.longitudinal)),
         Some(level("c_s", speeds.shear)),
-        // In plane strain no rotation is about the wave vector.
+        // In plane strain the rotation vector is normal to the plane: no wave rotates about its wave vector (torsion).
         speeds.torsion.filter(|_| solid.dimensions == 3).map(|c| level("c_m", c)),
         speeds.rotation.map(|c| level("c_ω", c)),
     ]

@@ -5,7 +5,7 @@ pub use crate::study::format::{format_order, format_short, format_superscript};
 use crate::case::Case;
 use analysis::solids::angles_deg;
 
-/// Route of verdicts by a closed form of the model.
+/// Description of the route of verdicts that follow from a closed form of the model's growth rate.
 pub const CLOSED_FORM_ROUTE: &str =
     "closed form of the model's growth rate, where rounding leaves its sign and ten digits";
 
@@ -18,7 +18,7 @@ pub fn case_title(case: &Case) -> String {
     if case.title.is_empty() { case.name.clone() } else { case.title.clone() }
 }
 
-/// Formats a unit as a suffix.
+/// Formats the unit of a number as the suffix of that number: ` m/s`, `°` for degrees, nothing without a unit.
 pub fn format_unit_suffix(unit: &str) -> String {
     match unit {
         "" => String::new(),
@@ -27,17 +27,17 @@ pub fn format_unit_suffix(unit: &str) -> String {
     }
 }
 
-/// Formats the note that a model is coaxial although the case gives Δ, degrees.
+/// Formats the note that a model is coaxial (Δ = 0) although the case gives the non-coaxiality Δ = `noncoaxiality_deg`.
 pub fn format_coaxial_note(noncoaxiality_deg: f64) -> String {
     format!("(coaxial: Δ = 0 instead of {}°)", format_short(noncoaxiality_deg))
 }
 
-/// Returns the unit of lim Re ς / k^order.
+/// Returns the unit of the growth coefficient lim Re ς / k^order as k → ∞.
 pub fn coefficient_unit(order: f64) -> String {
     format!("m{}/s", format_superscript(order))
 }
 
-/// Formats a unit normal as angles: `at 30°, 12° above the plane`.
+/// Formats a unit normal vector as its angles: `at 30°, 12° above the plane`.
 pub fn format_normal(normal: [f64; 3]) -> String {
     let [direction, elevation] = angles_deg(normal);
     match elevation {

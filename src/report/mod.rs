@@ -22,13 +22,13 @@ pub trait Report: Serialize {
     /// Name of the study and stem of its files: `dispersion.json`.
     const NAME: &'static str;
 
-    /// Units by quantity, the last entry of the JSON report.
+    /// Pairs of a quantity and its unit, the last entry of the JSON report.
     const UNITS: &'static [(&'static str, &'static str)] = &[];
 
-    /// Whether the printed text ends with the path of the first picture, otherwise with that of the folder.
+    /// Whether the printed text ends with the path of the first picture, otherwise with that of the results folder.
     const ENDS_WITH_PICTURE: bool = true;
 
-    /// Returns the units by quantity; overridden if they depend on the value.
+    /// Returns the pairs of a quantity and its unit; overridden if they depend on the result.
     fn units(&self) -> &'static [(&'static str, &'static str)] {
         Self::UNITS
     }
@@ -36,7 +36,7 @@ pub trait Report: Serialize {
     /// Renders the text report.
     fn to_text(&self, case: &Case) -> String;
 
-    /// Creates the pictures; the path of the first is printed.
+    /// Creates the pictures.
     ///
     /// # Errors
     /// A picture or table cannot be created.
@@ -54,13 +54,13 @@ type DrawFunction = Box<dyn Fn(figures::FigureFormat) -> Result<Vec<u8>, FigureE
 
 /// Picture, drawn as PNG and SVG.
 pub struct ReportPicture {
-    /// File name without extension.
+    /// Name of the picture's files without extension.
     file_stem: &'static str,
     draw: DrawFunction,
 }
 
 impl ReportPicture {
-    /// Creates a picture from the drawing method of a figure.
+    /// Creates a picture with the file name `stem` from the drawing method of a figure.
     pub fn new(
         stem: &'static str,
         draw: impl Fn(figures::FigureFormat) -> Result<Vec<u8>, FigureError> + 'static,
@@ -114,7 +114,7 @@ impl RenderedReport {
     /// Renders text, JSON and tables of a report and prepares its pictures.
     ///
     /// # Errors
-    /// A part of the report cannot be rendered.
+    /// The text, the JSON report, a picture or a table cannot be rendered.
     pub fn new<R: Report>(report: &R, case: &Case) -> Result<Self, Error> {
         Ok(Self {
             name: R::NAME,

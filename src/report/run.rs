@@ -105,7 +105,7 @@ impl RunResult {
     }
 }
 
-/// Returns the minimum and maximum of values.
+/// Returns the minimum and the maximum of `values`.
 fn value_range(values: &[f64]) -> [f64; 2] {
     values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
         [low.min(*value), high.max(*value)]

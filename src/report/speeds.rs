@@ -60,8 +60,8 @@ impl Report for SpeedsResult {
 }
 
 impl SpeedsResult {
-    /// Writes the range of each speed over all directions; `of_wave` returns the squared speeds of a wave by direction,
-    /// m²/s².
+    /// Writes the range of each wave's speed over all directions; `of_wave` returns the squared speeds, m²/s², of the
+    /// wave of that index by direction.
     fn write_speed_ranges(
         &self,
         name: &str,
@@ -172,7 +172,7 @@ fn format_sphere_csv(hemisphere: &Hemisphere) -> Result<Vec<u8>, Error> {
     Ok(files::csv::format_table(&["polar_deg", "azimuth_deg", "slowest_speed"], rows)?)
 }
 
-/// Returns the curves of one response; coincident curves are merged with their multiplicity.
+/// Returns the curves of one response; coincident curves are merged into one with their number as multiplicity.
 fn create_curves(found: &SpeedsResult, response: SolidResponse) -> Vec<SpeedCurve> {
     let DirectionalSpeeds { curves: directional_speeds, max_squared_speed: largest, .. } =
         &found.directional_speeds;
@@ -255,7 +255,7 @@ fn create_sphere_figure(
     hemisphere: &Hemisphere,
 ) -> SphereFigure {
     let extremes = &found.assessment.extremes;
-    // Of two opposite normals, the one whose angles are printed is marked.
+    // Opposite normals have the same speeds; the one whose angles are printed is marked.
     let mark = |label: &str, of: [f64; 3]| {
         let [direction_deg, elevation_deg] = angles_deg(of);
         let wave = WaveNumbers { direction_deg, elevation_deg, ..case.material.numbers.wave };

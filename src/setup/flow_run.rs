@@ -72,7 +72,7 @@ pub(crate) fn create_flow_problem(
 /// ψ, rad.
 ///
 /// # Errors
-/// The archive named by a part of the perturbation is unusable.
+/// The archive named by a term of the perturbation is unusable.
 pub(crate) fn create_perturbation(
     run: &FlowRun,
     problem: &FlowProblem,

@@ -1,4 +1,5 @@
-//! Conversion of cases to problems of the other crates, and of their errors to errors with a place in the case file.
+//! Conversion of cases to problems of the other crates, and of the errors of these crates to errors with a place in the
+//! case file.
 
 pub mod check;
 pub mod flow;

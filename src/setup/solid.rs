@@ -21,7 +21,7 @@ pub fn create_solid(material: &Material) -> Result<Solid, InputError> {
     Ok(Solid::new(elastic, material.numbers.dimensions, plastic))
 }
 
-/// Creates the elastic law of a material and its yield set, independent of the stress.
+/// Creates the elastic law of a material and its yield set; the stress of the material is not used.
 ///
 /// # Errors
 /// A constant is out of range, or the material is a flow.
@@ -47,7 +47,7 @@ pub fn create_medium(material: &Material, dimensions: usize) -> Result<Medium, I
     Ok(medium.with_yield_set(set))
 }
 
-/// Returns the unit wave normal.
+/// Returns the unit wave normal (cos β cos α, cos β sin α, sin β) with the direction α and the elevation β of a wave.
 pub fn wave_normal(wave: &WaveNumbers) -> [f64; 3] {
     let (sin, cos) = degrees_to_radians(wave.direction_deg).cr_sin_cos();
     let (up, along) = degrees_to_radians(wave.elevation_deg).cr_sin_cos();
@@ -72,7 +72,7 @@ pub fn constants_by_name(material: &Material) -> Result<Vec<(&'static str, f64)>
         let names = set.parameters_for(solid.theory).map(|own| own.name);
         all.extend(names.zip(values.iter().copied()));
     }
-    // Absent constants (NaN) have defaults of the model.
+    // An absent constant is NaN; the model uses its default.
     all.retain(|own| !own.1.is_nan());
     Ok(all)
 }
@@ -122,7 +122,7 @@ fn create_plasticity(material: &Material, kind: YieldSetKind) -> Result<PlasticS
     )
 }
 
-/// Returns the stress of a material without its pressure, Pa and N/m.
+/// Returns the stress of a material without its pressure: force stresses, Pa, and couple stresses, N/m.
 fn stress_direction(material: &Material) -> Stress {
     let given = material.numbers.stress;
     let (sin, cos) = (2.0 * degrees_to_radians(given.stress_angle_deg)).cr_sin_cos();

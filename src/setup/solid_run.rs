@@ -20,7 +20,7 @@ use dynamics::simulation::TimeSteps;
 pub(crate) use geometry::{cell_centre, containing_cell, create_probe};
 use models::solid::waves::SolidField;
 
-/// Solver problem of a case with its initial state.
+/// Solver problem of a solid with its time steps and initial state, created from a case.
 pub(crate) struct SolidSetup<const D: usize> {
     pub(crate) problem: Problem<D>,
     pub(crate) time_steps: TimeSteps,
@@ -51,13 +51,13 @@ pub(crate) fn create_media(case: &Case, dynamics: &SolidRun) -> Result<Vec<Mediu
     Ok(all)
 }
 
-/// Returns the name of a field among the unknowns of the analysis.
+/// Returns the name of a field among the unknowns of the analysis, such as `σ12` for `sigma12`.
 pub(crate) fn unknown_name(field: SolidField) -> String {
     StateComponent(field).to_string().replace("sigma", "σ").replace('w', "ω")
 }
 
-/// Computes the time steps: the longest allowed by Courant number and rotation per step, shortened to divide the
-/// duration.
+/// Computes the time steps. Their length is the largest one allowed by the Courant number and the rotation per step,
+/// reduced such that it divides the duration.
 pub(crate) fn compute_time_steps(
     dynamics: &SolidRun,
     media: &[Medium],
@@ -141,7 +141,7 @@ impl<const D: usize> SolidSetup<D> {
     }
 }
 
-/// Converts a solver error to an error of the case; reading the case should have found it.
+/// Converts a solver error to an error of the case; the reader of case files should have found the fault already.
 fn locate_domain_error(dynamics: &SolidRun, error: &DomainError) -> CaseError {
     let key = match error {
         DomainError::Courant { .. } => "time.courant",
@@ -155,8 +155,8 @@ fn locate_domain_error(dynamics: &SolidRun, error: &DomainError) -> CaseError {
     dynamics.error_at(key, error.to_string(), "docs/case-file.md describes solids in time")
 }
 
-/// Checks that the initial stress is in the yield sets, since otherwise the first step would apply the return mapping
-/// to it.
+/// Checks that the initial stress is in the yield set of each cell, since otherwise the first step would apply the
+/// return mapping to it.
 fn check_initial_stress<const D: usize>(
     dynamics: &SolidRun,
     problem: &Problem<D>,
@@ -175,7 +175,7 @@ fn check_initial_stress<const D: usize>(
     Ok(())
 }
 
-/// Conversion of positions and conditions of a case to those of its grid.
+/// Converter of positions and conditions of a case to cells, faces and fields of its grid.
 struct GridConverter<'a> {
     dynamics: &'a SolidRun,
     medium: Medium,

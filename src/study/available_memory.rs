@@ -10,7 +10,7 @@ pub struct Bytes(pub f64);
 /// Fraction of the available memory that a plan may use; the rest is for allocations not counted.
 const USABLE_FRACTION: f64 = 0.9;
 
-/// Available memory and what bounds it.
+/// Available memory and the limit that determines it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AvailableMemory {
     bytes: f64,
@@ -36,7 +36,8 @@ impl AvailableMemory {
             .filter(|own| needed > Bytes(USABLE_FRACTION * own.bytes))
     }
 
-    /// Returns the smallest of the free memory and the limits, from the system files under `root`.
+    /// Returns the smallest of the free memory, the rest of the address space limit and the rest of the control group
+    /// limits, read from the system files under `root`.
     fn from_system_files(root: &Path) -> Option<Self> {
         let all = [
             (free_memory(root), "that are free"),
@@ -56,7 +57,7 @@ impl AvailableMemory {
     }
 }
 
-/// Returns the rest of the first line that starts with `word`.
+/// Returns the rest of the first line of a file that starts with `word`.
 fn read_entry(path: &Path, word: &str) -> Option<String> {
     let text = std::fs::read_to_string(path).ok()?;
     text.lines().find_map(|line| line.strip_prefix(word)).map(|rest| rest.trim().to_owned())
@@ -79,8 +80,8 @@ fn remaining_address_space(root: &Path) -> Option<f64> {
     Some((limit - read_kibibytes(&root.join("proc/self/status"), "VmSize:")?).max(0.0))
 }
 
-/// Returns the smallest remainder of the memory limits of the control group and its ancestors, bytes; cgroup version 1 or
-/// 2.
+/// Returns the smallest remainder of the memory limits of the control group and its ancestors, bytes; cgroup version 1
+/// or 2.
 fn remaining_control_group_memory(root: &Path) -> Option<f64> {
     let text = std::fs::read_to_string(root.join("proc/self/cgroup")).ok()?;
     let of_line = |line: &str| {
@@ -94,7 +95,8 @@ fn remaining_control_group_memory(root: &Path) -> Option<f64> {
             }
             _ => return None,
         };
-        // In a container the path may be that of the host, with the container's group at the mount point.
+        // In a container the path may be that of the host, while the container's group is at the mount point: all
+        // ancestors of the path are tried.
         let groups = Path::new(path.trim_start_matches('/')).ancestors();
         groups
             .filter_map(|group| remaining_group_memory(&root.join(mount).join(group), names))
@@ -103,8 +105,8 @@ fn remaining_control_group_memory(root: &Path) -> Option<f64> {
     text.lines().filter_map(of_line).reduce(f64::min)
 }
 
-/// Returns the remainder of the limit of one group, bytes. File pages are not counted as used, since they can be
-/// reclaimed.
+/// Returns the remainder of the memory limit of one group, bytes. Pages of the file cache are not counted as used,
+/// since they can be reclaimed.
 fn remaining_group_memory(group: &Path, [limit, used, prefix]: [&str; 3]) -> Option<f64> {
     let number = |name: &str| -> Option<f64> {
         std::fs::read_to_string(group.join(name)).ok()?.trim().parse().ok()
@@ -121,7 +123,7 @@ fn remaining_group_memory(group: &Path, [limit, used, prefix]: [&str; 3]) -> Opt
 mod tests {
     use super::*;
 
-    /// Creates a system with about 1 GB free and the given files, and returns its available memory.
+    /// Creates system files with about 1 GB of free memory and the given files, and returns the available memory.
     fn read_available_memory(files: &[(&str, &str)]) -> Option<AvailableMemory> {
         let root = tempfile::tempdir().unwrap();
         let memory = ("proc/meminfo", "MemTotal: 9 kB\nMemAvailable:    1000000 kB\n");

@@ -13,19 +13,19 @@ use serde::Serialize;
 pub struct DispersionResult {
     /// Kind of the solid.
     pub model: &'static str,
-    /// Wave vector at which branches are listed.
+    /// Wave vector of the case, for which the branches are listed.
     pub wave: WaveVector,
     /// Largest wave number of the curves, 1/m.
     #[serde(rename = "greatest_number")]
     pub max_wave_number: f64,
-    /// Branch families, those of equal dispersion merged.
+    /// Families of branches; those of equal dispersion are merged.
     pub families: Vec<BranchFamily>,
-    /// Solid with its yield state.
+    /// Solid with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
 }
 
-/// Wave vector.
+/// Wave vector in space, as wave number and angles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WaveVector {
     /// Wave number k, 1/m.
@@ -33,7 +33,7 @@ pub struct WaveVector {
     pub wave_number: f64,
     /// Direction in the plane of x₁ and x₂ from x₁, degrees.
     pub direction_deg: f64,
-    /// Elevation above that plane, degrees.
+    /// Elevation above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
 }
 
@@ -44,7 +44,7 @@ impl From<WaveNumbers> for WaveVector {
     }
 }
 
-/// Waves of one polarisation, merged with those of equal dispersion.
+/// Waves of one polarisation, merged with those of other polarisations that have equal dispersion.
 #[derive(Clone, Debug, Serialize)]
 pub struct BranchFamily {
     /// Polarisation of the waves.
@@ -52,7 +52,7 @@ pub struct BranchFamily {
     /// Number of merged families.
     #[serde(rename = "count")]
     pub family_count: usize,
-    /// Characteristic speeds, m/s.
+    /// Real parts of the characteristic speeds, m/s.
     pub characteristic_speeds: Vec<f64>,
     /// Imaginary parts of complex characteristic speeds, m/s.
     #[serde(rename = "characteristic_growth")]
@@ -64,18 +64,18 @@ pub struct BranchFamily {
     /// Forbidden bands, in which no such wave propagates: lower and upper frequency, rad/s; the upper one is infinite
     /// if no wave propagates above (null in JSON).
     pub forbidden_bands: Vec<[f64; 2]>,
-    /// Branches at the wave of the case.
+    /// Branches at the wave number of the case.
     #[serde(rename = "at_wave")]
     pub branches: Vec<BranchAtWave>,
-    /// Names of the branches.
+    /// Names of the branches, in the order of `curves`.
     #[serde(skip)]
     pub labels: Vec<String>,
-    /// Curves of the branches up to the largest wave number.
+    /// Curves of the branches up to the largest wave number, one list of points per branch.
     #[serde(skip)]
     pub curves: Vec<Vec<BranchPoint>>,
 }
 
-/// Branch at the wave of the case.
+/// Frequency, growth rate and speeds of a branch at the wave number of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BranchAtWave {
     /// Frequency Re ω, rad/s.
@@ -88,7 +88,7 @@ pub struct BranchAtWave {
     pub group_speed: f64,
 }
 
-/// Computes the dispersion relation of a solid. Progress counts families of waves.
+/// Computes the dispersion relation of a solid. Progress counts branch families.
 ///
 /// # Errors
 /// The case is not a solid, its constants are out of range, its background flows plastically, or frequencies are not

@@ -4,14 +4,14 @@ use analysis::acoustic_tensor3::{Flutter, SlowestSpeed};
 use analysis::solids::angles_deg;
 use serde::Serialize;
 
-/// Wave normal.
+/// Wave normal, as a vector and as angles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WaveNormal {
-    /// Unit vector.
+    /// Unit vector normal to the wave front.
     pub vector: [f64; 3],
     /// Direction in the plane of x₁ and x₂ from x₁, degrees.
     pub direction_deg: f64,
-    /// Elevation above that plane, degrees.
+    /// Elevation above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
 }
 
@@ -30,7 +30,7 @@ pub struct FlutterWave {
     pub max_imaginary_speed: f64,
     /// Real and imaginary part of c² at the supremum, m²/s²; the conjugate is also an eigenvalue.
     pub squared_speed: [f64; 2],
-    /// Normal of the wave.
+    /// Normal of this wave.
     pub normal: WaveNormal,
 }
 
@@ -46,9 +46,9 @@ impl From<Flutter> for FlutterWave {
 pub struct SlowestWave {
     /// Smallest real c², m²/s²; infinite if no direction has real c² (null in JSON).
     pub squared_speed: f64,
-    /// Rounding bound of the squared speed, m²/s².
+    /// Bound on the rounding error of `squared_speed`, m²/s².
     pub rounding: f64,
-    /// Normal of the wave.
+    /// Normal of this wave.
     pub normal: WaveNormal,
 }
 

@@ -3,7 +3,7 @@
 use analysis::growth::Verdict;
 use models::common::elementary::Elementary;
 
-/// Formats a number with four significant digits.
+/// Formats a number with four significant digits, in scientific notation outside of 10⁻³ to 10⁵.
 pub fn format_short(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
@@ -20,7 +20,7 @@ pub fn format_short(x: f64) -> String {
     }
 }
 
-/// Formats an order as a fraction with denominator up to 12, otherwise as a decimal number.
+/// Formats an order of growth as a fraction with a denominator up to 12, otherwise as a decimal number.
 pub fn format_order(order: f64) -> String {
     for denominator in 1..=12 {
         let numerator = order * f64::from(denominator);
@@ -34,7 +34,7 @@ pub fn format_order(order: f64) -> String {
     format!("{order}")
 }
 
-/// Formats an order as an exponent: empty for 1, `²` for 2, `^(2/5)` for 0.4.
+/// Formats an order of growth as an exponent: empty for 1, `²` for 2, `^(2/5)` for 0.4.
 pub fn format_superscript(order: f64) -> String {
     let exponent = format_order(order);
     let raised: Option<String> = exponent

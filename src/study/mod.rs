@@ -23,7 +23,7 @@ pub use speeds::{SpeedsResult, compute_speeds};
 use crate::Error;
 use std::ops::ControlFlow;
 
-/// In a study, `Break` results in [`Error::Cancelled`].
+/// Progress callback of a study; if it returns `Break`, the study ends with [`Error::Cancelled`].
 #[doc(inline)]
 pub use agreement::ProgressCallback;
 

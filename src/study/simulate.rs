@@ -1,8 +1,8 @@
 //! Time-domain simulation of a solid or a flow.
 //!
-//! A case is converted to a [`SimulationJob`], which the common driver of [`dynamics::simulation`] runs. Its output goes to a
-//! [`Recorder`]: [`simulate`] keeps it in memory, the program writes files and checkpoints. Results depend neither on
-//! the recorder nor on the number of threads of the surrounding `rayon` pool.
+//! A case is converted to a [`SimulationJob`], which the common driver of [`dynamics::simulation`] runs. The output
+//! goes to a [`Recorder`]: that of [`simulate`] keeps it in memory, that of the command line writes files and
+//! checkpoints. Results depend neither on the recorder nor on the number of threads of the surrounding `rayon` pool.
 
 mod cost;
 mod flow;
@@ -98,7 +98,7 @@ pub trait SimulationJob: Sync {
     /// There are too many steps.
     fn warnings(&self) -> Result<Vec<SimulationWarning>, Error>;
 
-    /// Returns the ill-posedness found by the analysis, `None` if well-posed.
+    /// Returns the ill-posedness found by the analysis; `None` if well-posed.
     ///
     /// # Errors
     /// The state cannot be analysed.

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Relative tolerance, in units of the largest elastic speed, within which speeds are equal.
+/// Tolerance within which speeds count as equal, relative to the largest elastic speed.
 pub const EQUAL_SPEED_TOLERANCE: f64 = 1e-6;
 
 /// Angular spacing of the directions on the hemisphere, degrees.
@@ -38,9 +38,9 @@ pub struct SpeedsResult {
     pub flutter: Option<FlutterWave>,
     /// Slowest wave.
     pub slowest: SlowestWave,
-    /// Sectors of normals with complex speeds, degrees.
+    /// Sectors of wave normals with complex speeds, from and to, degrees.
     pub flutter_sectors_deg: Vec<[f64; 2]>,
-    /// Sectors of normals with imaginary speeds, degrees.
+    /// Sectors of wave normals with imaginary speeds, from and to, degrees.
     pub imaginary_sectors_deg: Vec<[f64; 2]>,
     /// Whether a speed vanishes in all directions.
     #[serde(rename = "always_still")]
@@ -48,17 +48,17 @@ pub struct SpeedsResult {
     /// Isolated directions in which a speed vanishes.
     #[serde(rename = "vanishing")]
     pub vanishing_speeds: Vec<VanishingSpeed>,
-    /// Elevation of the directions above the plane of x₁ and x₂, degrees.
+    /// Elevation of the directions of the curves above the plane of x₁ and x₂, degrees.
     pub elevation_deg: f64,
     /// Method of the verdict.
     pub route: &'static str,
-    /// Solid with its yield state.
+    /// Solid with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
     /// Verdict with its evidence.
     #[serde(skip)]
     pub assessment: SolidAssessment,
-    /// Squared speeds by direction.
+    /// Squared speeds by direction, elastic and yielding.
     #[serde(skip)]
     pub directional_speeds: DirectionalSpeeds,
     /// Slowest speeds over all directions; three dimensions only.
@@ -69,21 +69,21 @@ pub struct SpeedsResult {
 /// Direction in which a speed vanishes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct VanishingSpeed {
-    /// Direction of the normal, degrees.
+    /// Direction of the wave normal, degrees.
     pub direction_deg: f64,
-    /// Cause.
+    /// Cause of the vanishing speed.
     #[serde(rename = "what")]
     pub cause: &'static str,
 }
 
-/// Speeds on a grid of directions on the upper half of the sphere.
+/// Slowest speeds on a grid of directions on the upper half of the sphere.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Hemisphere {
     /// Polar angles from x₃, degrees.
     pub polar_deg: Vec<f64>,
     /// Azimuths about x₃ from x₁, degrees.
     pub azimuth_deg: Vec<f64>,
-    /// Slowest real speed, m/s, azimuth fastest; NaN if a speed is complex or imaginary.
+    /// Slowest speed by direction, m/s, azimuth fastest; NaN if a speed is complex or imaginary.
     #[serde(rename = "slowest")]
     pub slowest_speeds: Vec<f64>,
 }
@@ -180,7 +180,7 @@ impl SpeedsResult {
 }
 
 impl Hemisphere {
-    /// Creates the grid of directions without speeds.
+    /// Creates the grid of directions; the speeds are not computed yet.
     fn new() -> Self {
         let list = |to: usize| {
             (0..to).step_by(ANGULAR_STEP_DEG).map(|degrees| degrees as f64).collect::<Vec<_>>()

@@ -1,6 +1,6 @@
-//! Arithmetic of complex numbers over any real type.
+//! Arithmetic of complex numbers whose real and imaginary parts have any number type.
 
-/// Implements `+`, `−` and `×` for a complex type with the fields `re` and `im`.
+/// Implements `+`, binary and unary `-`, and `*` for a complex type with the fields `re` and `im`.
 #[macro_export]
 macro_rules! impl_complex_arithmetic {
     ($complex:ty) => {

@@ -4,14 +4,14 @@ use models::InputError;
 use models::flow::{FlowKind, Model};
 use models::registry;
 
-/// Dilatancy angle ν of a test case.
+/// Range of the dilatancy angle ν of a test case; φ is the friction angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DilatancyKind {
     /// ν = 0.
     Zero,
     /// ν > 0.
     Positive,
-    /// ν = φ, for the plastic potential.
+    /// ν = φ (associated flow), for the plastic potential.
     Associated,
 }
 
@@ -32,7 +32,7 @@ pub const MODEL_CASES: [(FlowKind, DilatancyKind); 9] = [
 pub const SQUARE_MODEL_CASES: [(FlowKind, DilatancyKind); 7] =
     *MODEL_CASES.first_chunk().expect("seven of nine");
 
-/// Constants of all flow models; each model uses its own.
+/// Constants of all flow models; a model uses those that its registry entry lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowParameters {
     /// Angle of internal friction φ, rad.
@@ -48,21 +48,22 @@ pub struct FlowParameters {
 }
 
 impl FlowParameters {
-    /// Builds the model of `kind`; constants that are `None` here are NaN.
+    /// Builds the model of `kind`; constants that are `None` are passed as NaN, which the model rejects.
     ///
     /// # Errors
     /// A constant is out of range.
     ///
     /// # Panics
-    /// The model has a constant that is not listed here.
+    /// The model has a constant that is no field of [`FlowParameters`].
     pub fn build_model(&self, kind: FlowKind) -> Result<Model, InputError> {
         Model::new(kind, &self.to_constants(kind))
     }
 
-    /// Returns the constants of a model in the order of its registry entry; constants that are `None` here are NaN.
+    /// Returns the constants of the model `kind` in the order of its registry entry; constants that are `None` become
+    /// NaN.
     ///
     /// # Panics
-    /// The model has a constant that is not listed here.
+    /// The model has a constant that is no field of [`FlowParameters`].
     pub fn to_constants(&self, kind: FlowKind) -> Vec<f64> {
         let value = |name| match name {
             "friction_angle" => self.friction_angle,

@@ -1,6 +1,6 @@
 //! Helpers shared by tests of several crates: constants of the flow models by name, reproducible random numbers,
-//! complex arithmetic, boundary values of ranges. A development dependency only; depends on [`models`] and no higher
-//! crate.
+//! complex arithmetic, test values at the ends of ranges. A development dependency only; depends on [`models`] and no
+//! higher crate.
 #![deny(missing_docs)]
 
 pub mod complex;

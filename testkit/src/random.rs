@@ -1,6 +1,6 @@
 //! Reproducible random numbers.
 
-/// SplitMix64 random number generator with a fixed seed (Steele, Lea & Flood 2014).
+/// SplitMix64 random number generator (Steele, Lea & Flood 2014); the same seed gives the same sequence.
 pub struct RandomNumbers(u64);
 
 impl RandomNumbers {
@@ -9,7 +9,7 @@ impl RandomNumbers {
         Self::with_salt(seed, 0)
     }
 
-    /// Creates a generator from a seed, with an independent sequence for each `salt`.
+    /// Creates a generator from a seed, with another sequence for each `salt`.
     pub fn with_salt(seed: u64, salt: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ salt)
     }
@@ -49,8 +49,8 @@ impl RandomNumbers {
         if self.bernoulli(0.5) { -size } else { size }
     }
 
-    /// Returns a number of random sign whose magnitude is uniform in [min, max): non-zero, so that every term
-    /// counts.
+    /// Returns a number of random sign whose magnitude is uniform in [min, max). For min > 0 it is not zero, so that no
+    /// term of a formula under test vanishes.
     pub fn signed_uniform(&mut self, min: f64, max: f64) -> f64 {
         let magnitude = self.uniform(min, max);
         if self.next_bits() & (1 << 40) == 0 { magnitude } else { -magnitude }

@@ -5,7 +5,7 @@ use models::common::range::AllowedRange;
 /// A positive number close to 0.
 const SMALL_POSITIVE: f64 = 1e-300;
 
-/// Returns test values just outside a range.
+/// Returns test values just outside a range, at its finite ends.
 pub fn values_outside(range: AllowedRange) -> Vec<f64> {
     match range {
         AllowedRange::Finite => vec![],
@@ -17,7 +17,7 @@ pub fn values_outside(range: AllowedRange) -> Vec<f64> {
     }
 }
 
-/// Returns the closed ends of a range.
+/// Returns the end points that belong to a range.
 pub fn closed_ends(range: AllowedRange) -> Vec<f64> {
     match range {
         AllowedRange::Finite | AllowedRange::Positive | AllowedRange::PositiveBelow(_) => vec![],
@@ -26,7 +26,7 @@ pub fn closed_ends(range: AllowedRange) -> Vec<f64> {
     }
 }
 
-/// Returns test values just inside the open ends of a range.
+/// Returns test values just inside the open ends of a range; [`f64::MAX`] for a range without upper bound.
 pub fn values_just_inside(range: AllowedRange) -> Vec<f64> {
     match range {
         AllowedRange::Finite | AllowedRange::NotNegative => vec![f64::MAX],

@@ -43,7 +43,7 @@ fn conversion_keeps_noncoaxiality_determined_by_spin() {
         assert_eq!(converted.case.number("background.spin").is_some(), expected.is_none());
         derive_background(&converted.case).unwrap();
     }
-    // A given non-coaxiality has precedence.
+    // A non-coaxiality given in the case has precedence over the argument.
     let given = parse_case(&FULL_CASE.replace("spin = -0.125", "noncoaxiality_deg = 5")).unwrap();
     let converted =
         given.convert_with_noncoaxiality(ModelKind::Flow(registry::DOUBLE_SHEARING), Some(7.5));

@@ -34,7 +34,7 @@ y = { parameter = 'background.velocity[1]', from = -1, to = 1, points = 3 }
 kinds = ['harris-grekova', 'double-shearing']
 ";
 
-/// Parses [`FULL_CASE`] with settings as of `--set`.
+/// Parses [`FULL_CASE`] with settings in the notation of the option `--set`.
 pub fn parse_full_case_with(settings: &[&str]) -> Result<Case, String> {
     parse_case_with(FULL_CASE, settings)
 }

@@ -85,7 +85,7 @@ fn every_parameter_reaches_the_model() {
         let text =
             wellposed::cli::new::generate_state_template(medium).replace("active =", "# active =");
         let mut case = parse_case(&text).unwrap();
-        // In general position, since a parameter multiplied by zero has no effect.
+        // Values in general position, since a parameter multiplied by zero has no effect.
         for (name, value) in [
             ("stress.deviatoric_stress", 0.3),
             ("stress.stress_angle_deg", 20.0),

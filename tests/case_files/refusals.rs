@@ -5,7 +5,7 @@ use crate::support::parse_case;
 use models::registry;
 use wellposed::case::{Case, ModelKind, SweepParameter};
 
-/// Part of [`FULL_CASE`], its replacement, location and key of the error, and words of its message.
+/// Passage of [`FULL_CASE`], its replacement, location and key of the error, and words of its message.
 #[rustfmt::skip]
 const INVALID_INPUTS: &[(&str, &str, &str, &str)] = &[
     // unknown and misspelt keys
@@ -92,7 +92,7 @@ const INVALID_INPUTS: &[(&str, &str, &str, &str)] = &[
     ("'background.velocity[1]'", "'wave.number'", "24: map.y.from: ", "positive"),
 ];
 
-/// Verifies that replacing a part of [`FULL_CASE`] gives one line that begins with location and key.
+/// Verifies that replacing a passage of [`FULL_CASE`] gives a message of one line that begins with location and key.
 #[test]
 fn invalid_input_is_refused_with_line_key_and_remedy() {
     for (old, new, place, expected) in INVALID_INPUTS {

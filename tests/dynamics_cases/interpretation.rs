@@ -170,7 +170,7 @@ fn time_functions_have_expected_values() {
     assert!((pulse.evaluate(2.0) - 0.5).abs() < 1e-15);
     let ricker = TimeFunction::Ricker { frequency: 10.0, delay: 0.15 };
     assert_eq!((ricker.evaluate(0.15), ricker.evaluate(1e300)), (1.0, 0.0));
-    // The Ricker function vanishes at x² = ½.
+    // The Ricker function (1 − 2x²) exp(−x²), x = π frequency (t − delay), vanishes at x² = ½.
     let zero = 0.15 + 0.5f64.sqrt() / (10.0 * std::f64::consts::PI);
     assert!(ricker.evaluate(zero).abs() < 1e-14);
     let sine = TimeFunction::Sine { frequency: 2.0, start: 1.0 };

@@ -101,7 +101,7 @@ pub fn generate_mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
     })
 }
 
-/// Cases to be mutated: each key on its own line, two to four points along each axis.
+/// Cases before mutation: each key is on its own line, and maps have three or four points along each axis.
 fn create_original_cases() -> Vec<String> {
     let templates: Vec<String> = wellposed::case::MediumKind::all_media()
         .map(wellposed::cli::new::generate_state_template)
@@ -125,7 +125,7 @@ pub fn uncomment_optional_keys(text: &str) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Case with a small grid, its axes written as sections with one key per line.
+/// Case text whose map has a small grid and its axes written as sections with one key per line.
 pub fn shrink_map_grid(text: &str) -> String {
     let mut lines = Vec::new();
     for line in text.lines() {
@@ -144,7 +144,7 @@ pub fn shrink_map_grid(text: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Whether the grid of a mutant is small; mutants with too large a grid are refused, but slow ones are not wanted.
+/// Whether the map of a mutant is small or absent; larger maps would take too long.
 fn has_small_grid(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     match Case::parse(&text, "mutant.toml", &[]).map(|case| case.map) {
@@ -201,7 +201,7 @@ fn mutate_text(text: &str, random: &mut RandomNumbers) -> String {
             lines[at] = &replaced;
         }
         6 => {
-            // Name of another key.
+            // Replace the key by that of another line.
             let (Some((key, _)), Some((_, value))) =
                 (lines[other].split_once(" = "), lines[at].split_once(" = "))
             else {
@@ -227,7 +227,7 @@ fn mutate_text(text: &str, random: &mut RandomNumbers) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Deletes, repeats or moves a random section.
+/// Deletes a random section, inserts a copy of it, or swaps two sections.
 fn mutate_sections(text: &str, random: &mut RandomNumbers) -> String {
     let mut sections: Vec<String> =
         text.split("\n[").map(|section| format!("{section}\n[")).collect();

@@ -47,7 +47,7 @@ impl<'a> ReferenceSettings<'a> {
     }
 
     /// Shift of the grid in cells: ½ puts the source at the centre of a cell, for the kernel `cell` and for receivers
-    /// in cell centres (older programs).
+    /// at cell centres (older programs).
     pub fn grid_shift(&self) -> f64 {
         if self.kernel == Some("cell") || self.receiver_placement == ReceiverPlacement::CellCentre {
             0.5

@@ -33,8 +33,8 @@ fn compute_source_integrals(
     sums
 }
 
-/// Displacement (m; derivative 0) or velocity (m/s; derivative 1) at a point ≠ 0, due to an isotropic moment M
-/// (N·m/m) at the origin times the Ricker function f (body force −M f ∇δ): u = ∇φ with φ = −M K₀(sr/c_p) f/(2πρc_p²).
+/// Displacement (m; `derivative_order` 0) or velocity (m/s; 1) at a point ≠ 0, due to an isotropic moment M (N·m/m) at
+/// the origin times the Ricker function f (body force −M f ∇δ): u = ∇φ with φ = −M K₀(sr/c_p) f/(2πρc_p²).
 pub fn explosion_motion(
     solid: &IsotropicSolid,
     moment: f64,
@@ -52,10 +52,10 @@ pub fn explosion_motion(
     [x, z].map(|x| radial.iter().map(|u| u * x / r).collect())
 }
 
-/// Displacement (m; derivative 0) or velocity (m/s; derivative 1) at a point ≠ 0, due to a line force F (N/m) at the
-/// origin times the Ricker function: u = F g_s/μ − ∇∇·F (g_s − g_p)/(ρs²), g = K₀(sr/c)/2π. The radial component is
-/// F_r (I_p[cosh²]/c_p² − I_s[sinh²]/c_s²)/(2πρ), the transverse component F_t (I_s[cosh²]/c_s² −
-/// I_p[sinh²]/c_p²)/(2πρ).
+/// Displacement (m; `derivative_order` 0) or velocity (m/s; 1) at a point ≠ 0, due to a line force F (N/m) at the
+/// origin times the Ricker function: u = F g_s/μ − ∇∇·F (g_s − g_p)/(ρs²), with g = K₀(sr/c)/2π for each wave speed c.
+/// The radial component is F_r (I_p[cosh²]/c_p² − I_s[sinh²]/c_s²)/(2πρ), the transverse component F_t
+/// (I_s[cosh²]/c_s² − I_p[sinh²]/c_p²)/(2πρ), with the integrals I of [`compute_source_integrals`] for the delay r/c.
 pub fn force_motion(
     solid: &IsotropicSolid,
     force: [f64; 2],

@@ -11,8 +11,8 @@ use super::{IsotropicSolid, Ricker};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Nodes p and weights times dp/dθ on the path p = (x cosh θ + iz′ sinh θ)·slowness/√(x² + z′²), z′ = max(z, x/10), θ
-/// ≥ 0.
+/// Nodes p and weights times dp/dθ on the path p = (x cosh θ + iz′ sinh θ)·slowness/√(x² + z′²), with θ ≥ 0 and
+/// z′ = max(z, x/10).
 ///
 /// The path starts below `slowness`, where the integrands are real up to a factor, and avoids the branch points and
 /// the Rayleigh pole. The integrands are even and analytic in θ, so the trapezoidal rule converges exponentially. The
@@ -68,10 +68,11 @@ pub fn integration_end_time(time: &[f64], ricker: Ricker) -> f64 {
     time.iter().fold(0f64, |end_time, t| end_time.max(*t)) + 2.0 / ricker.frequency
 }
 
-/// Lamb's problem: displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at (x, z), x ≥ 0, z ≥
-/// 0, x + z > 0, due to a line force (F_x, F_z) (N/m) at the origin times the Ricker function f.
+/// Lamb's problem: displacement (m; `derivative_order` 0) or velocity (m/s; 1) along x and z at (x, z), x ≥ 0, z ≥ 0,
+/// x + z > 0, due to a line force (F_x, F_z) (N/m) at the origin times the Ricker function f.
 ///
-/// u = Im ∫ e(p) f(t − τ) dp / πμ, with τ = px + az for pressure waves and τ = px + bz for shear waves.
+/// u = Im Σ ∫ e(p) f(t − τ) dp / πμ over both waves, with the amplitude vector e(p) of a wave, τ = px + az for pressure
+/// waves and τ = px + bz for shear waves.
 pub fn lamb_motion(
     solid: &IsotropicSolid,
     force: [f64; 2],
@@ -94,9 +95,9 @@ pub fn lamb_motion(
     sums
 }
 
-/// Garvin's problem: displacement (m; derivative 0) or velocity (m/s; derivative 1) along x and z at (x, z), x ≥ 0, z
-/// ≥ 0, due to a line explosion at (0, `depth`): an isotropic moment M (N·m/m) times the Ricker function f, i.e. the
-/// body force −M f ∇δ.
+/// Garvin's problem: displacement (m; `derivative_order` 0) or velocity (m/s; 1) along x and z at (x, z), x ≥ 0, z ≥ 0,
+/// due to a line explosion at (0, `depth`): an isotropic moment M (N·m/m) times the Ricker function f, i.e. the body
+/// force −M f ∇δ.
 ///
 /// To the field in the unbounded plane, with potential A exp(−s(px + a|depth − z|)), A = −M/(2πρc_p²a), the surface
 /// adds φ = R_p A exp(−s(px + a(depth + z))) and ψ = R_s A exp(−s(px + a depth + bz)), with

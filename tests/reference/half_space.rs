@@ -7,8 +7,8 @@ use super::half_plane::{
 use super::{IsotropicSolid, Ricker};
 use std::f64::consts::PI;
 
-/// Displacement (m; derivative 0) or velocity (m/s; derivative 1), radial and downwards, at distance r > 0 from the
-/// axis and depth z ≥ 0, due to a downward force F (N) times the Ricker function f.
+/// Displacement (m; `derivative_order` 0) or velocity (m/s; 1), radial and downwards, at distance r > 0 from the axis
+/// and depth z ≥ 0, due to a downward force F (N) times the Ricker function f.
 ///
 /// The wave numbers along and across the radius are −isp and sq. For each q the integral over p is that of the
 /// half-plane with p² replaced by P² = p² − q²: a² = 1/c_p² − P², b² = 1/c_s² − P², g = 1/c_s² − 2P²,

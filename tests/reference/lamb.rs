@@ -16,8 +16,8 @@ const RECEIVER_POSITIONS: [(&str, [f64; 2]); 7] = [
     ("shallow2", [2.0, -0.5]),
 ];
 
-/// Positions (in cells, relative to a point on the face between two cells) and weights of the default kernel: w(u) =
-/// (7/4) K(u) − ⅜ (K(u − 1) + K(u + 1)), K(u) = ¼ (B(u − 1) + 2 B(u) + B(u + 1)), with the quadratic B-spline B.
+/// Positions (in cells, relative to a point on the face between two cells) and weights of the default kernel
+/// w(u) = (7/4) K(u) − ⅜ (K(u − 1) + K(u + 1)), K(u) = ¼ (B(u − 1) + 2 B(u) + B(u + 1)), with the quadratic B-spline B.
 pub fn default_kernel() -> impl Iterator<Item = (f64, f64)> {
     let spline = |u: f64| match u.abs() {
         u if u <= 0.5 => 0.75 - u * u,
@@ -71,7 +71,7 @@ pub fn compute_errors(settings: &ReferenceSettings, is_vertical: bool) -> Vec<Co
             let at = [x.abs(), -receiver.position[1]];
             let [along, down] =
                 half_plane::lamb_motion(&REFERENCE_SOLID, force, at, time, RICKER, 1);
-            // Mirroring in x reverses the velocity along x for a vertical force, and the vertical velocity for a
+            // Reflection x → −x reverses the velocity along x for a vertical force, and the vertical velocity for a
             // horizontal force.
             let signs = match (x < 0.0, is_vertical) {
                 (false, _) => [1.0, -1.0],

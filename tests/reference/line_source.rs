@@ -5,7 +5,7 @@ use super::{ComponentError, REFERENCE_SOLID, RICKER, full_plane};
 
 const SOURCE_AMPLITUDE: f64 = 1e5;
 
-/// Position of the source relative to a corner of the grid cells, in cells: without symmetry.
+/// Position of the source relative to a corner of the grid cells, in cells; it has no symmetry in its cell.
 const SOURCE_OFFSET: [f64; 2] = [0.2, 0.35];
 
 /// Names, distances (in wavelengths of the S wave) and directions (degrees) of receivers.

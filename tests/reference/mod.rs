@@ -25,7 +25,8 @@ pub struct Ricker {
 }
 
 impl Ricker {
-    /// Derivative of order `derivative_order` (0 to 3), 1/s^derivative, at a complex time (s); the function is entire.
+    /// Derivative of order `derivative_order` (0 to 3), 1/s to this power, at a complex time (s); the function is
+    /// entire.
     pub fn derivative_at_complex_time(&self, t: Complex64, derivative_order: usize) -> Complex64 {
         let rate = PI * self.frequency;
         let x = (t - 1.5 / self.frequency) * rate;

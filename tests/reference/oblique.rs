@@ -16,7 +16,7 @@ pub const LOWER_SOLID: IsotropicSolid = IsotropicSolid { lambda: 2e8, mu: 2e8, d
 /// Angles of incidence of P and S waves, degrees; subcritical.
 const INCIDENCE_ANGLES: [f64; 2] = [12.0, 10.0];
 
-/// Width of constant amplitude, in wavelengths.
+/// Width of the pulse over which its amplitude is constant, in wavelengths of the S wave above the interface.
 const PULSE_WIDTH: f64 = 24.0;
 
 /// Half-length of the Ricker function in periods: at this distance from its peak it is below 10⁻⁶.

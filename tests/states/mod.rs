@@ -19,7 +19,7 @@ fn generate_pair(random: &mut RandomNumbers, size: f64) -> [f64; 2] {
 /// Range of the parameters of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterRange {
-    /// Sands, powders and pellets: φ from 5° to 60°.
+    /// Sands, powders and pellets: friction angle φ from 5° to 60°.
     GranularMaterials,
     /// All angles up to their limits, and quantities over many decades.
     FullRange,

@@ -39,7 +39,7 @@ pub fn parse_case(text: &str) -> Result<Case, String> {
     parse_case_with(text, &[])
 }
 
-/// Parses a case whose file is called `folder/x.toml`, with settings as of `--set`.
+/// Parses a case whose file is called `folder/x.toml`, with settings in the notation of the option `--set`.
 pub fn parse_case_with(text: &str, settings: &[&str]) -> Result<Case, String> {
     let settings: Vec<String> = settings.iter().map(|setting| (*setting).to_owned()).collect();
     Case::parse(text, "folder/x.toml", &settings).map_err(|error| error.to_string())

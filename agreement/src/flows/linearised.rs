@@ -64,7 +64,8 @@ impl<'a> LinearisedFlow<'a> {
             .ok_or(AgreementError::SingularEquations)
     }
 
-    /// Evolution with the wave vector k(t), at the initial time.
+    /// Linearised evolution at the initial time of a wave whose wave vector k(t) is rotated and stretched by the mean
+    /// flow; initially k = `wave` (1/m).
     pub(super) fn linearise_moving_evolution(
         &self,
         wave: [f64; 2],
@@ -72,7 +73,8 @@ impl<'a> LinearisedFlow<'a> {
         self.linearise_evolution(wave, wave_vector_rate(self.velocity_gradient, wave))
     }
 
-    /// The first `count` unknowns of a wave from its transverse velocity and its internal variable (ω or ψ).
+    /// The first `count` unknowns (v₁, v₂, internal variable) of a wave from its transverse velocity (m/s) and its
+    /// internal variable: spin ω (rad/s) or stress angle ψ (rad).
     pub(super) fn to_unknowns(
         &self,
         wave: [f64; 2],
@@ -95,16 +97,17 @@ impl<'a> LinearisedFlow<'a> {
         [transverse, unknowns.get(2).copied().unwrap_or_default()]
     }
 
-    /// Index of the field, transverse velocity (0) or internal variable (1), that is larger relative to its scale by
-    /// the mean flow; and that scale.
+    /// Index of the field, transverse velocity (0) or internal variable (1), that is larger relative to its
+    /// [scale](Self::field_scale) at the wave number `number` (1/m); and that scale.
     pub(super) fn dominant_field(&self, number: f64, all: [Complex64; 2]) -> (usize, f64) {
         let size = |field: usize| all[field].norm() / self.field_scale(number, field);
         let greater = usize::from(size(1) > size(0));
         (greater, self.field_scale(number, greater))
     }
 
-    /// Scale of the transverse velocity (`field` = 0) or internal variable (1) of a wave by the mean flow; wave
-    /// number `number` (1/m).
+    /// Scale, from the shear rate Q_D of the mean flow, of a field of a wave with wave number k = `number` (1/m):
+    /// 2Q_D/k (m/s) for the transverse velocity (`field` = 0); for the internal variable (1) 2Q_D (rad/s) for a spin, 1
+    /// rad for a stress angle.
     pub(super) fn field_scale(&self, number: f64, field: usize) -> f64 {
         let rate = 2.0 * self.flow.shear_rate;
         match (field, self.flow.spin) {
@@ -114,8 +117,8 @@ impl<'a> LinearisedFlow<'a> {
         }
     }
 
-    /// Inertial ratio q/(ρ(Q_D/k)²), q = p sin φ + c cos φ: relative velocity gradient of a wave over its relative
-    /// pressure.
+    /// Inertial ratio q/(ρ(Q_D/k)²), relative velocity gradient of a wave over its relative pressure, with q = p sin φ
+    /// + c cos φ (Pa), cohesion c, friction angle φ, density ρ, shear rate Q_D and wave number k = `number` (1/m).
     pub(super) fn inertial_ratio(&self, number: f64) -> f64 {
         let (coulomb, velocity) =
             (self.uniform_flow.model.coulomb(), self.flow.shear_rate / number);
@@ -124,7 +127,8 @@ impl<'a> LinearisedFlow<'a> {
         deviator / self.flow.density / velocity / velocity
     }
 
-    /// Largest growth rate of the modes of the box at a time (s), 1/s; 0 if no mode grows.
+    /// Largest growth rate, 1/s, at a time (s) of the Fourier modes of a periodic box with initial edge lengths
+    /// `lengths` (m); 0 if no mode grows.
     pub(super) fn max_growth_rate(
         &self,
         lengths: [f64; 2],

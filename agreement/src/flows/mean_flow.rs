@@ -1,5 +1,6 @@
-//! Evolution of the uniform mean flow. In v = Γx with constant Γ the angle ψ of the major principal stress is
-//! constant, except for
+//! Evolution of the uniform mean flow. In v = Γx with constant Γ the angle ψ of the major principal stress is constant,
+//! except for the models below. ψ_D is the angle of the major principal deformation rate, Q_D the shear rate, s₂₁ half
+//! the vorticity (1/s), Ω the spin (rad/s), φ the friction angle and ν the dilatancy angle.
 //!
 //! - double shearing: ψ̇ = s₂₁ + Q_D sin 2(ψ − ψ_D)/sin φ (Spencer 1964; ν = 0). With θ = ψ − ψ_D and tan θ = y/x the
 //!   equation is linear, ẋ = −bx − sy, ẏ = sx + by, where b = Q_D/sin φ and s = s₂₁;
@@ -26,7 +27,7 @@ pub(super) struct MeanFlow {
 /// Evolution law of ψ − ψ_D.
 enum AngleLaw {
     ConstantAngle,
-    /// Double shearing: linear equation of the module comment.
+    /// Double shearing: the linear equation for (x, y) in the module comment.
     DoubleShearing,
     /// Harris–Grekova: ψ − ψ_D follows from the spin, which has this constant rate, rad/s².
     ConstantSpinRate(f64),

@@ -30,11 +30,11 @@ pub struct Perturbation {
 pub struct FastestMode {
     /// Points along each axis.
     pub points: [usize; 2],
-    /// Fourier mode.
+    /// Mode numbers of the Fourier mode.
     pub mode: ModeNumbers,
     /// Initial wave number of the mode, 1/m.
     pub wave_number: f64,
-    /// Growth rate predicted by the linearised equations along k(t), 1/s.
+    /// Growth rate predicted by the linearised equations along the wave vector k(t), which the mean flow advects, 1/s.
     pub predicted_growth: f64,
     /// Growth rate measured in the solver, 1/s.
     pub measured_growth: f64,
@@ -80,7 +80,7 @@ impl GridRefinement {
         let ends = self.grids.iter().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], own| {
             [low.min(own.wave_number), high.max(own.wave_number)]
         });
-        // Equal within rounding.
+        // Wave numbers that are equal within rounding count as one.
         let is_one_number = ends[1] - ends[0] <= 1e-9 * ends[1];
         if self.grids.len() < 2 || is_one_number || !self.is_growing() {
             return None;
@@ -93,7 +93,9 @@ impl GridRefinement {
         Some([order(|own| own.predicted_growth), order(|own| own.measured_growth)])
     }
 
-    /// Whether rates and orders agree, and the predicted order agrees with that of the verdict within tolerance.
+    /// Whether on all grids measured and predicted rates agree ([`RATE_TOLERANCE`](Self::RATE_TOLERANCE)), and their
+    /// orders, if defined, agree with each other and with the order of the verdict
+    /// ([`ORDER_TOLERANCE`](Self::ORDER_TOLERANCE)).
     pub fn is_within_tolerance(&self) -> bool {
         let orders = match self.fit_orders() {
             // No order is defined if the grids are too coarse for growth, or if they share the fastest mode.
@@ -121,7 +123,8 @@ pub fn compare_fastest_mode(
 ) -> Result<FastestMode, AgreementError> {
     let flow = LinearisedFlow::new(problem);
     let (points, lengths) = (perturbation.points, perturbation.lengths);
-    // Looser than for a single wave: the tolerance applies to the entire perturbation, which contains many waves.
+    // The solver tolerance is looser than for a single wave, since it applies to the entire perturbation, which
+    // contains many waves.
     let solver_problem =
         FlowProblem { tolerance: 3e-7, points, lengths, ..problem.solver_problem.clone() };
     let mut solver = Solver::new(&solver_problem)?;
@@ -137,7 +140,8 @@ pub fn compare_fastest_mode(
     let (mode, rates) = fastest.ok_or(AgreementError::NoVelocity)?;
     let stiffest = all.iter().flat_map(|own| &own.1).map(|rate| rate.norm()).fold(0.0, f64::max);
     let shear_rate = flow.flow.shear_rate;
-    // Three e-folds; without growth, limited by the stiffest mode to a few hundred stages.
+    // Three e-folds of the fastest mode, but at most a shear strain of 0.1 and 2000 time constants of the stiffest
+    // mode, which take a few hundred stages of the solver.
     let duration = (3.0 / rates.first().map_or(0.0, |rate| rate.re).max(0.0))
         .min(0.1 / shear_rate)
         .min(2e3 / stiffest);
@@ -164,7 +168,7 @@ pub fn compare_fastest_mode(
         }
         measured.push(measure_amplitudes(&solver, *mode));
     }
-    // Fit to the last half, after the other modes have decayed.
+    // Fit the rate to the last half of the samples, after the other modes have decayed.
     let half = SAMPLE_COUNT / 2;
     let growth = |all: &[[Complex64; 2]]| {
         let transverse: Vec<Complex64> = all[half..].iter().map(|own| own[0]).collect();
@@ -179,7 +183,7 @@ pub fn compare_fastest_mode(
     })
 }
 
-/// Predicted rates of the modes whose velocity exceeds 1/1000 of the largest; one of each pair of opposite modes.
+/// Predicted rates of the modes whose velocity exceeds 1/1000 of the largest; one mode of each pair k, −k.
 fn predict_mode_rates(
     flow: &LinearisedFlow,
     solver: &Solver,

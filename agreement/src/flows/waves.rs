@@ -13,19 +13,21 @@ use std::f64::consts::TAU;
 
 /// Amplitude of perturbations relative to the mean flow.
 const RELATIVE_AMPLITUDE: f64 = 1e-6;
-/// Steps between two sample times of the coarsest of three step sequences; each further sequence doubles the number
-/// of steps. If the solver fails, the number of steps of all three is doubled, up to the second number.
+/// First and largest number of steps between two sample times in the coarsest of three measurements; each further
+/// measurement doubles the number of steps. If the solver fails, the steps of all three are doubled, up to the largest
+/// number.
 const STEPS_PER_SAMPLE_RANGE: [usize; 2] = [4, 64];
 /// Maximum number of e-folds by which other waves in the box may grow during a measurement.
 const MAX_E_FOLDS: f64 = 4.0;
 /// Smallest admissible amplitude of a wave relative to its initial amplitude, far above rounding.
 pub(super) const MIN_RELATIVE_AMPLITUDE: f64 = 0.1;
 
-/// Measured amplitudes of a mode: transverse velocity V (m/s) and internal variable (ω or ψ).
+/// Measured amplitudes of a mode: transverse velocity V (m/s) and internal variable, spin ω (rad/s) or stress angle ψ
+/// (rad).
 pub(super) fn measure_amplitudes(solver: &Solver, mode: ModeNumbers) -> [Complex64; 2] {
     let [k1, k2] = solver.wave_vector(mode);
     let [[vorticity, internal], _] = solver.mode_amplitudes(mode).unwrap_or_default();
-    // Vorticity ζ = ikV
+    // The vorticity is ζ = ikV for the transverse velocity V.
     [vorticity / (Complex64::I * k1.root_sum_square(k2)), internal]
 }
 
@@ -147,8 +149,8 @@ impl WaveExperiment<'_> {
                 found => break found,
             }
         };
-        // Field values are rounded relative to the background; rounding errors are amplified near |Δ| = 45° (factor
-        // 1/|cos 2Δ|). Nonlinear self-interaction of the wave is of third order.
+        // Field values are rounded relative to the background; rounding errors are amplified by 1/|cos 2Δ| for a
+        // non-coaxiality Δ (rad). Nonlinear self-interaction of the wave is of third order in its amplitude.
         let inverse = 1.0 / (2.0 * flow.flow.noncoaxiality).cr_cos().abs();
         let unit = flow.field_scale(self.wave_number, leading);
         let least = course.iter().map(|own| own[leading].norm() / unit);
@@ -171,8 +173,9 @@ impl WaveExperiment<'_> {
         })
     }
 
-    /// Duration of a measurement, s: one e-fold, limited so that the wave vector changes little and rounding errors
-    /// in faster waves of the box grow by at most [`MAX_E_FOLDS`] e-folds.
+    /// Duration of a measurement, s: 1/|ς| of the eigenvalue ς (1/s), at most a shear strain of 0.2, so that the wave
+    /// vector changes little, and at most [`MAX_E_FOLDS`] e-folds of the fastest mode of the box, so that rounding
+    /// errors stay small.
     fn choose_duration(&self, eigenvalue: Complex64) -> Result<f64, AgreementError> {
         let duration = (1.0 / eigenvalue.norm()).min(0.2 / self.flow.flow.shear_rate);
         let mut growth = 0.0f64;
@@ -232,7 +235,8 @@ fn simulate_wave(
     let mut solver = Solver::new(problem)?;
     let [k1, k2] = solver.wave_vector(mode);
     let number = k1.root_sum_square(k2);
-    // Re 2z exp(ik·y), with y from the first point: a real field with Fourier coefficient z.
+    // Real field 2 Re(z exp(ik·y)) with Fourier coefficient z, where y is the position relative to the first grid
+    // point.
     let value = |z: Complex64| -> Vec<f64> {
         (0..BOX_POINTS * BOX_POINTS)
             .map(|point| {

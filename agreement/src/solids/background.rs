@@ -98,7 +98,7 @@ fn find_yield_stress_state(plastic: &PlasticState) -> Stress {
     if !own.all(|((condition, _), shear)| contract(&condition.normal, shear) > 0.0) {
         return solve_minimum_norm_stress(&active);
     }
-    // Each condition is reached by its own shear or couple stress.
+    // Each condition is reached by the shear and couple stress components of its normal.
     let mut stress = Stress::default();
     for ((condition, strength), shear) in active.iter().zip(&shears) {
         // Multiple of the shear at which the condition holds with equality.

@@ -7,11 +7,11 @@ use models::elastoplastic::Solid;
 use nalgebra::DVector;
 use num_complex::Complex64;
 
-/// Safety factor of the distance of the background from the yield surface, relative to the bound on the effect of the
-/// wave.
+/// Safety factor of the distance of the background from the yield surface (unloading) and of the loading rate of the
+/// background (loading), relative to the bounds on the effect of the wave.
 pub(super) const SAFETY_FACTOR: f64 = 2.0;
 
-/// A solid for analysis and solver.
+/// A solid as described to the analysis and to the solver, with the solver settings.
 pub(super) struct SolidExperiment<'a, const D: usize> {
     pub(super) solid: &'a Solid,
     pub(super) medium: &'a Medium,

@@ -20,10 +20,10 @@ use std::f64::consts::PI;
 
 /// Maximum number of cell updates per simulation.
 const MAX_UPDATES: f64 = 2e9;
-/// Bound on the rounding errors of a step, in half units in the last place of the largest field in energy
-/// coordinates: about ten operations per sweep, and up to seven factors per step.
+/// Bound on the rounding error of a step, in units of ε = 2⁻⁵² times the largest field in energy coordinates: up to
+/// seven factors with about ten operations each, of which each rounds by at most ε/2.
 const ROUNDINGS_PER_STEP: f64 = 64.0;
-/// Ratio of wave stress to background capacity on flat yield surfaces.
+/// Ratio of the stress of a wave to [`BackgroundStress::wave_capacity`] on flat yield surfaces, in the energy norm.
 const FLAT_SURFACE_STRESS_RATIO: f64 = 1e-3;
 
 /// Predicts all branches of waves in `solid` and measures them in `medium`, the solver's description of the same
@@ -189,7 +189,7 @@ impl<const D: usize> SolidExperiment<'_, D> {
         }
     }
 
-    /// Grid of one wavelength along each axis, period (s), and number of steps per `cells`-th part of the period.
+    /// Grid of one wavelength along each axis, period (s), and number of steps in 1/`cells` of the period.
     fn choose_grid(&self, branch: &PredictedBranch<D>, cells: usize) -> (Grid<D>, f64, usize) {
         let edges = branch.wave_vector.map(|k| 2.0 * PI / (k.abs() * cells as f64));
         let longest = edges.iter().copied().filter(|edge| edge.is_finite()).fold(0.0, f64::max);
@@ -210,7 +210,7 @@ impl<const D: usize> SolidExperiment<'_, D> {
             self.settings.max_rotation / rotation.frequency * coarsest
         });
         let period = 2.0 * PI / branch.predicted_frequency;
-        // The number of steps per cell is the same on all grids, and so is the Courant number.
+        // The number of steps in 1/`cells` of the period is the same on all grids, and so is the Courant number.
         let per_cell = period / (by_waves.min(by_rotation) * cells as f64) * (1.0 - 1e-12);
         (grid, period, per_cell.ceil().max(1.0) as usize)
     }
@@ -266,8 +266,9 @@ impl<const D: usize> SolidExperiment<'_, D> {
         }
         let times: Vec<f64> =
             (0..=cells).map(|index| (index * per_cell) as f64 * discretisation.time_step).collect();
-        // Shift of the frequency by the discretisation error, relative to the predicted frequency. The latter is the
-        // square root of an eigenvalue ω², whose rounding error is relative to the largest eigenvalue.
+        // The expected frequency is the predicted one plus the discretisation error, which is the fitted frequency
+        // minus that of the energy form. A predicted frequency is the square root of an eigenvalue ω², whose rounding
+        // error is relative to the largest eigenvalue.
         let mut expected = fit_rate(&times, &expected);
         expected.frequency += branch.predicted_frequency - branch.energy_form_frequency;
         let ratio = branch.max_frequency / branch.predicted_frequency;
@@ -280,9 +281,9 @@ impl<const D: usize> SolidExperiment<'_, D> {
         })
     }
 
-    /// Scale factor of a wave of unit amplitude relative to the background, and bound on the phase error after the
-    /// given number of steps: by the rotation of the normal of a curved yield surface due to the stress of the wave
-    /// and of the flow, and by the rounding of the total stress.
+    /// Factor by which a wave of unit amplitude is multiplied so that it is small beside the background, and bound on
+    /// its phase error after the given number of steps: by the rotation of the normal of a curved yield surface due to
+    /// the stress of the wave and of the flow, and by the rounding of the total stress.
     fn choose_wave_scale(
         &self,
         branch: &PredictedBranch<D>,
@@ -296,7 +297,8 @@ impl<const D: usize> SolidExperiment<'_, D> {
         let velocities = self.solid.elastic_law.rates_with_out_of_plane::<D>().velocity_count();
         let stress = amplitude.rows_range(velocities..).norm();
         let size = part * background.wave_capacity / stress;
-        // The rate of plastic flow acts over one period; a rotation of the normal enters the projection twice.
+        // Over one period plastic flow rotates the normal by up to 2π × safety factor × relative stress of the wave;
+        // the rotation enters the projection twice.
         let turned = if background.is_curved { 4.0 * PI * SAFETY_FACTOR * part } else { 0.0 };
         let rounding = f64::EPSILON * background.energy_norm / (part * background.wave_capacity);
         if rounding > 0.1 {

@@ -1,6 +1,6 @@
 //! Eigenvectors of the elastic acoustic tensor Γₑ by Jacobi's method, and groups of equal eigenvalues.
 
-/// Maximum number of velocities.
+/// Maximum number of velocities of a solid: three translations and three spins.
 pub(super) const MAX_VELOCITIES: usize = 6;
 
 /// Eigenvalues of Γₑ closer than this, relative to the larger, count as equal.
@@ -12,7 +12,7 @@ pub(super) struct EigenvalueGroups {
     pub(super) count: usize,
     pub(super) values: [f64; MAX_VELOCITIES],
     pub(super) multiplicities: [u8; MAX_VELOCITIES],
-    /// Group index of each eigenvalue.
+    /// Index of the group that contains each eigenvalue.
     pub(super) group_index: [u8; MAX_VELOCITIES],
 }
 
@@ -20,7 +20,7 @@ pub(super) struct EigenvalueGroups {
 pub(super) type Eigenbasis = [[f64; MAX_VELOCITIES]; MAX_VELOCITIES];
 
 impl EigenvalueGroups {
-    /// Groups equal eigenvalues.
+    /// Groups eigenvalues that are equal within [`EQUALITY_TOLERANCE`].
     pub(super) fn new(eigenvalues: &[f64]) -> Self {
         let mut order: [usize; MAX_VELOCITIES] = std::array::from_fn(|i| i);
         let order = &mut order[..eigenvalues.len()];

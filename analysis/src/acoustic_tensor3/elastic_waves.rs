@@ -24,9 +24,10 @@ pub struct AcousticTensor3 {
     pub(super) velocity_count: usize,
     /// First velocity and size of each block.
     pub(super) blocks: Vec<(usize, usize)>,
-    /// M^(−½) Gⁱᵀ for each of the three axes i: velocities × stresses, in units of √unit.
+    /// M^(−½) Gⁱᵀ for each of the three axes i: velocities × stresses, in units of √`squared_speed_unit`.
     pub(super) scaled_divergence: [DMatrix<f64>; 3],
-    /// Tensors T of Γₑ(n) = Σ nᵢnⱼ T over the pairs of axes 11, 22, 33, 23, 13, 12.
+    /// Symmetric matrices T of the quadratic form Γₑ(n) = Σ nᵢnⱼ Tᵢⱼ, one for each pair of axes ij = 11, 22, 33, 23,
+    /// 13, 12.
     form_tensors: [[[f64; MAX_VELOCITIES]; MAX_VELOCITIES]; 6],
     /// Wave normals.
     pub(super) normals: Vec<[f64; 3]>,
@@ -72,7 +73,7 @@ impl AcousticTensor3 {
             return Err(NormalSearchError::TooLarge(size));
         }
 
-        // T = M^(−½) Gⁱᵀ D Gʲ M^(−½).
+        // Products M^(−½) Gⁱᵀ D Gʲ M^(−½) for all pairs of axes i, j, with the velocities in the given order.
         let rows = |axis: usize, order: &[usize]| {
             DMatrix::from_fn(size, stresses, |v, s| {
                 elastic.gradient[axis][(s, order[v])] / elastic.inertia[order[v]].value.sqrt()
@@ -263,7 +264,8 @@ fn coupled_blocks(all: &[[DMatrix<f64>; 3]; 3], size: usize) -> (Vec<usize>, Vec
     (order, blocks)
 }
 
-/// Symmetric tensors T of the quadratic form Γₑ(n) = Σ nᵢnⱼ T: 11, 22, 33, 23, 13, 12.
+/// Symmetric matrices T of the quadratic form Γₑ(n) = Σ nᵢnⱼ Tᵢⱼ, one for each pair of axes ij = 11, 22, 33, 23, 13,
+/// 12; for i ≠ j the matrix is the sum of both products.
 fn quadratic_form_tensors(
     sorted: &[[DMatrix<f64>; 3]; 3],
     size: usize,

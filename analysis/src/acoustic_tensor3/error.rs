@@ -8,7 +8,7 @@ pub enum NormalSearchError {
     /// Too many velocities.
     #[error("{0} velocities: waves in space are searched for solids with at most {MAX_VELOCITIES}")]
     TooLarge(usize),
-    /// A number overflowed.
+    /// A coefficient of the solid or of the update is not finite.
     #[error("a coefficient of the solid is not finite: its numbers are too large or too small")]
     NotFinite,
     /// The length of the vectors of an update differs from the number of stresses.

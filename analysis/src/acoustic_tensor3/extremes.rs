@@ -1,4 +1,4 @@
-//! Results of the search: flutter and the slowest wave.
+//! Results of the search over all wave normals: strongest flutter and slowest wave.
 
 use num_complex::Complex64;
 

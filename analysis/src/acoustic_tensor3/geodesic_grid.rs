@@ -3,14 +3,15 @@
 use super::unit_vectors::{dot, normalise};
 use std::collections::HashMap;
 
-/// Number of subdivisions of an edge of the icosahedron: fine grid, and coarse grid, on which all roots are computed.
+/// Number of subdivisions of an edge of the icosahedron, for the fine grid and for the coarse grid, on which all roots
+/// are computed.
 pub(super) const FINE_SUBDIVISIONS: usize = 51;
 pub(super) const COARSE_SUBDIVISIONS: usize = 17;
-/// Neighbours of a point of the geodesic grid.
+/// Maximum number of neighbours of a point of the geodesic grid.
 pub(super) const MAX_NEIGHBOURS: usize = 6;
 
-/// Geodesic grid: the faces of an icosahedron divided into `frequency`² triangles and projected onto the unit sphere,
-/// one point of each pair n, −n; returns points and triangles.
+/// Geodesic grid: each face of an icosahedron is divided into `frequency`² triangles, which are projected onto the unit
+/// sphere; of each pair n, −n one point is kept. Returns points and triangles (as indices of points).
 fn build_geodesic_grid(frequency: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
     let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut corners = Vec::with_capacity(12);

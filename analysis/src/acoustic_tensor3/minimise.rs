@@ -2,12 +2,13 @@
 
 use super::unit_vectors::{normalise, tangent_vectors};
 
-/// Final step of the finite differences, rad: rounding over step and square of the step are both below 1e-9.
+/// Final step of the finite differences, rad: the rounding error divided by the step and the square of the step are
+/// both below 1e-9.
 const MIN_DIFFERENCE_STEP: f64 = 2e-5;
 
 /// Local minimum near a direction, by Newton's method with finite differences in the tangent plane, and by pattern
-/// search with decreasing steps if the function is not smooth. Ends at a Newton step below 1e-9 rad or a pattern step
-/// below 1e-10 rad. Gives up if the fitted quadratic stays far above `target`.
+/// search with decreasing steps if the function is not smooth. The iteration ends at a Newton step below 1e-9 rad or a
+/// pattern step below 1e-10 rad, or if the fitted quadratic stays far above `target`.
 pub(super) fn minimise(
     start: [f64; 3],
     radius: f64,

@@ -1,27 +1,28 @@
 //! Flutter and shear bands of a yielding solid in space, over all directions of the wave normal.
 //!
-//! One active yield condition changes the elastic stiffness D by a matrix of rank one, `D − a bᵀ` with
-//! `a = D m/(H + n·Dm)` and `b = D n` (Rudnicki & Rice 1975; Rice 1976). Waves with the unit normal n
+//! One active yield condition with normal n, flow direction m and plastic modulus H changes the elastic stiffness D by
+//! a matrix of rank one, `D − a bᵀ` with `a = D m/(H + n·Dm)` and `b = D n` (Rudnicki & Rice 1975; Rice 1976). With the
+//! diagonal inertia matrix M and the gradient operators Gⁱ of the rate equations, waves with the unit wave normal ν
 //! have the speeds c given by
 //!
 //! ```text
-//! c² ∈ spectrum of Γ(n) = Γₑ(n) − α(n) β(n)ᵀ,   Γₑ = M^(−½) G(n)ᵀ D G(n) M^(−½),
-//! α = M^(−½) G(n)ᵀ a,   β = M^(−½) G(n)ᵀ b,   G(n) = Σ nᵢ Gⁱ.
+//! c² ∈ spectrum of Γ(ν) = Γₑ(ν) − α(ν) β(ν)ᵀ,   Γₑ = M^(−½) G(ν)ᵀ D G(ν) M^(−½),
+//! α = M^(−½) G(ν)ᵀ a,   β = M^(−½) G(ν)ᵀ b,   G(ν) = Σ νᵢ Gⁱ.
 //! ```
 //!
-//! Γₑ is symmetric. In its eigenbasis, with equal eigenvalues grouped as λ_g, an eigenvalue of multiplicity m remains
-//! an eigenvalue m − 1 times; the other eigenvalues solve the secular equation
+//! Γₑ is symmetric. In its eigenbasis, with equal eigenvalues grouped as λ_g, an eigenvalue of multiplicity k of Γₑ
+//! remains an eigenvalue of Γ k − 1 times; the other eigenvalues λ of Γ solve the secular equation
 //!
 //! ```text
-//! 1 = Σ w_g/(λ_g − λ),   w_g = the part of α·β that lies in the eigenspace of λ_g.
+//! 1 = Σ w_g/(λ_g − λ),   w_g = Σ (α·e)(β·e) over the unit eigenvectors e of λ_g.
 //! ```
 //!
-//! List the signs of the w_g in the order of the λ_g, preceded by + and followed by −. Between two equal signs next to
-//! each other the two sides of the equation cross at least once, so that with a single change of sign all eigenvalues
-//! are real. **Flutter requires a negative weight on a slower wave and a positive weight on a faster wave.** Under
-//! associated flow all w_g ≥ 0. An isotropic classical solid whose m and n differ by an isotropic tensor only
-//! (Drucker–Prager) has w ≥ 0 on the shear waves, which are the slower ones: no flutter either (Loret, Prevost &
-//! Harireche 1990).
+//! Consider the signs +, sign w₁, sign w₂, …, − in the order of ascending λ_g. If two successive signs are equal, the
+//! secular equation has a root in the interval between the two poles (below the first or above the last pole for the
+//! added signs); hence with a single change of sign all eigenvalues are real. **Flutter requires a negative weight on a
+//! slower wave and a positive weight on a faster wave.** Under associated flow all w_g ≥ 0. An isotropic classical
+//! solid whose m and n differ by an isotropic tensor only (Drucker–Prager) has w ≥ 0 on the shear waves, which are the
+//! slower ones: no flutter either (Loret, Prevost & Harireche 1990).
 //!
 //! The search starts on a geodesic grid ([`AcousticTensor3::COVERING_RADIUS`]), on which the eigenbases of Γₑ are
 //! computed once per elastic solid, and ends with Newton's method in the tangent plane. Short waves grow

@@ -35,7 +35,7 @@ impl AcousticTensor3 {
     ///
     /// Flutter in a cap that contains a circle of radius [`COVERING_RADIUS`](Self::COVERING_RADIUS) is always found,
     /// since a grid point lies in it. Smaller caps are found from the directions in which two real eigenvalues are
-    /// closest. (Im c²)² below 1e-13 of the squared speeds involved counts as rounding.
+    /// closest. (Im c²)² below 1e-13 times the square of the largest number in the secular equation counts as rounding.
     ///
     /// # Errors
     /// A vector has the wrong length or is not finite.
@@ -228,7 +228,8 @@ impl AcousticTensor3 {
         }
     }
 
-    /// Products α̂β̂ in the eigenbasis of Γₑ, per eigenvalue, for a chunk of directions.
+    /// Products of the components of α and β along each eigenvector of Γₑ, for a chunk of directions; and the
+    /// thresholds of zero for their sums, one for each direction.
     pub(super) fn compute_weight_products(
         &self,
         tensor_update: &TensorUpdate,
@@ -276,7 +277,7 @@ impl AcousticTensor3 {
         }
     }
 
-    /// Eigenvalues at `normal`; fast if `near` is close to the eigenvectors of Γₑ there.
+    /// Relevant eigenvalues of Γ = Γₑ − αβᵀ at `normal`; fast if `near` is close to the eigenvectors of Γₑ there.
     fn solve_roots_near(
         &self,
         tensor_update: &TensorUpdate,
@@ -293,8 +294,8 @@ impl AcousticTensor3 {
             .solve_roots()
     }
 
-    /// Minimises the smallest real eigenvalue from the grid point `place` and updates `best`; `frequency` is the
-    /// number of subdivisions of the grid.
+    /// Minimises the smallest real eigenvalue of Γ over the wave normal, starting at the grid point `place`, and
+    /// updates `best`; `frequency` is the number of subdivisions of the grid.
     fn refine_slowest(
         &self,
         tensor_update: &TensorUpdate,
@@ -312,8 +313,8 @@ impl AcousticTensor3 {
         }
     }
 
-    /// Maximises the growth of flutter from the grid point `place` and updates `best`; `frequency` is the number of
-    /// subdivisions of the grid.
+    /// Maximises (Im c)² of flutter over the wave normal, starting at the grid point `place`, and updates `best`;
+    /// `frequency` is the number of subdivisions of the grid.
     fn refine_flutter(
         &self,
         tensor_update: &TensorUpdate,
@@ -336,7 +337,8 @@ impl AcousticTensor3 {
     }
 }
 
-/// Inserts a direction into the descending list unless one with the same parent is stronger.
+/// Inserts a direction (grid point, (Im c)²) into `list`, which is sorted by descending (Im c)². Of directions with the
+/// same nearest point of the coarse grid only the strongest is kept; the weakest direction drops out.
 fn insert_strongest(list: &mut [(usize, f64)], own: (usize, f64), coarse_parents: &[u32]) {
     let same = |other: &(usize, f64)| {
         other.1 > f64::NEG_INFINITY && coarse_parents[other.0] == coarse_parents[own.0]

@@ -15,7 +15,7 @@ pub(super) struct SecularEquation {
 }
 
 impl SecularEquation {
-    /// q(x) = Π(x − λ_g) + Σ w_g Π over h ≠ g (x − λ_h), which vanishes at the eigenvalues, and q′.
+    /// Values of q(x) = Π_g (x − λ_g) + Σ_g w_g Π_(h≠g) (x − λ_h), which vanishes at the eigenvalues, and of q′(x).
     pub(super) fn evaluate_polynomial(&self, x: f64) -> (f64, f64) {
         let (mut product, mut product_slope, mut sum, mut sum_slope) = (1.0, 0.0, 0.0, 0.0);
         for (pole, weight) in self.poles.iter().zip(&self.weights).take(self.count) {
@@ -28,7 +28,7 @@ impl SecularEquation {
         (product + sum, product_slope + sum_slope)
     }
 
-    /// As `polynomial`, at a complex point.
+    /// Values of q(x) and q′(x) at a complex point; see [`evaluate_polynomial`](Self::evaluate_polynomial).
     pub(super) fn evaluate_complex_polynomial(&self, x: Complex64) -> (Complex64, Complex64) {
         let [zero, one] = [Complex64::new(0.0, 0.0), Complex64::new(1.0, 0.0)];
         let (mut product, mut product_slope, mut sum, mut sum_slope) = (one, zero, zero, zero);
@@ -62,7 +62,7 @@ impl SecularEquation {
     }
 
     /// Interval between pole `index` − 1 and pole `index`; below the first and above the last pole, a bound on the
-    /// roots is the other end.
+    /// roots replaces the missing pole.
     fn root_interval(&self, index: usize) -> (f64, f64) {
         let part = |sign: f64| {
             self.weights[..self.count].iter().fold(0.0, |sum, w| sum + (sign * w).max(0.0))
@@ -99,7 +99,8 @@ impl SecularEquation {
     /// interpolant has no zero.
     fn rational_step(&self, index: usize, x: f64) -> f64 {
         let (mut value, mut below, mut above) = (1.0, 0.0, 0.0);
-        // Loop over all SIZE poles, with zero weights beyond the last one, so that the divisions are vectorised.
+        // Loop over all `MAX_VELOCITIES` poles, with zero weights beyond the last one, so that the divisions are
+        // vectorised.
         let (mut parts, mut slopes) = ([0.0; MAX_VELOCITIES], [0.0; MAX_VELOCITIES]);
         for g in 0..MAX_VELOCITIES {
             let inverse = 1.0 / (self.poles[g] - x);
@@ -120,7 +121,8 @@ impl SecularEquation {
             return distance * value / (value - slope * distance);
         }
         let (left, right) = (self.poles[index - 1] - x, self.poles[index] - x);
-        // c (l − s)(r − s) + a (r − s) + b (l − s) = 0 with a = ψ′l², b = φ′r² and the step s.
+        // The step s solves c (l − s)(r − s) + a (r − s) + b (l − s) = 0, where l and r are the distances from x to the
+        // poles below and above, a = `below` l² and b = `above` r².
         let constant = value - below * left - above * right;
         let (a, b) = (below * left * left, above * right * right);
         let linear = constant * (left + right) + a + b;
@@ -182,7 +184,8 @@ impl SecularEquation {
     }
 }
 
-/// Assembles the secular equation: sums the products αβ over groups of equal eigenvalues.
+/// Assembles the secular equation: a weight w_g is the sum of the products of components of α and β over a group of
+/// equal eigenvalues; weights up to `threshold` count as zero.
 pub(super) fn assemble_secular_equation(
     groups: &EigenvalueGroups,
     products: &[f64],

@@ -5,9 +5,11 @@ use super::secular_equation::SecularEquation;
 use models::common::elementary::cr_from_polar;
 use num_complex::Complex64;
 
-/// Relative size of a weight below which it may change sign between neighbouring directions of the coarse grid.
+/// Size of a weight, relative to the largest number in the secular equation, below which it may change sign between
+/// neighbouring directions of the coarse grid.
 const SLIGHT_WEIGHT: f64 = 0.004;
-/// Relative distance above which two roots do not meet between neighbouring directions of the coarse grid.
+/// Distance of two roots, relative to the largest number in the secular equation, above which they do not meet between
+/// neighbouring directions of the coarse grid.
 const MAX_MEETING_DISTANCE: f64 = 0.1;
 
 /// Threshold of rounding for (Im λ)², relative to the square of the largest number in the secular equation.
@@ -20,7 +22,7 @@ pub(super) struct EigenvaluePair {
     pub(super) half_difference_squared: f64,
 }
 
-/// The relevant eigenvalues of a direction.
+/// The eigenvalues of Γ that matter in the search, in one direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecularRoots {
     /// Smallest real eigenvalue; infinite if there is none.
@@ -31,8 +33,9 @@ pub(super) struct SecularRoots {
 }
 
 impl EigenvaluePair {
-    /// (Im c)² = (|λ| − Re λ)/2, and its analytic continuation to real pairs of positive `mean`, where it is
-    /// negative. Real pairs of negative `mean` do not flutter: −`half_difference_squared` is returned.
+    /// (Im c)² = (|λ| − Re λ)/2 of a complex pair λ = c², and its analytic continuation to real pairs of positive
+    /// `mean`, where it is negative. Real pairs of negative `mean` do not flutter: −`half_difference_squared` is
+    /// returned.
     pub(super) fn growth_squared(&self) -> f64 {
         if self.half_difference_squared >= 0.0 && self.mean <= 0.0 {
             return -self.half_difference_squared;
@@ -58,7 +61,7 @@ impl SecularEquation {
         }
     }
 
-    /// Computes the relevant eigenvalues.
+    /// Computes the smallest real eigenvalue and the critical pair.
     pub(super) fn solve_roots(&self) -> SecularRoots {
         let mut smallest_real = self.unchanged_eigenvalues[..self.unchanged_count]
             .iter()

@@ -1,4 +1,4 @@
-//! All characteristic speeds of a direction.
+//! All characteristic speeds for one wave normal.
 
 use super::eigenbasis::{EigenvalueGroups, identity};
 use super::elastic_waves::AcousticTensor3;

@@ -9,7 +9,7 @@ use super::secular_equation::{SecularEquation, assemble_secular_equation};
 /// Threshold of zero for the weights w_g, relative to |α||β|.
 pub(super) const WEIGHT_TOLERANCE: f64 = 1e-15;
 
-/// α and β as linear functions of the wave normal.
+/// The vectors α and β of the update −αβᵀ as linear functions of the wave normal: velocities × axes.
 pub(super) struct TensorUpdate {
     pub(super) velocity_count: usize,
     pub(super) alpha: [[f64; 3]; MAX_VELOCITIES],
@@ -50,7 +50,7 @@ impl TensorUpdate {
 }
 
 impl AcousticTensor3 {
-    /// Projects the update to α and β as functions of the wave normal.
+    /// Projects the update −a bᵀ of the stiffness to the vectors α and β as functions of the wave normal.
     pub(super) fn project_update(
         &self,
         update: &RankOneUpdate,

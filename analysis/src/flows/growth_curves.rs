@@ -23,7 +23,8 @@ const ASYMPTOTE_TOLERANCE: f64 = 0.02;
 /// Decades at the end of a curve to which an order is fitted.
 const FITTED_DECADES: i32 = 2;
 
-/// Coarse samples of the direction at every wave number for the largest growth rate, refined between neighbours.
+/// Coarse samples of the direction at every wave number for the largest growth rate, refined between neighbours; those
+/// in the layers are spaced as [`LAYER_SAMPLES`], with distances in rad.
 const COARSE_DIRECTIONS: usize = 60;
 const COARSE_LAYER_SAMPLES: (f64, f64, usize) = (-10.0, 1.0 / 3.0, 28);
 /// Number of refined peaks, and of golden-section steps.
@@ -35,7 +36,7 @@ const GOLDEN_SECTION_STEPS: usize = 28;
 pub struct GrowthPoint {
     /// Wave number k, 1/m.
     pub wave_number: f64,
-    /// Largest Re ς over the roots in the direction of the case, 1/s.
+    /// Largest Re ς over the roots in the given direction of the wave vector, 1/s.
     pub growth_rate: f64,
     /// Supremum of Re ς over all directions, 1/s; infinite where growth is unbounded.
     pub max_growth_rate: f64,
@@ -68,7 +69,9 @@ pub fn growth_by_direction(
     degrees.into_iter().map(|d| [d, workspace.growth_rate(wave_number, d.to_radians())]).collect()
 }
 
-/// Number of decades beyond the given wave number needed to reach the asymptotic growth of the verdict, at most 8.
+/// Number of decades beyond the given wave number, from 4 to 8, after which the last two decades of the growth curve
+/// follow the asymptote of the verdict; the largest number in range if they never do, 4 if the verdict has no
+/// asymptote.
 pub fn decades_to_asymptote(
     workspace: &FlowWorkspace,
     assessment: &Assessment,
@@ -123,7 +126,7 @@ pub fn growth_by_wave_number(
         .collect()
 }
 
-/// Largest Re ς, 1/s; zero if it is below the rounding of the largest root.
+/// Largest Re ς, 1/s; zero if it is below the rounding of the largest |Re ς|, NaN outside the range of wave numbers.
 fn growth_rate(workspace: &FlowWorkspace, k: f64, direction: f64) -> f64 {
     if !workspace.is_in_range(k) {
         return f64::NAN;

@@ -69,7 +69,7 @@ impl From<ClosedFormVerdict> for Verdict {
 pub enum FrozenState {
     /// The state yields (is fully deforming) and was assessed.
     Yielding {
-        /// The background.
+        /// The background flow.
         flow: DeformingFlow,
         /// The verdict with its evidence.
         assessment: Assessment,

@@ -83,8 +83,8 @@ impl BinaryForm {
         self.evaluate(angle.cos(), angle.sin())
     }
 
-    /// Adds `factor` times another form of the same parity and no higher degree, as functions on the
-    /// unit circle.
+    /// Adds `factor` times another form, as functions on the unit circle; the degree of `other` has the same parity as
+    /// that of the form and is not higher.
     pub fn add_scaled(&mut self, other: &BinaryForm, factor: Rounded) {
         let mut raised = other.coefficients.clone();
         while raised.len() < self.coefficients.len() {
@@ -102,7 +102,7 @@ impl BinaryForm {
         self.factor_ends.clear();
     }
 
-    /// Whether the form vanishes exactly at `angle`, one of the axes.
+    /// Whether `angle` (rad) is that of a coordinate axis and the form vanishes exactly there.
     pub fn is_zero_on_axis(&self, angle: f64) -> bool {
         let zero = |c: Option<&Rounded>| c.is_some_and(|c| c.is_structural_zero());
         (angle == 0.0 || angle == PI) && zero(self.coefficients.first())
@@ -156,7 +156,7 @@ impl BinaryForm {
             product
         };
         let mut result = Self::new_zero(d);
-        // Rotate factor by factor: small values near a common zero lose less to cancellation.
+        // Rotate factor by factor: then small values near a common zero of the factors lose less to cancellation.
         let turned = self.factors().map(|f| Self::from_coefficients(f).to_rotated_axes(cos, sin));
         let product = turned.map(|f| f.coefficients).reduce(|p, q| {
             let mut product = list![Rounded::ZERO; p.len() + q.len() - 1];

@@ -49,7 +49,7 @@ impl BinaryForm {
         let d = self.degree();
         let mut polynomial = list![Complex64::ZERO; d + 1];
         for (l, f) in self.coefficients.iter().enumerate() {
-            // (z + 1)^(d−l) (z − 1)^l i^(−l)
+            // Term l of the polynomial in z: f_l (z + 1)^(d−l) (z − 1)^l i^(−l).
             let mut term =
                 list![Complex64::from(f.value) * Complex64::new(0.0, -1.0).powi(l as i32)];
             for factor in 0..d {
@@ -224,8 +224,8 @@ fn locate_multiple_zero(form: &BinaryForm, angle: f64) -> (f64, f64) {
     (angle, (slope / curvature).min(1.0) + f64::EPSILON)
 }
 
-/// Sorts the zeros of several factors and merges zeros that agree within their bounds; a merged zero crosses if an odd
-/// number of its constituents does.
+/// Sorts the zeros of several factors and merges zeros that agree within their bounds; at a merged zero the form
+/// changes sign if an odd number of its constituents do.
 pub fn merge_zeros(zeros: &mut StackList<FormZero>) {
     zeros.sort_by(|a, b| a.angle.total_cmp(&b.angle));
     let near = |a: &FormZero, b: &FormZero, turn: f64| {

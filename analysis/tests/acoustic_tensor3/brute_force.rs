@@ -31,7 +31,8 @@ fn squared_speeds_by_nalgebra(
     acoustic.complex_eigenvalues().iter().map(|z| (z.re, z.im)).collect()
 }
 
-/// Smallest real c², and largest |Im c| of complex c². Rounding splits double roots by its square root.
+/// Smallest real c², and largest |Im c| of complex c². A double root is split by the square root of the rounding error,
+/// so small imaginary parts count as zero.
 fn extremes_from_speeds(speeds: &[(f64, f64)]) -> (f64, f64) {
     let size = speeds.iter().fold(0.0, |size: f64, (re, im)| size.max(re.abs()).max(im.abs()));
     let (mut least, mut growth) = (f64::INFINITY, 0.0_f64);
@@ -68,7 +69,7 @@ fn compare_with_brute_force(
     }
     let least = -maximise_by_pattern_search(slowest.0, 0.02, |n| -speeds(n).0).1;
     let own = &found.slowest;
-    // The search is at least as good as brute force, and its c² is an eigenvalue.
+    // The c² found by the search is not larger than that of brute force, and is an eigenvalue.
     let difference = (own.speed_squared - least) / unit;
     assert!(difference < 1e-9, "{own:?}, brute force {least:e} at {:?}", slowest.0);
     let nearest = |n, re: f64, im: f64| {

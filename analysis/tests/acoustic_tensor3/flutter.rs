@@ -61,8 +61,9 @@ fn classical_drucker_prager_solids_never_flutter() {
     }
 }
 
-/// Classical isotropic solid with two symmetric gradients; the flow direction is the first plus a multiple of the
-/// second. With w_p = (n·α)(n·β)/ρ and w_s = α·β/ρ − w_p the discriminant is known in closed form.
+/// A classical isotropic solid with the yield normal `normal` and the flow direction `normal` plus a multiple (argument
+/// `part`) of `second_gradient`; `covector` is D applied to the normal. For a wave normal n the update of the acoustic
+/// tensor is −αβᵀ/ρ; with w_p = (n·α)(n·β)/ρ and w_s = α·β/ρ − w_p its discriminant is known in closed form.
 struct FlutterCap<'a> {
     solid: &'a Isotropic,
     normal: Tensor,
@@ -81,7 +82,8 @@ impl<'a> FlutterCap<'a> {
         })
     }
 
-    /// Negative discriminant in units of (c_p²)², positive in flutter; −1 without a rate response.
+    /// Negative discriminant −[(c_p² − w_p − c_s² + w_s)² + 4 w_p w_s], in units of c_p⁴ with the pressure-wave speed
+    /// c_p and the shear-wave speed c_s; positive in flutter, −1 without a rate response.
     fn negative_discriminant(&self, part: f64, n: [f64; 3]) -> f64 {
         let image = apply_hookes_law(self.solid, &self.flow_direction(part));
         let mut response = 0.0;
@@ -101,7 +103,7 @@ impl<'a> FlutterCap<'a> {
         if response > 0.0 { -(difference * difference + 4.0 * fast * slow) } else { -1.0 }
     }
 
-    /// Direction of the largest excess, and its value.
+    /// Direction in which the negative discriminant is largest, and its value there.
     fn max_negative_discriminant(&self, part: f64) -> ([f64; 3], f64) {
         let start =
             fibonacci_directions(1000).fold(([0.0; 3], -1.0), |best: ([f64; 3], f64), n| {

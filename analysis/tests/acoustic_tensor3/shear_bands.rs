@@ -21,7 +21,7 @@ fn shear_bands_start_at_the_hardening_of_rudnicki_and_rice() {
             microrotation: None,
         };
         let (friction, dilatancy) = (random.uniform(0.0, 1.2), random.uniform(-0.3, 1.2));
-        // Principal deviators over τ̄ in descending order, at a Lode angle in (0°, 60°).
+        // Principal values of the deviatoric stress over √J₂ in descending order, at a Lode angle in (0°, 60°).
         let lode = random.uniform(0.02, 0.98) * std::f64::consts::FRAC_PI_3;
         let deviators = [0.0, 2.0, 4.0].map(|third: f64| {
             2.0 / 3.0_f64.sqrt() * (lode - third * std::f64::consts::FRAC_PI_3).cos()
@@ -69,7 +69,7 @@ fn shear_bands_start_at_the_hardening_of_rudnicki_and_rice() {
         }
         let normal = onset.unwrap();
         let along = |axis: usize| (0..3).map(|i| q[i][axis] * normal[i]).sum::<f64>().abs();
-        // θ₀ is the angle from the direction of the smallest principal stress to the normal of the band.
+        // The expected `angle` is that from the direction of the smallest principal stress to the normal of the band.
         let found = along(0).atan2(along(2));
         worst[0] = worst[0].max((below - expected).abs() / shear);
         worst[1] = worst[1].max((found - angle).abs()).max(along(1));

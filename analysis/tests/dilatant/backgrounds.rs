@@ -1,4 +1,5 @@
-//! Random states of the dilatant Harris–Grekova model with given properties of the background and range of |Δ|.
+//! Random states of the dilatant Harris–Grekova model with given properties of the background and a given range of the
+//! non-coaxiality |Δ|.
 
 use crate::support::states::{
     DilatancyKind, FlowSample, RandomNumbers, sample_order_one, sample_wide_range,
@@ -8,7 +9,7 @@ use models::registry;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use testkit::flows::FlowParameters;
 
-/// Properties of a background besides a constant deformation rate, combined as flags.
+/// Flags of the properties of a background that are not zero, besides a constant deformation rate.
 pub type BackgroundFlags = u8;
 pub const ROTATIONAL_STRESS: BackgroundFlags = 1;
 pub const PRESSURE_GRADIENT: BackgroundFlags = 2;
@@ -18,7 +19,7 @@ pub const SPIN_GRADIENT: BackgroundFlags = 16;
 pub const INERTIA_GRADIENT: BackgroundFlags = 32;
 pub const UNIFORM: BackgroundFlags = 0;
 pub const ALL_FLAGS: BackgroundFlags = 63;
-/// Each accelerates the material, except for a set of states of measure zero.
+/// Gradients of pressure and of stress angle: each accelerates the material, except in a set of states of measure zero.
 pub const ACCELERATING_FLAGS: BackgroundFlags = PRESSURE_GRADIENT | STRESS_ANGLE_GRADIENT;
 
 /// Returns `state` with only the given `flags` non-zero; the rotational stress is unchanged.
@@ -36,19 +37,19 @@ pub fn restrict_background(flags: BackgroundFlags, state: MaterialState) -> Mate
     }
 }
 
-/// Range of |Δ| in [0, 90°].
+/// Range of |Δ| in [0, 90°], by the bound of the model on the non-coaxiality Δ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoncoaxialityZone {
-    /// Below the bound: the coefficient of the highest power of ς has one sign.
+    /// |Δ| below the bound: the coefficient of the highest power of ς has one sign.
     Inside,
-    /// Between the bound and 90° − bound: the coefficient changes sign.
+    /// |Δ| between the bound and 90° − bound: the coefficient changes sign.
     Outside,
-    /// Above 90° − bound: the coefficient has one sign, opposite to the sign inside.
+    /// |Δ| above 90° − bound: the coefficient has one sign, opposite to the sign inside.
     Reversed,
 }
 pub use NoncoaxialityZone::{Inside, Outside, Reversed};
 
-/// Expected verdict on the dilatant Harris–Grekova model.
+/// Name of the expected verdict on the dilatant Harris–Grekova model.
 ///
 /// Inside, acceleration makes layers grow at order 1/2, and a rotational stress at order 2/5. Outside, growth is
 /// unbounded at finite k where the coefficient of the highest power of ς vanishes. A gradient of the stress angle gives

@@ -18,7 +18,8 @@ use wellposed_analysis::growth::Verdict;
 /// A state whose gradients of pressure and stress angle balance, so that the acceleration is zero, with a system and a
 /// reference in which it is zero to the last bit.
 ///
-/// The balance −∇p + ∇·(q N) = 0 reads (1 − sin φ N) ∇p = q N′·∇ψ and is solved with N² = 1.
+/// The balance −∇p + ∇·(q N) = 0 reads (1 − sin φ N) ∇p = q N′·∇ψ and is solved with N² = 1; N(ψ) and q are those of
+/// [`reference_system`].
 fn balance_gradients(sample: &FlowSample) -> (FlowSample, LinearisedSystem<2>, System256) {
     let sin_phi = sample.parameters.friction_angle.sin();
     let q = sample.flow.stress.deviator.value;
@@ -45,9 +46,9 @@ fn balance_gradients(sample: &FlowSample) -> (FlowSample, LinearisedSystem<2>, S
     (sample, system, wide)
 }
 
-/// Verifies that the acceleration and not the gradients as such makes layers grow like k^(1/2): with balanced gradients
-/// the verdict inside is the verdict without gradients. Outside, the gradient of the stress angle still makes growth
-/// finite.
+/// Verifies that the acceleration and not the gradients as such makes layers grow like k^(1/2): in the zone [`Inside`]
+/// the verdict for balanced gradients is the verdict without gradients. In the zone [`Outside`] the gradient of the
+/// stress angle still makes growth finite.
 #[test]
 fn balanced_gradients_give_the_uniform_verdict_inside() {
     let cases = [

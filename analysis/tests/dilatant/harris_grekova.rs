@@ -1,4 +1,4 @@
-//! Verdicts on the dilatant Harris–Grekova model on both sides of the bounds.
+//! Verdicts on the dilatant Harris–Grekova model on both sides of its bounds on the non-coaxiality Δ.
 
 use crate::backgrounds::{
     ALL_FLAGS, BackgroundFlags, Inside, Outside, ROTATIONAL_STRESS, Reversed,
@@ -41,9 +41,9 @@ fn harris_grekova_has_expected_verdicts_in_all_zones() {
     assert!(problems.is_empty(), "{} of {states} differ: {problems:#?}", problems.len());
 }
 
-/// Verdicts on 1000 states near |Δ| = 45° ± ν/2, most at log-uniform distances in the range `offsets` relative to the
-/// width outside; returns descriptions of verdicts that differ from `wanted`, or that are not ill-posed at zero
-/// distance.
+/// Descriptions of unexpected verdicts on 1000 states near |Δ| = 45° ± ν/2 (dilatancy angle ν), most at log-uniform
+/// distances in the range `offsets`, relative to the half width of the zone [`Outside`]. Expected are
+/// [`expected_verdict`] at finite distance and ill-posedness at zero distance.
 fn wrong_verdicts_near_coincidence(parts: [BackgroundFlags; 2], offsets: [f64; 2]) -> Vec<String> {
     (0..1000u64)
         .into_par_iter()
@@ -82,24 +82,25 @@ fn wrong_verdicts_near_coincidence(parts: [BackgroundFlags; 2], offsets: [f64; 2
         .collect()
 }
 
-/// Verifies unbounded growth at |Δ| = 45° ± ν/2. The coefficient of ς³ k² vanishes there in a direction in which 𝒜 =
-/// cos β − sin φ vanishes too, so that no root passes through infinity; a root does so in the other direction.
+/// Verifies unbounded growth at |Δ| = 45° ± ν/2. The coefficient of ς³ k² vanishes there in two directions. In one of
+/// them cos β = sin φ, with β twice the angle from the wave vector to the major principal stress, so the numerator of
+/// the root vanishes too and no root passes through infinity; a root does so in the other direction.
 #[test]
 fn growth_is_unbounded_where_zeros_coincide_with_the_numerator() {
     let wrong = wrong_verdicts_near_coincidence([UNIFORM, ROTATIONAL_STRESS], [1e-15, 1e-3]);
     assert!(wrong.is_empty(), "{} differ: {wrong:#?}", wrong.len());
 }
 
-/// At this Δ the coefficient of ς³ k, due to a gradient of the stress angle, vanishes in the same direction. Verifies
-/// that next to it, where the two zeros are separate, growth is finite, of order 3.
+/// Verifies that next to |Δ| = 45° ± ν/2 a gradient of the stress angle makes growth finite, of order 3. At this |Δ|
+/// itself the coefficient of ς³ k, due to the gradient, vanishes in the same direction as that of ς³ k².
 #[test]
 fn gradients_near_coincident_zeros_give_order_three() {
     let wrong = wrong_verdicts_near_coincidence([STRESS_ANGLE_GRADIENT, ALL_FLAGS], [1e-5, 1e-3]);
     assert!(wrong.is_empty(), "{} differ: {wrong:#?}", wrong.len());
 }
 
-/// Verifies order 3 at relative distances down to 1e-11: the zeros may be less than 1e-9 rad apart, yet far more than
-/// their rounding.
+/// Verifies order 3 at distances from |Δ| = 45° ± ν/2 down to 1e-11 of the half width of the zone: the zeros of both
+/// coefficients may be less than 1e-9 rad apart, yet far more than their rounding.
 #[test]
 fn gradients_very_near_coincident_zeros_give_order_three() {
     let wrong = wrong_verdicts_near_coincidence([STRESS_ANGLE_GRADIENT, ALL_FLAGS], [1e-11, 1e-5]);

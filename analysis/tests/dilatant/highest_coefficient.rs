@@ -1,4 +1,5 @@
-//! The coefficient of the highest power of ς: its zeros are the bounds on the non-coaxiality.
+//! The coefficient of the highest power of ς: the bounds on the non-coaxiality are where its real zeros appear and
+//! vanish.
 
 use crate::backgrounds::{ALL_FLAGS, Inside, Outside, Reversed, UNIFORM, sample_harris_grekova};
 use crate::support::exact::DispersionReference;
@@ -59,7 +60,7 @@ fn the_bound_follows_from_the_determinant() {
                 leading_quadratic_form(&p)
             };
 
-            // To 60 digits of the largest term.
+            // Whether x is zero to 60 digits relative to `than`.
             let is_small = |x: Real256, than: Real256| x.exponent() < than.exponent() - 200;
             let x = discriminant(at(0.0));
             let [plus, minus] = [FRAC_PI_4, -FRAC_PI_4].map(|delta| discriminant(at(delta)));
@@ -78,7 +79,8 @@ fn the_bound_follows_from_the_determinant() {
             let closed_form = base.model.noncoaxiality_bound().expect("the model has one");
             let deviation = (closed_form / bound - 1.0).abs();
 
-            // No real zeros inside, two outside, none reversed. The closed form is accurate to 1e-14.
+            // No real zeros in the zones [`Inside`] and [`Reversed`], two in [`Outside`]. The closed form of the bound
+            // is accurate to 1e-14.
             for _ in 0..4 {
                 let distance = random.log_uniform(1e-12, 0.3);
                 let outside = bound + distance * (FRAC_PI_4 - bound).max(1e-12);
@@ -105,13 +107,13 @@ fn the_bound_follows_from_the_determinant() {
         .collect();
     let worst = deviations.into_iter().fold(0.0, f64::max);
     println!("greatest deviation of the closed form: {worst:.1e}");
-    // Two cosines and a root in doubles; cos φ loses tan φ = 14 roundings at φ = 1.5.
+    // The closed form rounds two cosines and a square root; at φ = 1.5 the relative error of cos φ is tan φ = 14 times
+    // the rounding error of φ.
     assert!(worst < 1e-14, "{worst:e}");
 }
 
-/// Verifies to 60 digits that the closed-form expression of the coefficient,
-/// `cos 2Δ cos ν [cos e + sin ν sin φ − (sin φ cos e + sin ν) cos β] + sin 2Δ sin ν cos φ cos e sin β`
-/// with e = φ − ν, β = 2(Ψ_Σ − ψ_K), is proportional to it in all directions, by a factor independent of Δ.
+/// with e = φ − ν, β = 2(Ψ_Σ − ψ_K), stress angle Ψ_Σ and angle ψ_K of the wave vector, is proportional to it in all
+/// directions, by a factor independent of Δ.
 #[test]
 fn the_highest_coefficient_is_that_of_the_closed_form() {
     (0..500u64).into_par_iter().for_each(|seed| {
@@ -150,8 +152,8 @@ fn the_highest_coefficient_is_that_of_the_closed_form() {
     });
 }
 
-/// Verifies that outside, the direction of the verdict is a zero of the highest coefficient, to the rounding of this
-/// form divided by its slope.
+/// Verifies that in the zone [`Outside`] the direction of the verdict is a zero of the highest coefficient, to the
+/// rounding of this form divided by its slope.
 #[test]
 fn verdict_direction_outside_is_a_zero_of_the_highest_coefficient() {
     let worst = (0..1000u64)
@@ -165,7 +167,8 @@ fn verdict_direction_outside_is_a_zero_of_the_highest_coefficient() {
             let form = leading_quadratic_form(&reference_system(&sample).polynomial());
             let size = form.iter().map(|x| x.exponent()).max().expect("three");
             let scaled = |x: Real256| x.multiply_by_power_of_two(-size).to_f64();
-            // The form is ½[A + C + R cos 2(θ − θ₀)], so R² − (A + C)² is the discriminant.
+            // With the coefficients A of cos²θ and C of sin²θ the form is ½[A + C + R cos 2(θ − θ₀)], so R² − (A + C)²
+            // is its discriminant.
             let middle = scaled(form[0] + form[2]);
             let root = discriminant(form).multiply_by_power_of_two(-2 * size).to_f64().sqrt();
             let shift = scaled(form[1]).atan2(scaled(form[0] - form[2]));
@@ -181,10 +184,10 @@ fn verdict_direction_outside_is_a_zero_of_the_highest_coefficient() {
     assert!(worst < 200.0, "{worst}");
 }
 
-/// Verifies the coefficient of growth where the noncoaxiality exceeds 90° − bound in size, ς ≈ k² F₂₄/F₃₂; Fₙₘ is the
-/// form of degree m in the wave vector that multiplies ςⁿ in the dispersion polynomial. The reference is the maximum of
-/// F₂₄/F₃₂ over directions, with coefficients in 256-bit arithmetic. Near the bound min F₃₂ is much smaller than its
-/// mean, and its relative error in double precision is ε times their ratio.
+/// Verifies the coefficient of growth where the non-coaxiality |Δ| exceeds 90° − bound, ς ≈ k² F₂₄/F₃₂; Fₙₘ is the form
+/// of degree m in the wave vector that multiplies ςⁿ in the dispersion polynomial. The reference is the maximum of
+/// F₂₄/F₃₂ over directions, with coefficients in 256-bit arithmetic. Near the bound the minimum of |F₃₂| is much
+/// smaller than the mean, and its relative error in double precision is ε times the ratio of mean to minimum.
 #[test]
 fn growth_coefficients_beyond_the_reversed_bound_agree_with_the_polynomial() {
     let worst = (0..1000u64)

@@ -1,4 +1,4 @@
-//! The plastic potential and double shearing with dilatancy.
+//! Verdicts on the plastic potential and on double shearing with dilatancy.
 
 use crate::backgrounds::{ACCELERATING_FLAGS, ALL_FLAGS, UNIFORM, restrict_background};
 use crate::support::states::{
@@ -40,9 +40,9 @@ fn associated_plastic_potential_grows_only_if_accelerated() {
     }
 }
 
-/// Verifies growth next to the associated flow rule in every background, at relative distances of ν from φ of 1e-9 to
-/// 0.3: order 2 with the coefficient q tan²((φ − ν)/2)/(2 ρ Q_D). Doubles determine the difference of two angles to a
-/// rounding divided by it.
+/// Verifies growth next to the associated flow rule with and without gradients, at relative distances of ν from φ of
+/// 1e-9 to 0.3: order 2 with the coefficient q tan²((φ − ν)/2)/(2 ρ Q_D) for the deviator q, density ρ and shear rate
+/// Q_D. Doubles determine the difference of two angles to a rounding divided by it.
 #[test]
 fn plastic_potential_near_the_associated_flow_rule_grows_at_order_two() {
     (0..1000u64).into_par_iter().for_each(|seed| {
@@ -67,8 +67,8 @@ fn plastic_potential_near_the_associated_flow_rule_grows_at_order_two() {
     });
 }
 
-/// Verifies growth of dilatant double shearing in every background: order 1 with the coefficient √(q cos(φ − 2ν)(1 +
-/// sin φ)/{ρ sin(φ − ν)[cos(φ − ν) + sin ν]}).
+/// Verifies growth of dilatant double shearing in every background: order 1, squared coefficient q cos(φ − 2ν) (1 + sin
+/// φ)/{ρ sin(φ − ν) [cos(φ − ν) + sin ν]} with the deviator q and the density ρ.
 #[test]
 fn dilatant_double_shearing_grows_at_order_one() {
     (0..1000u64).into_par_iter().for_each(|seed| {

@@ -4,7 +4,7 @@
 use super::exact::DispersionReference;
 use super::real256::{Complex256, Real256};
 
-/// Supremum S(k) of Re ς over the directions at some wave numbers.
+/// Supremum S(k) of Re ς over all directions, at several wave numbers k.
 #[derive(Clone, Debug)]
 pub struct BruteForceGrowth {
     /// Wave number k, S(k) and direction (rad).
@@ -28,7 +28,8 @@ impl BruteForceGrowth {
     }
 }
 
-/// Real zeros of the leading forms F_ij (largest j for each power of ς): crossed, touched or nearly touched.
+/// Directions in which a leading form F_ij of P = Σ ςⁱ F_ij (the largest degree j for each i) changes sign, or in which
+/// |F_ij| has a local minimum below 1/100 of its maximum (a double zero or nearly one).
 pub fn find_degenerate_directions(polynomial: &DispersionReference) -> Vec<Real256> {
     let mut centres: Vec<Real256> = Vec::new();
     for i in 0..=polynomial.degree() {
@@ -74,7 +75,7 @@ pub fn find_degenerate_directions(polynomial: &DispersionReference) -> Vec<Real2
                 }
             }
             let touches = here.abs() <= before.abs() && here.abs() <= after.abs();
-            // Nearly touched zeros are candidates as well.
+            // A local minimum of |F_ij| that is not zero is a candidate as well.
             if touches && here.abs() < 1e-2 * greatest {
                 let extremum = refine_zero_by_newton(polynomial, i, j, Real256::from(angle), true);
                 extremum.into_iter().for_each(&mut include);
@@ -114,7 +115,8 @@ fn refine_zero_by_newton(
 }
 
 /// Directions next to the centres in which, at the wave number k, the real or the imaginary part of the coefficient of
-/// some power of ς vanishes: roots may be much larger or smaller there than in neighbouring directions.
+/// some power of ς vanishes, or two roots come close to each other: roots may be much larger or smaller there than in
+/// neighbouring directions.
 fn find_resonances(
     polynomial: &DispersionReference,
     k: Real256,
@@ -199,8 +201,8 @@ fn find_resonances(
     found
 }
 
-/// Smallest distance between two roots relative to their size, among sizes above `least`; in double precision, which
-/// suffices to locate candidates.
+/// Smallest distance between two roots, relative to the sum of their moduli, over all pairs whose sum exceeds `least`;
+/// in double precision, which suffices to locate candidates.
 fn min_root_gap(polynomial: &[Complex256], least: f64) -> f64 {
     let plain: Vec<_> = polynomial.iter().map(|c| c.to_c64()).collect();
     let roots = wellposed_analysis::roots::solve(&plain);
@@ -253,7 +255,7 @@ struct GrowthCandidate {
 
 /// Computes S at the wave numbers `wave_numbers`, over `direction_count` uniform directions and clusters around
 /// `centres` with offsets k^(−s), 0 < s < `max_offset_exponent`, then refines the largest values; with `is_fine`
-/// clusters around resonances and collisions are as dense.
+/// clusters around resonances and collisions are as dense as those around `centres`.
 pub fn compute_growth_by_brute_force(
     polynomial: &DispersionReference,
     wave_numbers: &[f64],
@@ -374,8 +376,8 @@ fn search_golden_section(f: impl Fn(f64) -> Real256, [mut a, mut b]: [f64; 2]) -
     if fx >= fy { (fx, x) } else { (fy, y) }
 }
 
-/// Whether S is infinite at the wave number k, next to a zero of the leading coefficient: it grows with 1/distance. At
-/// large wave numbers the unbounded part of a root can be small, like k⁻² over the offset.
+/// Whether S is infinite at the wave number k: next to a zero of the leading coefficient it grows with 1/distance. At
+/// large wave numbers the unbounded part of a root can be small, of order k⁻²/distance.
 fn is_unbounded_at(
     polynomial: &DispersionReference,
     k: Real256,

@@ -143,7 +143,7 @@ fn add_term(terms: &mut Vec<([u8; 3], Real256)>, power: [u8; 3], value: Real256)
     }
 }
 
-/// Visits all permutations without zero entries, with their products and parities.
+/// Visits all permutations of the columns without zero entries, with their products and parities (Leibniz's formula).
 fn expand_leibniz<P>(
     size: usize,
     initial: P,
@@ -198,8 +198,8 @@ pub fn evaluate_with_derivative(
     (value, slope)
 }
 
-/// All roots of Σ pᵢ xⁱ, simple ones to about 60 digits: simultaneous iteration from circles whose radii are the slopes
-/// of the Newton polygon.
+/// All roots of Σ pᵢ xⁱ, simple ones to about 60 digits, by the Aberth–Ehrlich method from starting points on circles
+/// whose radii are the slopes of the Newton polygon.
 pub fn solve_roots(polynomial: &[Complex256]) -> Vec<Complex256> {
     let zeros = polynomial.iter().take_while(|c| c.is_zero()).count();
     let p = &polynomial[zeros.min(polynomial.len() - 1)..];
@@ -309,7 +309,7 @@ impl DispersionReference {
             let size = value.exponent() + i64::from(b + c) * k.exponent();
             greatest[usize::from(a)] = greatest[usize::from(a)].max(size);
         }
-        // Smaller sums are rounding of the direction in 256 bits.
+        // Sums below 2⁻²³⁵ of their largest term are rounding errors of the direction in 256 bits.
         for (sum, greatest) in result.iter_mut().zip(greatest) {
             if sum.exponent() < greatest - 235 {
                 *sum = Complex256::ZERO;
@@ -324,7 +324,7 @@ impl DispersionReference {
         let (sin, cos) = direction.sin_cos();
         solve_roots(&self.coefficients_at(k, cos, sin))
             .into_iter()
-            // Smaller real parts are rounding beside the imaginary part.
+            // Real parts below 2⁻¹³⁰ of the imaginary part are rounding errors.
             .map(|z| if z.re.exponent() < z.im.exponent() - 130 { Real256::ZERO } else { z.re })
             .reduce(|a, b| if b > a { b } else { a })
             .unwrap_or(-Real256::from(1.0).multiply_by_power_of_two(4000))

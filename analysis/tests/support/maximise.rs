@@ -2,8 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-/// Maximum of a function of an angle of period π, and its angle, by a scan of 2 × `scan_steps` intervals and a shrinking
-/// grid.
+/// Maximum of a function of an angle of period π, and its angle, by a scan of 2 × `scan_steps` intervals and shrinking
+/// grids around the maximum.
 pub fn maximise_over_half_turn(scan_steps: i32, f: impl Fn(f64) -> f64) -> (f64, f64) {
     let mut best = (f64::NEG_INFINITY, 0.0);
     let (mut centre, mut width) = (FRAC_PI_2, FRAC_PI_2);

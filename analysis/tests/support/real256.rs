@@ -277,7 +277,7 @@ impl AddAssign for Real256 {
     }
 }
 
-/// A complex number of 256 bits in each part.
+/// A complex number with real and imaginary parts of 256 bits each.
 #[derive(Clone, Copy, Debug)]
 pub struct Complex256 {
     pub re: Real256,

@@ -38,11 +38,12 @@ impl SlippingLayer {
         layout.rates(&stiffness.expect("response"), 1.0, 1.0)
     }
 
-    /// Trace and determinant of the acoustic tensor of the translations, Γ = Γₑ − a(n) b(n)ᵀ/h, in
-    /// closed form.
+    /// Trace and determinant of the acoustic tensor of the translations, Γ = Γₑ − a bᵀ/h, in closed form, for a wave
+    /// normal at `angle` (rad); a and b are the tractions of D m and D n.
     pub fn acoustic_invariants(self, angle: f64) -> [f64; 2] {
         let Self { lambda, alpha, .. } = self;
-        // D m over (σ11, σ22, σ21, σ12) for m = (κ̂, 0, 1, 0); D n has κ instead of κ̂.
+        // D m over (σ11, σ22, σ21, σ12) for the flow direction m = (κ̂, 0, 1, 0) with dilatancy κ̂; for D n, with the
+        // yield normal n, κ̂ is replaced by the friction κ.
         let image = |k: f64| [(lambda + 2.0) * k, lambda * k, 1.0 + alpha, 1.0 - alpha];
         let (a, b) = (image(self.dilatancy), image(self.friction));
         let h = self.friction * a[0] + a[2];

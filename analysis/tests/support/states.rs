@@ -169,11 +169,10 @@ pub fn sample_order_one(
 
 /// The linearised equations of a sample in 256 bits, in the crate's order of rows and columns.
 ///
-/// With N(ψ) = [[cos 2ψ, sin 2ψ], [sin 2ψ, −cos 2ψ]] the stress is −p + q N, q = p sin φ + c cos φ;
-/// momentum reads ρ Dv/Dt = −∇p + ∇·(q N), the flow rule e_v tr d = s_v d:N and
-/// 2 e_r (ω − s₂₁) = −½ c_r d:N′, the spin's balance ρ I Dω/Dt + ρ ω DI/Dt = 2r + ρG; all
-/// linearised about D = ½ tr D + Q_D N(Ψ_D), for which D:N = 2 Q_D cos 2Δ, D:N′ = 4 Q_D sin 2Δ,
-/// and N″ = −4N.
+/// With N(ψ) = [[cos 2ψ, sin 2ψ], [sin 2ψ, −cos 2ψ]] the stress is −p + q N, q = p sin φ + c cos φ; momentum reads ρ
+/// Dv/Dt = −∇p + ∇·(q N), the flow rule e_v tr d = s_v d:N and 2 e_r (ω − s₂₁) = −½ c_r d:N′, the balance of the spin ρ
+/// I Dω/Dt + ρ ω DI/Dt = 2r + ρG with the rotational stress r and the body moment G; all linearised about the
+/// deformation rate D = ½ tr D + Q_D N(Ψ_D), for which D:N = 2 Q_D cos 2Δ, D:N′ = 4 Q_D sin 2Δ, and N″ = −4N.
 pub fn reference_system(sample: &FlowSample) -> System256 {
     let FlowSample { parameters, state, flow, .. } = sample;
     let kind = sample.kind();
@@ -210,7 +209,7 @@ pub fn reference_system(sample: &FlowSample) -> System256 {
     let grad_p = state.pressure_gradient.map(w);
     let grad_psi = state.stress_angle_gradient.map(w);
 
-    // ∇V = ½ tr D + Q_D N(Ψ_D) + spin.
+    // ∇V is D = ½ tr D + Q_D N(Ψ_D) plus the rotation at half the vorticity.
     let half_trace = if dilatant { s_v * e_v.recip() * shear_rate * cos_2d } else { zero };
     let direction = tensor(psi + delta);
     let turn = w(state.half_vorticity);
@@ -259,7 +258,7 @@ pub fn reference_system(sample: &FlowSample) -> System256 {
                 entry[3] = rho
                     * (inertia * w(state.spin_gradient[j]) + spin * w(state.inertia_gradient[j]));
             }
-            // r opposes the relative rotation −(c_r/e_r) Q_D sin 2Δ.
+            // The rotational stress r opposes the relative rotation ω − s₂₁ = −(c_r/e_r) Q_D sin 2Δ.
             let strength = w(parameters.rotational_strength.expect("given"));
             let rotational = state.rotational_stress.map_or(
                 if sin_2d.is_zero() {

@@ -14,7 +14,7 @@ const UNKNOWNS: [Unknown; 8] = {
     list
 };
 
-/// Derivative or unknown multiplied by an entry.
+/// Operator on an unknown that an entry multiplies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DerivativeOperator {
     /// ∂ₜ

@@ -1,4 +1,4 @@
-//! Random small systems against brute force.
+//! Verdicts on random small systems against brute force.
 
 use crate::known_systems::SystemEntries;
 use crate::support::brute_force::{compute_growth_by_brute_force, find_degenerate_directions};
@@ -40,7 +40,8 @@ fn small_random_systems_agree_with_brute_force() {
     assert_agreement_with_brute_force(false, 200);
 }
 
-/// Verdicts on random systems of small integers, in which many directions coincide, agree with brute force.
+/// Verdicts on random systems of small integers, in which degenerate directions of different coefficients often
+/// coincide, agree with brute force.
 #[test]
 fn small_integer_systems_agree_with_brute_force() {
     assert_agreement_with_brute_force(true, 200);
@@ -53,8 +54,8 @@ fn many_small_systems_agree_with_brute_force() {
     assert_agreement_with_brute_force(true, 500);
 }
 
-/// Brute-force check of a verdict: a description of the error, if any; with `fine` the check takes longer and misses
-/// less.
+/// Brute-force check of a verdict on the system with dispersion polynomial `p`: a description of the error, if any;
+/// with `fine` the check takes longer and misses less.
 fn describe_difference(verdict: &Verdict, p: &DispersionReference, fine: bool) -> Option<String> {
     match verdict {
         Verdict::Indeterminate { .. } => {

@@ -16,8 +16,8 @@ use testkit::flows::FlowParameters;
 use wellposed_analysis::growth::{Verdict, assess};
 use wellposed_analysis::pencil::Pencil;
 
-/// Verifies Harris–Grekova with ν = 0: ill-posed at 45° + 1e-9°, well-posed at 45° − 1e-9°, marginal at 45°; with and
-/// without gradients, in units far from 1.
+/// Verifies Harris–Grekova with dilatancy angle ν = 0: ill-posed at a non-coaxiality |Δ| of 45° + 1e-9°, well-posed at
+/// 45° − 1e-9°, marginal at 45°; with and without gradients, in units far from 1.
 #[test]
 fn harris_grekova_is_ill_posed_beyond_45_degrees() {
     for seed in 0..200 {
@@ -62,7 +62,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         };
         let beta = |s: &FlowSample, angle: f64| 2.0 * (s.state.stress_angle - angle);
 
-        // Harris–Grekova beyond its bound, where it grows.
+        // Harris–Grekova with a non-coaxiality |Δ| beyond its bound of 45°, where short waves grow.
         let s = sample(registry::HARRIS_GREKOVA, DilatancyKind::Zero);
         let s = with_noncoaxiality(
             &s,
@@ -102,7 +102,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
         let own = PlasticPotential::from_constants(&constants).expect("in range");
         let (q, rho, rate) = (s.flow.stress.deviator.value, s.flow.density, s.flow.shear_rate);
         let exact = |a: f64| own.leading_coefficient(q, rho, rate, beta(&s, a));
-        // Only sectors wide enough for the search of this file.
+        // Only sectors wide enough for `maximise_over_half_turn`.
         if (s.parameters.friction_angle - s.parameters.dilatancy_angle).abs() > 0.05 {
             check(2, 2.0, &s, &exact);
             let (rate, cosine) = own.fastest_growth(q, rho, rate);
@@ -117,7 +117,7 @@ fn coefficients_and_directions_are_those_of_the_closed_forms() {
     );
 }
 
-/// Verifies sectors of growth between ν and φ down to 1e-9 rad, for ν < φ and for ν > φ, and no growth at ν = φ.
+/// Verifies growth in sectors as narrow as φ − ν = ±1e-9 rad, and no growth at ν = φ.
 #[test]
 fn plastic_potential_grows_in_thin_sectors() {
     let mut worst = 0.0f64;
@@ -246,7 +246,8 @@ fn dilatant_harris_grekova_is_ill_posed_beyond_its_bound() {
             let Verdict::IllPosed { growth: None, direction } = beyond else {
                 panic!("seed {seed}, just beyond: {beyond:?}")
             };
-            // cos 2Δ cos ν [X − Y cos β] + sin 2Δ Z sin β touches zero where its slope vanishes: cos β = Y/X.
+            // The highest coefficient cos 2Δ cos ν [X − Y cos β] + sin 2Δ Z sin β, with X = `x` and Y = `y` below,
+            // touches zero where its slope vanishes: cos β = Y/X.
             let beta = 2.0 * (base.state.stress_angle - direction);
             let (x, y) =
                 ((phi - nu).cos() + nu.sin() * phi.sin(), phi.sin() * (phi - nu).cos() + nu.sin());

@@ -11,7 +11,7 @@ pub enum ExpectedVerdict {
     Growth(f64, f64, Option<f64>),
     /// Unbounded at finite wave numbers, in the direction in degrees.
     UnboundedAtFiniteK(f64),
-    /// Rank.
+    /// Rank of the pencil.
     Indeterminate(usize),
 }
 use ExpectedVerdict::{Bounded, Growth, Indeterminate, UnboundedAtFiniteK};
@@ -36,16 +36,16 @@ fn cyclic_system(
 
 type OperatorTerm = (DerivativeOperator, f64);
 
-/// ∂ₜ, ∂₁ and 1.
+/// Entries of a single operator: ∂ₜ, ∂₁ and 1.
 const ELEMENTARY_TERMS: [&[OperatorTerm]; 3] = [&[(T, 1.0)], &[(X, 1.0)], &[(C, 1.0)]];
-/// ∂ₜ + ∂₁.
+/// Entry ∂ₜ + ∂₁ of the transport equation.
 const TRANSPORT_TERMS: &[OperatorTerm] = &[(T, 1.0), (X, 1.0)];
 
 fn negated_term(part: DerivativeOperator) -> [OperatorTerm; 1] {
     [(part, -1.0)]
 }
 
-/// The coefficient of growth of order 1/3.
+/// Coefficient √3/2 of growth of order 1/3: the largest real part of a cube root of −i.
 fn one_third_coefficient() -> f64 {
     (3f64).sqrt() / 2.0
 }
@@ -68,11 +68,11 @@ impl KnownSystemList {
 
 /// Transport and heat: orders 0 and 2.
 fn add_parabolic(list: &mut KnownSystemList) {
-    // ς + κ₁ = 0
+    // Dispersion relation ς + κ₁ = 0.
     list.push_square("transport", (1, vec![(0, 0, T, 1.0), (0, 0, X, 1.0)]), Bounded);
     list.push_square("decay", (1, vec![(0, 0, T, 1.0), (0, 0, C, 5.0)]), Bounded);
     list.push_square("order 0", (1, vec![(0, 0, T, 1.0), (0, 0, C, -5.0)]), Bounded);
-    // ς ∓ (κ₁² + κ₂²) = 0
+    // Dispersion relations ς ∓ (κ₁² + κ₂²) = 0.
     let heat = |sign: f64| {
         let mut e: SystemEntries = vec![(0, 0, T, 1.0)];
         for (i, part) in [(1, X), (2, Y)] {
@@ -87,10 +87,10 @@ fn add_parabolic(list: &mut KnownSystemList) {
     list.push_square("heat along x, backward along y", mixed, Growth(2.0, 3.0, Some(90.0)));
 }
 
-/// Wave equations with damping, feeding terms and advection, and elliptic counterparts.
+/// Wave equations with damping, sources and advection, and elliptic counterparts.
 fn add_hyperbolic(list: &mut KnownSystemList) {
     let [t, x, _] = ELEMENTARY_TERMS;
-    // ς² = κ² and ς² = −κ² in one and two dimensions.
+    // Dispersion relations ς² = κ² and ς² = −κ² in one and two dimensions.
     let wave: SystemEntries = vec![
         (0, 0, T, 1.0),
         (1, 1, T, 1.0),
@@ -124,7 +124,7 @@ fn add_hyperbolic(list: &mut KnownSystemList) {
         cyclic_system(&[t, t], &[&negated_term(X), x]),
         Growth(1.0, 1.0, Some(0.0)),
     );
-    // ς² + κ₁² + 4 κ₂²: elliptic Cauchy problem.
+    // Dispersion polynomial ς² + κ₁² + 4 κ₂² of an elliptic Cauchy problem.
     let mut elliptic = wave;
     elliptic[4] = (1, 0, X, -1.0);
     elliptic[6] = (2, 0, Y, -4.0);
@@ -134,7 +134,7 @@ fn add_hyperbolic(list: &mut KnownSystemList) {
 /// Other orders of growth, and neutral counterparts.
 fn add_orders(list: &mut KnownSystemList) {
     let [t, x, one] = ELEMENTARY_TERMS;
-    // ς² + κ³, ς³ + κ², ς² + κ, ς³ + κ, ς⁵ + κ²
+    // Dispersion polynomials of the next five systems: ς² + κ³, ς³ + κ², ς² + κ, ς³ + κ, ς⁵ + κ².
     list.push_square(
         "order 3/2",
         cyclic_system(&[t, t, one], &[x, x, x]),
@@ -160,7 +160,8 @@ fn add_orders(list: &mut KnownSystemList) {
         cyclic_system(&[t, t, t, t, t], &[x, x, one, one, one]),
         Growth(0.4, 1.0, Some(0.0)),
     );
-    // ς = κ₁³κ₂: largest at 30°. ς² = κ⁶ and −κ⁶; ς + κ³ is dispersive only.
+    // Dispersion polynomials of the next four systems: ς − κ₁³κ₂, with the largest growth at 30°; ς² + κ⁶; ς² − κ⁶ and
+    // ς + κ³, which have imaginary roots only.
     let four = 3.0 * 3f64.sqrt() / 16.0;
     list.push_square(
         "order 4",
@@ -183,7 +184,7 @@ fn add_orders(list: &mut KnownSystemList) {
 /// Repeated roots and terms that split them.
 fn add_repeated_roots(list: &mut KnownSystemList) {
     let [t, x, one] = ELEMENTARY_TERMS;
-    // (ς + κ)² + ε² κ²: the real part is a small fraction of the root.
+    // Dispersion polynomial (ς + κ)² + e²κ²: the real part of a root is a small fraction e of its modulus.
     for (name, e) in [("a hundredth real", 1e-2), ("a thousandth real", 1e-3)] {
         let (s, minus): (&[_], &[_]) = (&[(X, e)], &[(X, -e)]);
         list.push_square(
@@ -192,12 +193,13 @@ fn add_repeated_roots(list: &mut KnownSystemList) {
             Growth(1.0, e, Some(0.0)),
         );
     }
-    // (ς + κ)(ς² + κ²): even and odd powers of κ occur.
+    // Dispersion polynomial (ς + κ)(ς² + κ²): even and odd powers of κ occur.
     let mut apart = cyclic_system(&[t, t], &[&negated_term(X), x]);
     apart.0 = 3;
     apart.1.extend([(2, 2, T, 1.0), (2, 2, X, 1.0)]);
     list.push_square("transport beside Cauchy–Riemann", apart, Growth(1.0, 1.0, Some(0.0)));
-    // (ς + κ)² + κ: a repeated real root split at order 1/2; (ς + κ)² + 1: not split.
+    // Dispersion polynomials of the next two systems: (ς + κ)² + κ, whose repeated root is split at order 1/2; (ς + κ)²
+    // + 1, whose roots differ by a constant.
     list.push_square(
         "weakly hyperbolic",
         cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS], &[&negated_term(X), one]),
@@ -213,13 +215,13 @@ fn add_repeated_roots(list: &mut KnownSystemList) {
         cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS], &[&[], &[]]),
         Bounded,
     );
-    // (ς + κ)³ + κ: order 1/3.
+    // Dispersion polynomial (ς + κ)³ + κ: order 1/3.
     list.push_square(
         "triple root split at order 1/3",
         cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS, TRANSPORT_TERMS], &[x, one, one]),
         Growth(1.0 / 3.0, one_third_coefficient(), Some(0.0)),
     );
-    // (ς + κ)³ + κ²
+    // Dispersion polynomial (ς + κ)³ + κ²: order 2/3.
     list.push_square(
         "triple root split at order 2/3",
         cyclic_system(&[TRANSPORT_TERMS, TRANSPORT_TERMS, TRANSPORT_TERMS], &[x, x, one]),
@@ -230,7 +232,8 @@ fn add_repeated_roots(list: &mut KnownSystemList) {
 /// Dispersive waves with growth or decay of the next order.
 fn add_beams(list: &mut KnownSystemList) {
     let [t, x, one] = ELEMENTARY_TERMS;
-    // ς² + κ⁴ = 0: dispersive waves; ς² + κ⁴ + c κ³: dispersive waves with growth c k/2.
+    // Dispersion polynomials of the next two systems: ς² + κ⁴, dispersive waves; ς² + κ⁴ + c κ³, dispersive waves with
+    // growth c k/2.
     list.push_square(
         "beam",
         cyclic_system(&[t, t, one, one], &[x, x, x, &negated_term(X)]),
@@ -241,7 +244,7 @@ fn add_beams(list: &mut KnownSystemList) {
         cyclic_system(&[t, t, one, one], &[x, x, x, &[(X, -1.0), (C, -0.5)]]),
         Growth(1.0, 0.25, Some(0.0)),
     );
-    // Leading roots neutral, decay at the next order.
+    // The roots are neutral to leading order and decay at the next order.
     list.push_square(
         "beam with decay",
         cyclic_system(
@@ -252,7 +255,7 @@ fn add_beams(list: &mut KnownSystemList) {
     );
 }
 
-/// Incompressible flow, of index 2.
+/// Incompressible flow, whose pencils have index 2.
 fn add_incompressible(list: &mut KnownSystemList) {
     // Euler equations.
     let euler: SystemEntries = vec![
@@ -296,7 +299,7 @@ fn add_no_time_derivative(list: &mut KnownSystemList) {
         cyclic_system(&[one, one], &[&[(C, 0.5)], &[(C, -0.5)]]),
         Bounded,
     );
-    // ς(1 − κ₁²) + κ₂² = 0: order 2 in one direction only.
+    // Dispersion relation ς(1 − κ₁²) + κ₂² = 0: growth of order 2 in one direction only.
     list.push_square(
         "growth in one direction alone",
         (
@@ -313,7 +316,8 @@ fn add_no_time_derivative(list: &mut KnownSystemList) {
         ),
         Growth(2.0, 1.0, Some(90.0)),
     );
-    // ς κ₁ + κ₂ = 0: ς = −tan θ; ς κ₁ = κ₂²: imaginary roots of unbounded size.
+    // Dispersion relations of the next two systems: ς κ₁ + κ₂ = 0, ς = −tan θ; ς κ₁ = κ₂², imaginary roots of unbounded
+    // modulus.
     list.push_square(
         "tangent",
         (2, vec![(0, 0, T, 1.0), (0, 1, C, 1.0), (1, 0, Y, -1.0), (1, 1, X, 1.0)]),
@@ -328,7 +332,7 @@ fn add_no_time_derivative(list: &mut KnownSystemList) {
 
 /// Equations that do not determine the unknowns.
 fn add_singular(list: &mut KnownSystemList) {
-    // Singular: equal rows; a zero column; a dependent row.
+    // Equal rows; a zero column; fewer equations than unknowns; more equations than unknowns.
     list.push_square(
         "equal rows",
         (2, vec![(0, 0, T, 1.0), (0, 1, X, 2.0), (1, 0, T, 1.0), (1, 1, X, 2.0)]),

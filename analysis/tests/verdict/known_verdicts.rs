@@ -42,7 +42,7 @@ fn known_systems_have_expected_verdicts() {
     assert!(marginal.is_empty(), "{} marginal:\n{}", marginal.len(), marginal.join("\n"));
 }
 
-/// Verifies growth of the next order of dispersive waves: order 1, coefficient within 2 %.
+/// Verifies growth of dispersive waves at the order next to the leading one: order 1, coefficient within 2 %.
 #[test]
 fn growth_next_to_neutral_roots_is_detected() {
     let (_, system, _) = known_systems()

@@ -99,7 +99,7 @@ fn associated_yielding_keeps_growth_at_rounding_level() {
         }
     }
     println!("max Re ς, Hermitian part, over the largest entry: {worst:?}; conditions {corners:?}");
-    // Matrices of up to 24 × 24 entries of order one: one hundred times their rounding.
+    // Tolerance of about 100 ε for the eigenvalues and entries of matrices of up to 24 × 24 entries of order one.
     assert!(worst[0] < 3e-14 && worst[1] < 3e-14, "{worst:?}");
     assert!(corners[2] > 500 && corners[3] > 100, "{corners:?}");
 }
@@ -137,7 +137,7 @@ fn verify_associated_yielding<const D: usize>(
         tolerance,
     );
 
-    // Restriction to the tangent space of the active conditions, with the carried stresses as unknowns.
+    // Restriction to the tangent space of the active conditions, with the out-of-plane stresses as unknowns.
     let full = equations_with_carried_stresses::<D>(solid);
     let form = full.symmetric_form().expect("elastic");
     let nv = full.velocity_count();
@@ -158,7 +158,7 @@ fn verify_associated_yielding<const D: usize>(
     worst[0] = worst[0].max(found);
     worst[1] = worst[1].max(bound);
 
-    // The restriction and the tangent stiffness have the same largest frequency.
+    // The restricted equations and those with the tangent stiffness have the same largest frequency.
     if random.bernoulli(0.05) {
         let length = wave.iter().map(|x| x * x).sum::<f64>().sqrt();
         let families =

@@ -64,7 +64,7 @@ fn specfem_medium_has_published_speeds() {
         .iter()
         .map(|c| c.re.sqrt())
         .collect();
-    // As published, to half a unit of the last digit given.
+    // Published speeds, m/s, rounded to three decimals.
     let published = [3000.0, 1836.361, 1836.361, 630.990, 408.248, 408.248];
     for (found, published) in speeds.iter().zip(published) {
         assert!((found - published).abs() <= 0.5e-3, "{found} {published}");
@@ -110,7 +110,7 @@ fn cut_off_is_the_natural_rotation_and_ends_the_forbidden_band() {
                 assert!(bands.is_empty(), "{bands:?}");
                 continue;
             }
-            // ω₁² = ω₀²/(1 + α/μ) < ω² < ω₀² = 4α/j.
+            // The forbidden band is ω₁² < ω² < ω₀² with the natural frequency ω₀ of rotation and ω₁² = ω₀²/(1 + α/μ).
             let lower = natural / (1.0 + rotation.alpha / solid.mu).sqrt();
             assert_eq!(bands.len(), 1, "{bands:?}");
             worst = worst.max((bands[0].lower / lower - 1.0).abs());
@@ -121,7 +121,8 @@ fn cut_off_is_the_natural_rotation_and_ends_the_forbidden_band() {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-/// Verifies k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) for transverse waves of the reduced solid.
+/// Verifies the dispersion relation k² = ρω²(4α − jω²)/(4αμ − (μ + α)jω²) of transverse waves of the reduced solid with
+/// density ρ, moduli α and μ and microinertia j.
 #[test]
 fn reduced_solid_obeys_its_dispersion_relation() {
     let random = &mut seeded_generator(4);
@@ -140,7 +141,7 @@ fn reduced_solid_obeys_its_dispersion_relation() {
             }
             for mode in family.modes(k) {
                 let square = mode.squared_frequency.re;
-                // Multiplied by the denominators; relative to the largest term.
+                // The relation multiplied by its denominator; the error is relative to the largest term.
                 let left = k * k * (4.0 * alpha * mu - (mu + alpha) * inertia * square);
                 let right = density * square * (4.0 * alpha - inertia * square);
                 let size = density * inertia * square * square
@@ -162,7 +163,7 @@ fn long_waves_are_those_of_the_classical_solid() {
                 None => 1.0,
                 Some(m) => solid.speeds().shear / m.natural_frequency(),
             };
-            // α > μ/100 and couple stress of any size: corrections are of order k² times lengths².
+            // Relative corrections are of order k² times the squares of the lengths of microrotation and couple stress.
             let couple = solid.couple().map_or(0.0, |c| ((c.gamma + c.eta) / solid.mu).sqrt());
             let k = 1e-5 / length.max(couple);
             let shear = solid.mu / solid.density;

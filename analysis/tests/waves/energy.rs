@@ -17,17 +17,17 @@ fn symmetriser_detects_violations_of_energy_conservation() {
         let found = measure_energy_conservation(&sound, &sound, 1.0);
         assert!(found.definiteness > 1e-3, "{found:?}");
         assert!(found.asymmetry.max(found.antisymmetry_defect) < 1e-14, "{found:?}");
-        // Rounding of some thousand rotations of 24 rows.
+        // Tolerance for the rounding of some thousand rotations of 24 rows by the QR algorithm.
         assert!(found.elastic_growth.max(found.yielding_growth) < 1e-12, "{found:?}");
         assert_eq!(found.zero_root_count, sound.stress_count() - sound.velocity_count());
-        // An asymmetric stiffness.
+        // A solid with an asymmetric stiffness has no energy.
         let mut other = sound.clone();
         let moved = other.stiffness[(0, 1)] + models::Rounded::from_rounded(0.1);
         other.stiffness[(0, 1)] = moved;
         let found = measure_energy_conservation(&other, &other, 1.0);
         assert!(found.asymmetry > 1e-3, "{found:?}");
     }
-    // Slip with friction but without dilatancy.
+    // Slip with friction but without dilatancy does not conserve energy; associated slip does.
     let slipping = SlippingLayer { lambda: 1.0, alpha: 0.3, friction: 0.6, dilatancy: 0.0 };
     let elastic = SlippingLayer { dilatancy: 0.6, ..slipping };
     let couple = Some(CoupleModuli { beta: 0.2, gamma: 0.4, eta: 0.3 });

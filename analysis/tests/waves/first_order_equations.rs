@@ -69,7 +69,7 @@ fn relaxation_reaches_the_linearised_system() {
     let random = &mut seeded_generator(29);
     let (mut system, mut pencil) = (LinearisedSystem::default(), Pencil::default());
     for index in 0..40 {
-        // Numbers of equations within the limit of the exact polynomial.
+        // Only theories whose number of equations is within the limit of the exact polynomial.
         let solid = random_solid_of_order_one(random, THEORIES[index % 2]);
         let layout = solid.layout::<2>().with_out_of_plane();
         let list: Vec<_> = layout.all_stresses().collect();
@@ -128,7 +128,7 @@ fn plane_waves_solve_the_equations() {
     let mut system = LinearisedSystem::default();
     rates.linearise(&mut system);
     for (frequency, amplitude) in &found {
-        // (−iωA + iκB + C)û = 0.
+        // The linearised equations for a plane wave: (−iωA + iκB + C)û = 0.
         let i = Complex64::i();
         let mut sum = system.a.map(|x| x.value).map(Complex64::from) * amplitude * (-i * frequency);
         for (b, k) in system.b.iter().zip(wave) {

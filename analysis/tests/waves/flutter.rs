@@ -58,7 +58,7 @@ fn flutter_sets_in_where_the_discriminant_vanishes() {
         println!("flutter below the dilatancy {by_verdict}, by the discriminant {by_discriminant}");
         assert!((by_verdict - by_discriminant).abs() < 1e-8);
     }
-    // Just above the onset no speed is complex; without dilatancy some are, around 45°.
+    // For a dilatancy just above the onset no speed is complex; without dilatancy some are, around 45°.
     let complex = |dilatancy: f64| {
         let with = SlippingLayer { lambda: 1.0, alpha: 0.3, friction: 0.6, dilatancy };
         (0..1800).map(|i| f64::from(i) * PI / 1800.0).filter(move |&angle| {
@@ -71,8 +71,8 @@ fn flutter_sets_in_where_the_discriminant_vanishes() {
 }
 
 /// Verifies that along the normal of the layer one speed is zero for every dilatancy (slip, no loss of well-posedness).
-/// Elsewhere det Γ, divided by the squared sine of this zero, vanishes where a speed vanishes: a stationary
-/// discontinuity.
+/// In other directions θ a speed vanishes where det Γ/sin²θ, without the double zero due to slip, vanishes: a
+/// stationary discontinuity.
 #[test]
 fn a_speed_vanishes_where_the_determinant_does() {
     for (lambda, alpha, friction) in [(0.0, 0.1, 1.5), (0.0, 0.1, 2.0), (0.2, 0.05, 1.6)] {

@@ -46,7 +46,8 @@ pub fn random_stress_on_yield_surface(
         if let (Some(set), true) =
             (set.downcast::<InterlayerYieldSet>(), corners && random.bernoulli(0.5))
         {
-            // Slip of both layers, and of the couple stress if the set limits it.
+            // Stress at which both layers slip and, if the set limits the couple stress, in half of the cases its limit
+            // is reached.
             stress.force[1][0] = set.shear_strength - set.shear_friction * stress.force[0][0];
             stress.force[0][1] = set.shear_friction * stress.force[1][1] - set.shear_strength;
             if let (Some(couple), true) = (set.couple, random.bernoulli(0.5)) {
@@ -82,7 +83,7 @@ pub fn tangent_basis(size: usize, normals: &[DVector<f64>]) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
     let orthogonal = |columns: &[DVector<f64>], v: &DVector<f64>| {
         let mut v = v.clone();
-        // Twice is enough (Kahan).
+        // Two passes of Gram–Schmidt orthogonalisation are enough (Kahan).
         for _ in 0..2 {
             for c in columns {
                 v -= c * c.dot(&v);
@@ -107,9 +108,9 @@ pub fn tangent_basis(size: usize, normals: &[DVector<f64>]) -> DMatrix<f64> {
     DMatrix::from_columns(&columns[rank..])
 }
 
-/// Largest Re ς and largest entry of the Hermitian part of a symmetric-hyperbolic system at ik = iκ, relative to the
-/// largest entry: with A = LLᵀ the roots are the eigenvalues of L⁻¹(iΣκᵢBⁱ + Q)L⁻ᵀ, whose Hermitian part bounds every
-/// Re ς.
+/// Largest Re ς and largest entry of the Hermitian part of the symbol of a symmetric-hyperbolic system at the wave
+/// vector κ = `wave`, relative to the largest entry: with A = LLᵀ the roots are the eigenvalues of L⁻¹(iΣκᵢBⁱ + Q)L⁻ᵀ,
+/// whose Hermitian part bounds every Re ς.
 pub fn growth_and_bound<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> (f64, f64) {
     let factor = form.a.clone().cholesky().expect("positive definite");
     let half = |m: &DMatrix<f64>| {
@@ -127,7 +128,7 @@ pub fn growth_and_bound<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D])
     (roots.iter().map(|r| r.re).fold(f64::NEG_INFINITY, f64::max) / size, bound / size)
 }
 
-/// The rate equations with the carried stresses among the unknowns.
+/// Rate equations of an elastic solid with the out-of-plane stresses among the unknowns.
 pub fn equations_with_carried_stresses<const D: usize>(solid: &Isotropic) -> RateEquations<D> {
     let layout = solid.layout::<D>().with_out_of_plane();
     let inertia = solid.microrotation.map_or(0.0, |m| m.inertia);

@@ -126,27 +126,27 @@ pub struct FaceRectangle {
 }
 
 impl FaceRectangle {
-    /// Returns whether the part contains a position on the face.
+    /// Returns whether the rectangle contains a position on the face, given by its tangential coordinates, m.
     pub fn contains(&self, position: &[f64]) -> bool {
         let ends = self.lower_corner.iter().zip(&self.upper_corner);
         position.iter().zip(ends).all(|(x, (from, to))| (from..to).contains(&x))
     }
 
-    /// Adds the keys `from` and `to` of the part to a table.
+    /// Adds the keys `from` and `to` of the rectangle to a table.
     pub(super) fn write_keys(&self, resolved: TableWriter) -> TableWriter {
         resolved.with_number("from", &self.lower_corner).with_number("to", &self.upper_corner)
     }
 }
 
-/// Boundary condition on a face or on a part of a face. Faces without a condition are traction-free; where entries
-/// overlap, the last one applies.
+/// Boundary condition on a face or on a rectangular part of a face. Faces without a condition are traction-free; where
+/// entries overlap, the last one applies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceCondition {
     /// Boundary face of the grid.
     pub face: BoundaryFace,
     /// Boundary condition.
     pub condition: BoundaryConditionKind,
-    /// Part of the face; `None` for the whole face.
+    /// Rectangular part of the face; `None` for the whole face.
     pub rectangle: Option<FaceRectangle>,
 }
 
@@ -165,7 +165,8 @@ pub enum BoundaryConditionKind {
     Periodic,
     /// Non-reflecting: waves along the normal leave the grid without reflection.
     NonReflecting,
-    /// Mixed: the velocities and spins in `fixed_components` are zero; the tractions and couples of the other components are zero.
+    /// Mixed: the velocities and spins in `fixed_components` are zero; for all other components the traction or couple
+    /// traction is zero.
     Mixed {
         /// Velocities and spins that are zero.
         fixed_components: Vec<StateComponent>,
@@ -191,7 +192,8 @@ impl BoundaryConditionKind {
     }
 }
 
-/// Returns the periodic faces after all entries, each with the index of its entry.
+/// Returns the faces whose last condition is periodic, each with the index of that condition in the list; later
+/// conditions on a part of the face are ignored.
 pub(super) fn periodic_faces(
     sides: &[FaceCondition],
 ) -> impl Iterator<Item = (usize, BoundaryFace)> {
@@ -225,8 +227,8 @@ impl FaceCondition {
 }
 
 impl SolidReader<'_> {
-    /// Reads the boundary face of an entry and sets the scope: positions in the entry are along the tangential axes of
-    /// the face.
+    /// Reads the boundary face of an entry and sets `face_axes` of its scope: positions in the entry are given along
+    /// the tangential axes of the face.
     pub(super) fn read_face(&self, section: &mut SectionReader) -> Result<BoundaryFace, CaseError> {
         let side = section.read_choice(
             "side",
@@ -237,7 +239,7 @@ impl SolidReader<'_> {
         Ok(side)
     }
 
-    /// Reads the part of a face between `from` and `to`, if given.
+    /// Reads the rectangular part of a face between the keys `from` and `to`; `None` if both are absent.
     pub(super) fn read_rectangle(
         &self,
         section: &SectionReader,

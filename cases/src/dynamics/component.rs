@@ -22,7 +22,7 @@ impl StateComponent {
     pub fn face_components(theory: Theory, dimensions: usize, axis: usize) -> Vec<Self> {
         let acts = |component: &Self| match component.0 {
             SolidField::Velocity(_) => true,
-            // Without couple stress no spin is transmitted across a face.
+            // In a classical solid a load cannot prescribe a spin, since there is no couple stress.
             SolidField::Spin(_) => theory == Theory::Cosserat,
             SolidField::Stress(i, j) => j == axis || (theory == Theory::Classical && i == axis),
             SolidField::Couple(_, j) => j == axis,

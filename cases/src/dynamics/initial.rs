@@ -1,4 +1,4 @@
-//! The sections `[[initial]]`: parts of the initial state of a solid.
+//! The sections `[[initial]]`: terms of the initial state of a solid.
 
 use super::component::{StateComponent, component_names, components_in_scope};
 use super::plane_pulse::{BodyWaveType, PlanePulseInput};
@@ -140,10 +140,10 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     ],
 );
 
-/// A part of the initial state; parts are summed.
+/// A term of the initial state; the terms are summed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InitialStateTerm {
-    /// Gaussian pulse amplitude·exp(−(r/radius)²) of one component.
+    /// Gaussian pulse amplitude·exp(−(r/radius)²) of one component, at the distance r from the centre.
     Pulse {
         /// Perturbed component.
         component: StateComponent,
@@ -154,7 +154,7 @@ pub enum InitialStateTerm {
         /// Radius, m; positive.
         radius: f64,
     },
-    /// Plane wave of the medium of the case.
+    /// Plane harmonic wave: one branch of the dispersion relation of the medium of the case.
     PlaneWave {
         /// Branch of the dispersion relation, numbered from 1 for the highest frequency.
         branch: usize,
@@ -167,20 +167,20 @@ pub enum InitialStateTerm {
         /// Velocity amplitude, m/s.
         amplitude: f64,
     },
-    /// Plane wave with a time function as waveform.
+    /// Plane P or S wave with a time function as waveform.
     PlanePulse(PlanePulseInput),
-    /// Microrotation.
+    /// Uniform microrotation inside a shape.
     Rotation {
-        /// Shape of the rotated part of the grid.
+        /// Shape inside which the microrotation differs from zero.
         shape: RegionShape,
         /// Angle, degrees, anticlockwise about the axis.
         angle_deg: f64,
         /// Rotation axis, numbered from 0; 2 in plane strain.
         axis: usize,
     },
-    /// Uniform value of one component.
+    /// Uniform value of one component inside a shape.
     Uniform {
-        /// Shape of the part of the grid with this value.
+        /// Shape inside which the component has this value.
         shape: RegionShape,
         /// Perturbed component.
         component: StateComponent,

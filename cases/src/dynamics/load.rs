@@ -161,7 +161,7 @@ impl SolidReader<'_> {
         Ok(loads)
     }
 
-    /// Reads the part of the face on which a load acts.
+    /// Reads the part of the face on which a load of the component `field` acts.
     fn read_loaded_area(
         &self,
         section: &SectionReader,

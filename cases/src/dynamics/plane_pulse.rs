@@ -16,7 +16,9 @@ named_enum! {
     }
 }
 
-/// A plane P or S wave of the medium at a point, v = amplitude·a g(t − n·(x − at)/c), with its stress.
+/// A plane P or S wave with velocity v = A a g(t − n·(x − x₀)/c) and the stress that belongs to it, with the amplitude
+/// A, the unit vector a of the polarisation, the wave normal n, and the wave speed c of the medium at the reference
+/// point x₀.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanePulseInput {
     /// Polarisation, which determines the unit vector a. P: a = n. S: a is n rotated by 90° anticlockwise; in space it
@@ -28,19 +30,19 @@ pub struct PlanePulseInput {
     pub elevation_deg: f64,
     /// For S waves in space the angle of a from the azimuthal towards the elevation direction, degrees; otherwise 0.
     pub polarization_deg: f64,
-    /// Reference point, m, at which the velocity of the incident wave is amplitude·a g(t).
+    /// Reference point x₀, m, at which the velocity of the incident wave is A a g(t).
     pub reference_point: Vec<f64>,
-    /// Velocity amplitude, m/s.
+    /// Velocity amplitude A, m/s.
     pub amplitude: f64,
     /// Width of the full amplitude transverse to n, m, with cosine tapers of half the width on either side; `None` if
     /// unbounded.
     pub width: Option<f64>,
-    /// Waveform g(t).
+    /// Waveform g(t), dimensionless.
     pub waveform: TimeFunction,
 }
 
 impl PlanePulseInput {
-    /// Computes the taper factor at a distance (m) from the line through `at` along n.
+    /// Computes the taper factor at a distance (m) from the line through `reference_point` along n.
     pub fn transverse_taper(&self, distance: f64) -> f64 {
         let Some(width) = self.width else { return 1.0 };
         match distance / width - 0.5 {
@@ -50,7 +52,7 @@ impl PlanePulseInput {
         }
     }
 
-    /// Reads the entry; the reference point and the time function are arguments.
+    /// Reads the other keys of the entry; `at` is the reference point, `time` the waveform.
     pub(super) fn read(
         section: &SectionReader,
         at: Vec<f64>,
@@ -77,7 +79,7 @@ impl PlanePulseInput {
         })
     }
 
-    /// Adds the keys of the entry to a table, without the time function.
+    /// Adds all keys of the entry to a table except the time function.
     pub(super) fn write_keys(&self, resolved: TableWriter, dimensions: usize) -> TableWriter {
         let mut resolved = resolved
             .with_text("wave", self.wave_type.name())

@@ -92,7 +92,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_inline_table(
 pub enum LoadProfile {
     /// Cosine cos(2πx/wavelength + phase) along a tangential axis.
     Cos {
-        /// Axis, numbered from 0.
+        /// Tangential axis, numbered from 0.
         axis: usize,
         /// Wavelength, m; positive.
         wavelength: f64,
@@ -106,9 +106,9 @@ pub enum LoadProfile {
         /// Radius, m; positive.
         radius: f64,
     },
-    /// Linear interpolation of samples along a tangential axis; 0 outside.
+    /// Linear interpolation of samples along a tangential axis; 0 outside the sampled interval.
     Table {
-        /// Axis, numbered from 0.
+        /// Tangential axis, numbered from 0.
         axis: usize,
         /// Pairs of coordinate (m) and factor.
         samples: Samples,
@@ -118,8 +118,8 @@ pub enum LoadProfile {
 impl LoadProfile {
     const NAMES: [&str; 3] = ["cos", "bell", "table"];
 
-    /// Evaluates the factor at a position on the face; `distance` computes the distance (m) of two positions, e.g.
-    /// across periodic faces.
+    /// Evaluates the factor at a position on the face, given along the tangential axes `axes`; `distance` computes the
+    /// distance (m) between two positions on the face, e.g. across periodic faces.
     pub fn evaluate(
         &self,
         axes: &[usize],

@@ -1,4 +1,4 @@
-//! The sections `[[region]]`: subdomains of the grid with different media.
+//! The sections `[[region]]`: regions of the grid with different media.
 
 use super::reader::SolidReader;
 use super::shape::{RegionShape, SHAPE_KEYS};
@@ -45,7 +45,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
     ],
 );
 
-/// A subdomain of the grid with its own medium.
+/// A region of the grid with its own medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialRegion {
     /// Shape of the region; a cell belongs to the region if its centre is inside the shape.

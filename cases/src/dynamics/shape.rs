@@ -101,8 +101,8 @@ pub enum RegionShape {
         /// Upper coordinate, m.
         upper_coordinate: f64,
     },
-    /// Half-space (half-plane in two dimensions) on the side of the normal. Each point of the boundary plane belongs to
-    /// exactly one of the two half-spaces with opposite normals.
+    /// Half-space (half-plane in two dimensions) on the side of the boundary plane to which the normal points. Each
+    /// point of the boundary plane belongs to exactly one of the two half-spaces with opposite normals.
     HalfSpace {
         /// A point of the boundary plane, m.
         point: Vec<f64>,
@@ -130,8 +130,8 @@ impl RegionShape {
         }
     }
 
-    /// Returns the names of the shapes in `dimensions` dimensions, including the allowed shape `extra` without
-    /// parameters.
+    /// Returns the names of the shapes in `dimensions` dimensions, including `extra`, the shape without parameters that
+    /// the section allows.
     pub(super) fn allowed_names(dimensions: usize, extra: &Self) -> [&'static str; 5] {
         match dimensions {
             2 => ["box", "circle", "layer", "half-plane", extra.name(2)],
@@ -139,7 +139,8 @@ impl RegionShape {
         }
     }
 
-    /// Returns the names of the shapes in `dimensions` dimensions, or in 2 and 3 dimensions if unknown.
+    /// Returns the names of the shapes in `dimensions` dimensions, or in 2 and 3 dimensions if unknown; `extra` is the
+    /// shape without parameters that the section allows.
     pub(super) fn allowed_names_in_scope(dimensions: Option<usize>, extra: &Self) -> Vec<String> {
         let mut words: Vec<String> = Vec::new();
         for d in dimensions.map_or(2..=3, |d| d..=d) {

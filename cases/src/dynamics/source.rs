@@ -131,7 +131,8 @@ pub struct PointSource {
 /// Kernel that distributes a point source over cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Kernel {
-    /// Smooth spline kernel over a few cells: reproduces polynomials exactly and excites no two-cell waves.
+    /// Smooth spline kernel over a few cells: its moments up to the second order equal the moments of a point source,
+    /// and it excites no waves with a wavelength of two cells.
     #[default]
     Spline,
     /// Cosine-bell kernel.

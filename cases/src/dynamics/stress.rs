@@ -46,7 +46,7 @@ pub(super) const GRAVITY_SCHEMA: TableSchema = TableSchema::new_section(
     ])],
 );
 
-/// Gravity.
+/// Gravity with or without a balancing initial stress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gravity {
     /// Gravitational acceleration, components in m/s².

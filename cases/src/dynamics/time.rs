@@ -95,7 +95,8 @@ pub(super) fn variant_names<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str
 pub struct SolidTime {
     /// Duration, s; positive.
     pub duration: f64,
-    /// Maximum Courant number (CFL number) c(Δt/2)/Δx of a sweep along an axis; in (0, 1].
+    /// Maximum Courant number (CFL number) c(Δt/2)/Δx of a sweep along an axis, with the wave speed c, the time step Δt
+    /// and the cell spacing Δx; in (0, 1].
     pub courant_number: f64,
     /// Maximum angle per step of the rotation between spins and antisymmetric stress, degrees; in (0, 180].
     pub max_rotation_deg: f64,
@@ -168,8 +169,8 @@ named_enum! {
     }
 }
 
-/// Default Courant number (CFL number). At 1 two-cell waves along an axis are undamped; below 0.87 a run costs over 15
-/// % more.
+/// Default Courant number (CFL number). At 1, waves along an axis with a wavelength of two cells are undamped; below
+/// 0.87 a simulation costs over 15 % more than at 1.
 pub const DEFAULT_COURANT_NUMBER: f64 = 0.9;
 
 impl SolidTime {
@@ -194,7 +195,8 @@ impl SolidTime {
 }
 
 impl SchemeOptions {
-    /// Reads the section `[scheme]`.
+    /// Reads the section `[scheme]`; `courant` is the Courant number, `yields` states whether at least one medium
+    /// yields.
     ///
     /// Defaults: fourth-order reconstruction for elastic media; limited second-order reconstruction if a medium yields,
     /// since plastic fronts are discontinuous. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a

@@ -114,7 +114,7 @@ pub enum TimeFunction {
         /// Duration, s; `None` for a step without end.
         duration: Option<f64>,
     },
-    /// Triangle: linear from 0 to 1 and back to 0.
+    /// Triangle: linear from 0 to 1 and back to 0 during `duration`; 0 outside.
     Triangle {
         /// Start time, s.
         start: f64,
@@ -146,10 +146,10 @@ pub enum TimeFunction {
     Table(Samples),
 }
 
-/// Samples of a time function.
+/// Samples of a function of one variable: of the time, or of a coordinate for the profile of a load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// Pairs of time (s; strictly increasing) and value, shared by all copies of a case.
+    /// Pairs of time (s) or coordinate (m), strictly increasing, and value; shared by all copies of a case.
     samples: Arc<[[f64; 2]]>,
     source_file: SampleFile,
 }
@@ -165,7 +165,8 @@ impl PartialEq for SampleFile {
 }
 
 impl Samples {
-    /// Checks the samples; `None` unless there are at least two, all numbers are finite and times strictly increase.
+    /// Checks the samples; `None` unless there are at least two, all numbers are finite and times or coordinates
+    /// strictly increase.
     pub fn new(samples: Vec<[f64; 2]>) -> Option<Self> {
         let is_finite = samples.iter().flatten().all(|x| x.is_finite());
         let increases = samples.windows(2).all(|pair| pair[0][0] < pair[1][0]);
@@ -178,12 +179,12 @@ impl Samples {
         self.source_file.0.as_deref()
     }
 
-    /// Returns the pairs of time (s) and value.
+    /// Returns the pairs of time (s) or coordinate (m) and value.
     pub fn samples(&self) -> &[[f64; 2]] {
         &self.samples
     }
 
-    /// Interpolates linearly at `t` (s); exact at samples, 0 outside the sampled interval.
+    /// Interpolates linearly at the time (s) or coordinate (m) `t`; exact at samples, 0 outside the sampled interval.
     pub(super) fn interpolate(&self, t: f64) -> f64 {
         let next = self.samples.partition_point(|[time, _]| *time <= t);
         let Some(&[before, value]) = next.checked_sub(1).and_then(|last| self.samples.get(last))

@@ -104,7 +104,7 @@ impl FlowGrid {
     }
 
     /// Computes the largest mode numbers m₁ and m₂ of the Fourier modes exp(2πi(m₁y₁/L₁ + m₂y₂/L₂)) whose products are
-    /// free of aliasing (two-thirds rule).
+    /// free of aliasing (two-thirds rule); y is the initial position, L₁ and L₂ are the initial edge lengths, m.
     pub fn max_mode_numbers(&self) -> [usize; 2] {
         max_dealiased_modes(self.points)
     }
@@ -187,7 +187,7 @@ impl FlowTime {
     }
 }
 
-/// Reads the lower limit of the shear rate from `[limits]`; 10⁻³ if absent.
+/// Reads the lower limit of the shear rate from `[limits]`, relative to its value in the mean flow; 10⁻³ if absent.
 pub(super) fn read_min_shear_rate(root: &SectionReader) -> Result<f64, CaseError> {
     const DEFAULT_MIN_SHEAR_RATE: f64 = 1e-3;
     let Some(section) = root.open_section(&LIMITS_SCHEMA)? else {

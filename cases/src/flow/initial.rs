@@ -1,4 +1,4 @@
-//! The sections `[[initial]]` of a flow: parts of its initial perturbation.
+//! The sections `[[initial]]` of a flow: terms of its initial perturbation.
 
 use super::reader::FlowReader;
 use crate::error::{CaseError, escape};
@@ -156,7 +156,8 @@ impl PerturbedField {
         }
     }
 
-    /// Returns the names of the evolving fields of a flow with this material rotation; of all flows for `None`.
+    /// Returns the names of the evolving fields of a flow with the material rotation `rotation`; for `None` of all
+    /// flows.
     pub(crate) fn allowed_names(rotation: Option<RotationKind>) -> Vec<String> {
         let all: &[Self] = match rotation {
             Some(rotation) => Self::evolving_fields(rotation),
@@ -166,7 +167,8 @@ impl PerturbedField {
     }
 }
 
-/// A Fourier mode A cos(k·y + phase) with k = 2π(m₁/L₁, m₂/L₂).
+/// A Fourier mode A cos(k·y + phase) with k = 2π(m₁/L₁, m₂/L₂), at the initial position y in the box with the initial
+/// edge lengths L₁ and L₂, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HarmonicPerturbation {
     /// Mode numbers m₁ and m₂ (wavelengths per edge); not both 0.
@@ -179,12 +181,12 @@ pub struct HarmonicPerturbation {
     pub phase_deg: f64,
 }
 
-/// A part of the initial perturbation; parts are summed.
+/// A term of the initial perturbation; the terms are summed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FlowPerturbation {
     /// A single Fourier mode.
     Mode(HarmonicPerturbation),
-    /// A wave packet with a Gaussian envelope exp(−(r/radius)²).
+    /// A wave packet with a Gaussian envelope exp(−(r/radius)²), at the distance r from the centre.
     Packet {
         /// Carrier wave.
         carrier: HarmonicPerturbation,

@@ -71,15 +71,15 @@ fn field_names(scope: &SchemaScope) -> Vec<String> {
 /// A field of a flow, as recorded and plotted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlowQuantity {
-    /// Velocity component, by axis 0 or 1.
+    /// Velocity component along axis 0 or 1, m/s.
     Velocity(usize),
-    /// Spin ω.
+    /// Spin ω, rad/s.
     Spin,
-    /// Stress angle ψ.
+    /// Stress angle ψ, rad.
     StressAngle,
-    /// Pressure.
+    /// Pressure, Pa.
     Pressure,
-    /// Shear rate Q_D.
+    /// Shear rate Q_D, the magnitude of the deviatoric deformation rate, 1/s.
     ShearRate,
 }
 

@@ -131,7 +131,7 @@ impl KeyStorage {
         }
     }
 
-    /// Stores a value of the type of this field.
+    /// Stores a value in `numbers`; values of another type than [`value_type`](Self::value_type) are ignored.
     pub(crate) fn store_value(self, numbers: &mut CaseNumbers, value: &CaseValue) {
         match (self, value) {
             (Self::StoredCount(f), CaseValue::Count(n)) => *f(numbers) = *n,
@@ -306,7 +306,8 @@ impl Key {
         self.example_value_from(self.presence)
     }
 
-    /// Returns the default or example value for `medium` as TOML, by the registry entry of the medium.
+    /// Returns the default or example value in the registry entry of `medium` as TOML; `None` if the key is not a
+    /// number.
     pub fn example_value_for(&self, medium: MediumKind) -> Option<String> {
         self.example_value_from(self.presence_for(medium))
     }

@@ -44,7 +44,7 @@ pub(super) struct SectionTemplates {
     written_tables: Vec<&'static str>,
 }
 
-/// Returns whether two items describe the same key.
+/// Returns whether two schemas describe the same key.
 fn is_same_key(one: &KeySchema, other: &KeySchema) -> bool {
     (one.name, one.meaning, one.unit) == (other.name, other.meaning, other.unit)
 }
@@ -56,7 +56,8 @@ impl SectionTemplates {
         Self { text: String::new(), scope, comment_column: column, written_tables: Vec::new() }
     }
 
-    /// Writes the sections of the example, followed by all other variants of the schema, commented out.
+    /// Writes the sections of the example `start` that have the schema `form`, followed by all other variants of the
+    /// schema, commented out.
     pub(super) fn add_section(&mut self, form: &'static TableSchema, start: &[ExampleSection]) {
         let separator = if self.text.is_empty() { "" } else { "\n" };
         let _ = write!(self.text, "{separator}");
@@ -114,7 +115,7 @@ impl SectionTemplates {
         self.text
     }
 
-    /// Writes the section whose keys are stress components.
+    /// Writes the section `[initial_stress]`, whose keys are stress components.
     fn add_stress_section(&mut self, form: &TableSchema) {
         let Some(ModelKind::Solid(solid)) = self.scope.kind else { return };
         let _ = writeln!(self.text, "\n# {}", form.header());
@@ -134,7 +135,7 @@ impl SectionTemplates {
         }
     }
 
-    /// Returns the keys of a variant; for a key whose type depends on the dimensions the item for plane strain.
+    /// Returns the keys of a variant; for a key whose type depends on the dimensions its schema for plane strain.
     fn variant_keys(
         &self,
         form: &'static TableSchema,
@@ -158,8 +159,8 @@ impl SectionTemplates {
             .collect()
     }
 
-    /// Returns the value of a key in a variant: the given value, else the word of the variant, else the default or
-    /// example; `None` if the kind of model has no word for the key.
+    /// Returns the value of a key in a variant: the given value, else for the discriminator its value in the variant,
+    /// else the default or example; `None` if the kind of model allows no name for the key.
     fn key_value(
         &self,
         form: &'static TableSchema,
@@ -200,7 +201,7 @@ impl SectionTemplates {
                 before.iter().any(|block| block.iter().any(|own| is_same_key(own, item)));
             let is_given = variant.given_values.iter().any(|(key, _)| *key == item.name);
             let is_optional = !matches!(item.presence, KeyPresence::Required(_));
-            // The first active section of a form shows all keys; further sections show given keys only.
+            // The first active section with this schema shows all keys; further sections show given keys only.
             if is_active && !before.is_empty() && !is_given {
                 continue;
             }
@@ -317,7 +318,7 @@ impl SectionTemplates {
     }
 }
 
-/// Returns the keys whose presence excludes or requires other keys.
+/// Returns the keys whose presence or absence is a condition of other keys.
 fn exclusive_keys(form: &'static TableSchema) -> impl Iterator<Item = &'static str> {
     let mut names: Vec<&'static str> = Vec::new();
     for (when, item) in form.keys() {
@@ -332,10 +333,10 @@ fn exclusive_keys(form: &'static TableSchema) -> impl Iterator<Item = &'static s
     names.into_iter()
 }
 
-/// A variant of a table: given values, word of the discriminator and key assumed present.
+/// A variant of a table: given values, value of the discriminator and key assumed present.
 struct TableVariant<'a> {
     given_values: &'a [(&'static str, &'static str)],
-    /// Word of the discriminator.
+    /// Value of the discriminator.
     discriminator_value: Option<&'a str>,
     /// Key that replaces other keys, if present.
     present_key: Option<&'static str>,

@@ -30,8 +30,9 @@ struct Neighbour<T> {
 }
 
 impl<T, const D: usize> Channels<T, D> {
-    /// Connects the upper end of an axis of subdomain `lower` with the lower end of `upper` by channels with a capacity
-    /// of `capacity` messages. Two periodic subdomains are connected at both ends.
+    /// Connects the upper end of `axis` in subdomain `lower` with its lower end in subdomain `upper` (indices in
+    /// `parts`, the channels of all subdomains), by channels that hold `capacity` messages. The two subdomains of a
+    /// periodic axis are connected at both ends, by two calls.
     pub(super) fn connect(
         parts: &mut [Self],
         axis: usize,

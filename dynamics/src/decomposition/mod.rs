@@ -2,10 +2,10 @@
 //!
 //! In each pass over memory a subdomain receives a halo of [`HALO`] cells per step of the pass (more along the first
 //! axis for alternating sweeps, see [`Decomposition`]) and recomputes it redundantly. Every cell undergoes the same
-//! operations as without decomposition, and sums are exact: results are identical bit for bit. Along the last axis,
-//! layers are exchanged during the pass; the upper halo is received last, so that a thread can run almost one block of
-//! rows ahead of its upper neighbour and short delays do not propagate. Along the other axes the exchange precedes the
-//! pass, see [`HaloExchange`](crate::solid::domain::HaloExchange).
+//! operations as without decomposition, and sums over cells are exact: results are identical bit for bit. Along the
+//! last axis, layers are exchanged during the pass; the upper halo is received last, so that a subdomain can be ahead
+//! of its upper neighbour by almost one block of rows and short delays do not propagate. Along the other axes the
+//! exchange precedes the pass, see [`HaloExchange`](crate::solid::domain::HaloExchange).
 
 mod channels;
 mod plan;
@@ -29,16 +29,16 @@ struct Subdomain<T: SolverReal, const D: usize> {
     domain: Domain<T, D>,
     region: Region<D>,
     channels: Channels<T::Lanes, D>,
-    /// Cells recorded after each step: index in the list of all watched cells, index in the subdomain.
+    /// Cells recorded after each step: index in the list of all watched cells, and index among the owned cells.
     watched_cells: Vec<(usize, usize)>,
-    /// Records of these cells: all fields, by step and cell.
+    /// Records of the watched cells: all output quantities, by step and cell.
     records: Vec<f64>,
 }
 
 impl<T: SolverReal, const D: usize> Subdomain<T, D> {
     fn advance(&mut self, steps: usize) -> Result<(), Disconnected> {
         let Self { domain, channels, records, .. } = self;
-        // A panic drops the channels, so that `recv` of the neighbours fails instead of blocking.
+        // A panic drops the channels, so that receiving fails in the neighbouring threads instead of blocking.
         let mut own = std::mem::take(channels);
         let mut remaining = steps;
         while remaining > 0 {
@@ -51,8 +51,9 @@ impl<T: SolverReal, const D: usize> Subdomain<T, D> {
         Ok(())
     }
 
-    /// Returns position and history variables of the interlayers at the lower faces of owned cells. Position: layer, axis, global
-    /// cell above the face, wave pair.
+    /// Returns position and history variables of the interlayers at the lower faces of owned cells. Position: layer of
+    /// the whole grid across the last axis, axis normal to the face, global cell above the face, and wave pair.
+    /// `layer_cells`: number of cells of a layer of the whole grid.
     fn interlayers(&self, layer_cells: usize) -> Vec<([usize; 4], [T; 2])> {
         let cells = self.region.owned_global_cells();
         let own = self.domain.located_history().into_iter();
@@ -75,7 +76,7 @@ pub struct DecomposedDomain<T: SolverReal, const D: usize> {
 }
 
 impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
-    /// A domain at rest, decomposed into `count` subdomains along its last axis.
+    /// Creates a domain at rest, decomposed into `count` subdomains along its last axis.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -83,14 +84,14 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Self::with_first_axis(0, problem, count)
     }
 
-    /// Returns the maximum number of subdomains along the last axis.
+    /// Returns the maximum number of subdomains along the last axis of a domain with `first_axis` swept first.
     pub fn max_subdomains(first_axis: usize, problem: &Problem<D>) -> usize {
         let permutation = AxisPermutation::with_first_axis(first_axis, &problem.grid);
         (permutation.permute_grid(&problem.grid).cells[D - 1] / HALO).max(1)
     }
 
-    /// A domain at rest in `count` subdomains, with `axis` swept first. The other axes keep their order; the domain is
-    /// cut along the last of them.
+    /// Creates a domain at rest in `count` subdomains, with `axis` swept first. The other axes keep their order; the
+    /// domain is decomposed along the last of them.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -105,7 +106,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Self::with_permuted_subdomains(problem, permutation, parts)
     }
 
-    /// A domain at rest, in `parts` subdomains along each axis of the problem, with `first_axis` swept first.
+    /// Creates a domain at rest, with `parts` subdomains along each axis of the problem and with `first_axis` swept
+    /// first.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -118,7 +120,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Self::with_permuted_subdomains(problem, permutation, permutation.permute_axis_values(parts))
     }
 
-    /// A domain at rest, in `parts` subdomains along each permuted axis.
+    /// Creates a domain at rest, with `parts` subdomains along each permuted axis.
     fn with_permuted_subdomains(
         problem: &Problem<D>,
         permutation: AxisPermutation<D>,
@@ -204,8 +206,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.fields().len() + integrals
     }
 
-    /// Records all fields of these cells after each step and discards earlier records; cells outside the grid give
-    /// zeros.
+    /// Records all output quantities of these cells after each step and discards earlier records; cells outside the
+    /// grid give zeros.
     pub fn watch_cells(&mut self, cells: &[usize]) {
         self.watched_count = cells.len();
         for part in &mut self.subdomains {
@@ -222,7 +224,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Returns the records since the last call, by step, watched cell and field; values as in [`Domain::output_cell`].
+    /// Returns the records since the last call, by step, watched cell and output quantity; values as in
+    /// [`Domain::output_cell`].
     pub fn take_records(&mut self) -> Vec<f64> {
         let width = self.quantity_count();
         let steps = self
@@ -307,7 +310,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.permutation.unpermute(self.cell_sums().swap_remove(0))
     }
 
-    /// Returns the sums stored per cell of the whole grid, by kind.
+    /// Returns the sums stored per cell, by kind of sum (see [`Domain::cell_sums`]) and cell of the whole grid.
     fn cell_sums(&self) -> Vec<Vec<f64>> {
         let by_subdomain: Vec<_> =
             self.subdomains.iter().map(|part| part.domain.cell_sums()).collect();
@@ -330,7 +333,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Gathers values of the whole grid from those of the owned cells of all subdomains; empty if these are.
+    /// Gathers values by cell of the whole grid from those of the owned cells of all subdomains; empty if no subdomain
+    /// has values.
     fn assemble_grid_values<V: Copy>(
         &self,
         mut by_subdomain: impl Iterator<Item = Vec<V>>,
@@ -398,7 +402,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Some((field, self.permutation.original_cell(cell)))
     }
 
-    /// Records all fields of the watched cells in the present state.
+    /// Records all output quantities of the watched cells in the present state.
     pub fn record_watched(&mut self) {
         for part in &mut self.subdomains {
             let boundaries = part.domain.closing_boundaries();
@@ -441,8 +445,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         gathered.collect()
     }
 
-    /// Returns the stored values of a field (first axis fastest), without completing the step; `None` if there is no
-    /// such field.
+    /// Returns the stored values of a field (first axis fastest), without the completion of the step that output
+    /// applies for alternating sweeps; `None` if there is no such field.
     pub fn values(&self, field: SolidField) -> Option<Vec<T>> {
         self.permuted_values(field).map(|values| self.permutation.unpermute(values))
     }
@@ -454,7 +458,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Some(self.assemble_grid_values(by_subdomain.into_iter()))
     }
 
-    /// Returns position and history variables of all interlayers, in the order of [`Domain::interlayer_history`] of the whole grid.
+    /// Returns positions and history variables of all interlayers, as [`Subdomain::interlayers`] does, in the order of
+    /// [`Domain::interlayer_history`] of the whole grid.
     fn interlayers(&self) -> Vec<([usize; 4], [T; 2])> {
         let layer: usize = self.cells[..D - 1].iter().product();
         let mut all: Vec<_> =
@@ -463,7 +468,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         all
     }
 
-    /// Returns V and S of all interlayers, in the order of [`Domain::interlayer_history`] of the whole grid.
+    /// Returns the history variables of all interlayers (mean velocity V, m/s, and mean traction S, Pa), in the order
+    /// of [`Domain::interlayer_history`] of the whole grid.
     pub fn interlayer_history(&self) -> Vec<[T; 2]> {
         self.interlayers().into_iter().map(|own| own.1).collect()
     }
@@ -481,7 +487,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Initialises interlayers with the motion of the adjacent cells, see [`Domain::initialise_interlayers`].
+    /// Initialises interlayers with the mean velocity of the adjacent cells and without stress, see
+    /// [`Domain::initialise_interlayers`].
     pub fn initialise_interlayers(&mut self) {
         let fields = self.fields().to_vec();
         let values: Vec<_> = fields.iter().map(|&field| self.permuted_values(field)).collect();
@@ -503,8 +510,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.set_permuted(field, &self.permutation.permute(values));
     }
 
-    /// Sets the values of a field by cell of the whole grid with permuted axes, halos included, since output may read
-    /// them.
+    /// Sets the values of a field by cell of the whole grid with permuted axes, in owned cells and halos, since output
+    /// may read the halos.
     fn set_permuted(&mut self, field: SolidField, values: &[T]) {
         if let [part] = self.subdomains.as_mut_slice() {
             return part.domain.set(field, values);

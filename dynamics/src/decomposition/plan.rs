@@ -1,7 +1,7 @@
 //! Decomposition plan: subdomains of a grid and their neighbours.
 //!
-//! The numbers of parts along each axis are given. A run cuts along the last axis alone, into as many parts as threads:
-//! [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis).
+//! The numbers of subdomains along the axes are given. A run decomposes the grid along the last axis alone, with one
+//! subdomain per thread: [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis).
 
 use crate::solid::domain::max_pass_steps;
 use crate::solid::line::{GHOSTS, HALO};
@@ -9,11 +9,12 @@ use crate::solid::problem::{DomainError, Grid, Scheme};
 use crate::solid::region::Region;
 use std::ops::Range;
 
-/// A grid cut into a box of subdomains, `parts` along each axis, of sizes as equal as possible.
+/// Decomposition of a grid into subdomains, with the number along each axis given; the numbers of cells of two
+/// subdomains along an axis differ by at most one.
 ///
 /// Subdomains are numbered with the first axis fastest. The halo is [`HALO`] cells wide per step of a pass, plus
-/// [`GHOSTS`] along the first axis for alternating sweeps. Edges and corners of the halo come from diagonal neighbours,
-/// by exchanging axis by axis.
+/// [`GHOSTS`] along the first axis for alternating sweeps. Edges and corners of the halo hold cells of diagonal
+/// neighbours, which the exchange along one axis after the other passes on.
 #[derive(Clone, Debug)]
 pub struct Decomposition<const D: usize> {
     subdomain_counts: [usize; D],
@@ -23,18 +24,19 @@ pub struct Decomposition<const D: usize> {
 }
 
 impl<const D: usize> Decomposition<D> {
-    /// Plans `parts` subdomains along each axis of a grid with periodic axes `is_periodic`, for a scheme.
+    /// Plans `parts` subdomains along each axis of a grid, for a scheme; `is_periodic`: whether each axis is periodic.
     ///
     /// # Errors
-    /// [`DomainError::SubdomainCount`] if an axis has no subdomain, or one of several has fewer cells than the halo of its
-    /// neighbour.
+    /// [`DomainError::SubdomainCount`] if the number of subdomains along an axis is zero, or if one of several
+    /// subdomains has fewer cells than the halo of its neighbour for one step.
     pub fn new(
         grid: &Grid<D>,
         is_periodic: [bool; D],
         scheme: &Scheme,
         parts: [usize; D],
     ) -> Result<Self, DomainError> {
-        // With alternating sweeps, output requires one more sweep along the first axis.
+        // With alternating sweeps, output requires one more sweep along the first axis, and its stencil more halo
+        // cells.
         let beyond = |axis: usize| if axis == 0 && scheme.is_alternating() { GHOSTS } else { 0 };
         let mut steps = max_pass_steps::<D>(grid.cells[D - 1] / parts[D - 1].max(1));
         for (axis, (&found, &cells)) in parts.iter().zip(&grid.cells).enumerate() {
@@ -58,7 +60,8 @@ impl<const D: usize> Decomposition<D> {
         let region = |part: usize| {
             let place = subdomain_position(part, &parts);
             let halo = std::array::from_fn(|axis| {
-                // On a periodic last axis that is not cut, the halo holds copies of the opposite layers.
+                // On a periodic last axis with a single subdomain, the halo holds copies of the layers at the opposite
+                // end.
                 let comes_round = is_periodic[axis] && (parts[axis] > 1 || axis + 1 == D);
                 let has = [place[axis] > 0, place[axis] + 1 < parts[axis]];
                 has.map(|has| if has || comes_round { steps * HALO + beyond(axis) } else { 0 })
@@ -79,8 +82,8 @@ impl<const D: usize> Decomposition<D> {
         &self.regions
     }
 
-    /// Returns the subdomain beyond an end (0: lower, 1: upper) of an axis of subdomain `part`, if the grid is cut
-    /// there.
+    /// Returns the subdomain beyond an end (0: lower, 1: upper) of an axis of subdomain `part`; `None` at an end
+    /// without neighbour.
     pub fn neighbour(&self, part: usize, axis: usize, end: usize) -> Option<usize> {
         let count = self.subdomain_counts[axis];
         let stride: usize = self.subdomain_counts[..axis].iter().product();
@@ -93,13 +96,13 @@ impl<const D: usize> Decomposition<D> {
         Some(part - place * stride + next * stride)
     }
 
-    /// Returns the maximum number of steps per pass: one halo exchange suffices for them.
+    /// Returns the maximum number of steps of a pass, for which one halo exchange suffices.
     pub fn max_pass_steps(&self) -> usize {
         self.max_pass_steps
     }
 }
 
-/// Returns the position of a subdomain along each axis.
+/// Returns the index of subdomain `part` along each axis; `parts`: numbers of subdomains along the axes.
 fn subdomain_position<const D: usize>(mut part: usize, parts: &[usize; D]) -> [usize; D] {
     parts.map(|count| {
         let place = part % count;

@@ -1,22 +1,22 @@
 //! Second-order Runge–Kutta–Chebyshev method (Sommeijer, Shampine & Verwer 1998): with s stages, each one evaluation of
-//! the right-hand side, it is stable for decay rates up to about ⅔s²/h.
+//! the right-hand side, a step of size h is stable for decay rates up to about ⅔s²/h.
 
 /// Damping ε of the stability polynomial.
 const DAMPING: f64 = 2.0 / 13.0;
 
-/// Stability limit: largest product of decay rate and step size for a number of stages.
+/// Computes the stability limit: the largest product of decay rate and step size for a number of stages.
 pub(super) fn stability_limit(stages: usize) -> f64 {
     let squared = (stages * stages) as f64;
     2.0 / 3.0 * (squared - 1.0) * (1.0 - 2.0 * DAMPING / 15.0)
 }
 
-/// Smallest number of stages for a product of decay rate and step size.
+/// Computes the smallest number of stages that is stable for a product of decay rate and step size.
 pub(super) fn required_stages(product: f64) -> usize {
     let estimate = (1.0 + 1.5 * product / (1.0 - 2.0 * DAMPING / 15.0)).sqrt();
     (estimate.ceil() as usize).max(2)
 }
 
-/// Coefficients of a stage:
+/// Coefficients of stage j of a step of size h from the state Y₀, with the right-hand side F:
 /// Yⱼ = (1 − μ − ν) Y₀ + μ Yⱼ₋₁ + ν Yⱼ₋₂ + h (μ̃ F(Yⱼ₋₁) + γ̃ F(Y₀)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StageCoefficients {
@@ -28,7 +28,7 @@ pub(super) struct StageCoefficients {
     pub(super) time: f64,
 }
 
-/// Computes the coefficients of stages 1 … s.
+/// Computes the coefficients of stages 1 … s, s = `stages`.
 pub(super) fn compute_coefficients(stages: usize) -> Vec<StageCoefficients> {
     let s = stages as f64;
     let w0 = 1.0 + DAMPING / (s * s);

@@ -1,4 +1,8 @@
-//! Equations for the stress angle ψ at a point (ν = 0).
+//! Equations for the stress angle ψ at a point, at constant volume (dilatancy angle ν = 0).
+//!
+//! Symbols: ψ, ψ_D: angles of the major principal stress and deformation rate from x₁; Q_D: shear rate, 1/s; s₂₁: half
+//! the vorticity, 1/s; ω: spin, rad/s; e_r/c_r: coefficient ratio of the flow rule, see
+//! [`FlowProblem::rotation_ratio`](super::FlowProblem::rotation_ratio).
 
 use super::FlowField;
 use models::flow::{FlowKind, RotationKind};
@@ -6,9 +10,9 @@ use models::flow::{FlowKind, RotationKind};
 /// Equation for the stress angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closure {
-    /// sin 2(ψ − ψ_D) = sin φ (ω − s₂₁)/Q_D with evolving spin ω (Harris & Grekova 2005, eq. 42).
+    /// sin 2(ψ − ψ_D) = (e_r/c_r) (ω − s₂₁)/Q_D with evolving spin ω (Harris & Grekova 2005, eq. 42).
     HarrisGrekova,
-    /// Dψ/Dt = s₂₁ + Q_D sin 2(ψ − ψ_D)/sin φ (Spencer 1964).
+    /// Dψ/Dt = s₂₁ + Q_D sin 2(ψ − ψ_D)/(e_r/c_r) (Spencer 1964).
     DoubleShearing,
     /// ψ = ψ_D: stress and deformation rate are coaxial.
     PlasticPotential,
@@ -30,7 +34,7 @@ impl Closure {
         }
     }
 
-    /// Returns the field that evolves in addition to the velocity.
+    /// Returns the field that evolves in addition to the velocity, if any.
     pub fn internal_variable(self) -> Option<FlowField> {
         match self {
             Self::HarrisGrekova => Some(FlowField::Spin),
@@ -50,30 +54,30 @@ impl Closure {
     }
 }
 
-/// Deviatoric part and vorticity of a velocity gradient.
+/// Deviatoric deformation rate and vorticity of a velocity gradient.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deformation {
-    /// d₁₁ − d₂₂ and 2d₁₂, 1/s.
+    /// d₁₁ − d₂₂ and 2d₁₂, 1/s, with the deformation rate d.
     pub(super) deviator: [f64; 2],
     /// s₂₁ = ½(∂₁v₂ − ∂₂v₁), 1/s.
     pub(super) half_vorticity: f64,
 }
 
 impl Deformation {
-    /// Deformation of a velocity gradient with entries \[i\]\[j\] = ∂ⱼvᵢ.
+    /// Computes deviatoric deformation rate and vorticity of a velocity gradient with entries \[i\]\[j\] = ∂ⱼvᵢ, 1/s.
     #[inline(always)]
     pub(super) fn new([[g11, g12], [g21, g22]]: [[f64; 2]; 2]) -> Self {
         Self { deviator: [g11 - g22, g12 + g21], half_vorticity: 0.5 * (g21 - g12) }
     }
 
-    /// Computes Q_D, 1/s.
+    /// Computes the shear rate Q_D = ½√((d₁₁ − d₂₂)² + (2d₁₂)²), 1/s.
     #[inline(always)]
     pub(super) fn shear_rate(&self) -> f64 {
         let [one, other] = self.deviator;
         0.5 * (one * one + other * other).sqrt()
     }
 
-    /// Computes cos 2ψ_D and sin 2ψ_D.
+    /// Computes cos 2ψ_D and sin 2ψ_D of the angle ψ_D of the major principal deformation rate.
     #[inline(always)]
     fn double_angle(&self) -> [f64; 2] {
         let twice = 2.0 * self.shear_rate();
@@ -81,8 +85,8 @@ impl Deformation {
     }
 }
 
-/// Computes cos 2ψ and sin 2ψ of Harris & Grekova at spin `spin`, rad/s; `branch`: sign of cos 2(ψ − ψ_D).
-/// `None` if `rotation_ratio` |ω − s₂₁| > Q_D, or if the result is NaN.
+/// Computes cos 2ψ and sin 2ψ of the closure of Harris & Grekova at spin ω = `spin`, rad/s; `rotation_ratio`: e_r/c_r;
+/// `branch`: sign of cos 2(ψ − ψ_D). `None` if (e_r/c_r) |ω − s₂₁| > Q_D, or if the result is NaN.
 #[inline(always)]
 pub(super) fn harris_grekova_double_angle(
     deformation: &Deformation,
@@ -97,7 +101,7 @@ pub(super) fn harris_grekova_double_angle(
     (square >= 0.0).then_some([cos * cosine - sin * sine, sin * cosine + cos * sine])
 }
 
-/// Returns cos 2ψ_D and sin 2ψ_D; `None` if Q_D < `least`, 1/s.
+/// Computes cos 2ψ_D and sin 2ψ_D; `None` if the shear rate Q_D is below `least`, 1/s.
 #[inline(always)]
 pub(super) fn coaxial_double_angle(deformation: &Deformation, least: f64) -> Option<[f64; 2]> {
     (deformation.shear_rate() >= least).then(|| deformation.double_angle())

@@ -1,13 +1,15 @@
-//! Right-hand side: time derivatives of the vorticity and of ω or ψ.
+//! Right-hand side of the flow: time derivatives of the vorticity and of the internal variable (spin ω or stress angle
+//! ψ).
 //!
-//! With v = Γx + v′, v′ divergence-free, and ζ = ∂₁v′₂ − ∂₂v′₁, the curl of the momentum balance is
+//! With v = Γx + v′, v′ divergence-free, and the vorticity ζ = ∂₁v′₂ − ∂₂v′₁, the curl of the momentum balance is
 //!
 //! ```text
 //! ∂ₜζ = (∂₁² − ∂₂²) T₁₂ − ∂₁∂₂ (T₁₁ − T₂₂),   T = q N(ψ)/ρ − v′ ⊗ v′,   q = p sin φ + c cos φ
 //! ```
 //!
-//! in coordinates that move with Γx. Advection by Γ and the force that maintains Γ do not contribute, since the
-//! vorticity of an incompressible plane flow is neither stretched nor rotated.
+//! in coordinates that move with Γx, with N = \[\[cos 2ψ, sin 2ψ\], \[sin 2ψ, −cos 2ψ\]\]. Advection by Γx and the
+//! force that maintains Γ do not contribute, since the vorticity of an incompressible plane flow is neither stretched
+//! nor rotated.
 
 use super::closure::{
     Closure, Deformation, coaxial_double_angle, double_shearing_rate, harris_grekova_double_angle,
@@ -40,25 +42,25 @@ pub(super) fn matrix_exponential(gradient: [[f64; 2]; 2], time: f64) -> [[f64; 2
     [[even + odd * a, odd * b], [odd * c, even + odd * d]]
 }
 
-/// Fields at the points, from the last evaluation, and constants.
+/// Fields at the points of the box from the last evaluation, and constants.
 pub(super) struct PointValues {
     pub(super) problem: FlowProblem,
     sin_phi: f64,
     /// c cos φ, Pa.
     cohesion_term: f64,
-    /// Sign of cos 2(ψ − ψ_D) in the background.
+    /// Sign of cos 2(ψ − ψ_D) in the background flow.
     branch: f64,
-    /// Minimum of Q_D, 1/s (plastic potential).
+    /// Shear rate Q_D below which a run ends, 1/s (plastic potential).
     min_shear_rate: f64,
-    /// v′, m/s.
+    /// Velocity perturbation v′, m/s, by axis.
     pub(super) velocity: [Vec<f64>; 2],
     /// ∂₁v′₁ = −∂₂v′₂, ∂₁v′₂ and ∂₂v′₁, 1/s.
     perturbation_gradient: [Vec<f64>; 3],
-    /// ω, rad/s, or ψ, rad, background included.
+    /// Internal variable: ω, rad/s, or ψ, rad, background flow included.
     pub(super) internal_variable: Vec<f64>,
     /// cos 2ψ and sin 2ψ.
     pub(super) stress_double_angle: [Vec<f64>; 2],
-    /// p − P₀, Pa.
+    /// Pressure perturbation p − P₀, Pa, with the mean pressure P₀.
     pub(super) pressure: Vec<f64>,
 }
 
@@ -88,7 +90,7 @@ impl PointValues {
         }
     }
 
-    /// Returns the velocity gradient, Γ included.
+    /// Computes deviatoric deformation rate and vorticity, Γ included.
     #[inline(always)]
     fn deformation(&self, point: usize) -> Deformation {
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
@@ -96,18 +98,18 @@ impl PointValues {
         Deformation::new([[g11 + a, g12 + c], [g21 + b, g22 - a]])
     }
 
-    /// Computes Q_D at the points, 1/s.
+    /// Computes the shear rates Q_D at the points, 1/s.
     pub(super) fn shear_rates(&self) -> Vec<f64> {
         (0..self.pressure.len()).map(|point| self.deformation(point).shear_rate()).collect()
     }
 
-    /// Computes q = p sin φ + c cos φ, Pa.
+    /// Computes the deviatoric stress q = p sin φ + c cos φ, Pa.
     #[inline(always)]
     fn deviatoric_stress(&self, point: usize) -> f64 {
         (self.problem.pressure + self.pressure[point]) * self.sin_phi + self.cohesion_term
     }
 
-    /// Computes the source of the pressure equation, −ρ ∂ᵢvⱼ∂ⱼvᵢ without its background part, Pa/m².
+    /// Computes the source of the pressure equation, −ρ ∂ᵢvⱼ∂ⱼvᵢ without the part of the background flow, Pa/m².
     #[inline(always)]
     fn pressure_source(&self, point: usize) -> f64 {
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
@@ -116,7 +118,7 @@ impl PointValues {
         -2.0 * self.problem.density * (mixed + a * a + b * c)
     }
 
-    /// Computes T₁₂, m²/s².
+    /// Computes T₁₂ = q sin 2ψ/ρ − v′₁v′₂, m²/s².
     #[inline(always)]
     fn shear_momentum_flux(&self, point: usize) -> f64 {
         let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
@@ -124,7 +126,7 @@ impl PointValues {
             - v1 * v2
     }
 
-    /// Computes T₁₁ − T₂₂, m²/s².
+    /// Computes T₁₁ − T₂₂ = 2q cos 2ψ/ρ − (v′₁² − v′₂²), m²/s².
     #[inline(always)]
     fn normal_momentum_flux_difference(&self, point: usize) -> f64 {
         let [v1, v2] = self.velocity.each_ref().map(|own| own[point]);
@@ -140,7 +142,7 @@ impl PointValues {
         double_shearing_rate(&self.deformation(point), self.problem.rotation_ratio, direction)
     }
 
-    /// Computes cos 2ψ and sin 2ψ at all points.
+    /// Updates cos 2ψ and sin 2ψ at all points; fails if ψ is undetermined at a point.
     fn update_double_angles(&mut self) -> Result<(), PointFailure> {
         let mut direction = std::mem::take(&mut self.stress_double_angle);
         let [cosines, sines] = &mut direction;
@@ -204,7 +206,7 @@ impl PointValues {
         }
     }
 
-    /// Computes the mean powers; checks that q > 0 at all points.
+    /// Computes the mean powers; fails unless the deviatoric stress q is positive at all points.
     fn compute_powers(&self) -> Result<MeanPowers, PointFailure> {
         let (density, count) = (self.problem.density, self.pressure.len());
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
@@ -242,7 +244,7 @@ impl PointValues {
     }
 }
 
-/// Mean powers of the last evaluated state, W/m³.
+/// Mean powers of the last evaluated state, W/m³; symbols: [`FlowEnergy`](super::FlowEnergy).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct MeanPowers {
     /// Power of the background flow, −ρ⟨v′·Γv′⟩.
@@ -253,7 +255,7 @@ pub(super) struct MeanPowers {
     pub(super) internal: f64,
 }
 
-/// Right-hand side with its buffers.
+/// Right-hand side of the equations of the flow, with its buffers.
 pub(super) struct FlowEquations {
     pub(super) points: PointValues,
     pub(super) series: FourierSeries,
@@ -261,12 +263,12 @@ pub(super) struct FlowEquations {
     waves: ModeWaveVectors,
     pressure_solver: PressureSolver,
     pub(super) powers: MeanPowers,
-    /// Modes of p − P₀; initial guess of the next solution.
+    /// Modes of p − P₀; initial guess of the next pressure solution.
     pub(super) pressure: Vec<Complex64>,
     /// Buffers for transforms.
     mode_buffers: [Vec<Complex64>; 3],
     pressure_right_hand_side: Vec<Complex64>,
-    /// Numbers of evaluations and of pressure iterations.
+    /// Numbers of evaluations of the right-hand side and of iterations for the pressure.
     pub(super) evaluation_counts: [usize; 2],
     /// Relative residual of the last pressure solution.
     pub(super) pressure_residual: f64,
@@ -298,15 +300,16 @@ impl FlowEquations {
         &self.points.problem
     }
 
-    /// Length of the state: modes of ζ, then of ω or ψ; then works of background and stress; then ω or ψ of the
-    /// background.
+    /// Returns the length of a state: modes of the vorticity, then of the internal variable, if any; then one number
+    /// with the works of the background flow (real part) and of the stress (imaginary part); then ω or ψ of the
+    /// background flow.
     pub(super) fn state_length(&self) -> usize {
         self.series.mode_count()
             * (1 + usize::from(self.problem().closure.internal_variable().is_some()))
             + 2
     }
 
-    /// Computes the time derivative of ω or ψ of the background, which is independent of perturbations.
+    /// Computes the time derivative of ω or ψ of the background flow, which is independent of perturbations.
     fn background_rate(&self, internal_variable: f64) -> f64 {
         let FlowProblem { closure, velocity_gradient, spin_acceleration, rotation_ratio, .. } =
             self.problem();
@@ -367,7 +370,7 @@ impl FlowEquations {
         LeftDomain { description: what, position: Some([place(0), place(1)]), time }
     }
 
-    /// Evaluates velocity, velocity gradient, and ω or ψ at the points.
+    /// Evaluates velocity, velocity gradient, and ω or ψ at the points, from the modes.
     fn evaluate_fields(&mut self, vorticity: &[Complex64], rest: &[Complex64]) {
         let PointValues {
             velocity: [v1, v2],
@@ -439,7 +442,7 @@ impl FlowEquations {
             pressure,
         );
         let Convergence { iterations, residual } = solved.map_err(|solved| {
-            // The failed solution may be non-finite: not an initial guess.
+            // A failed solution may be non-finite and must not be the next initial guess.
             pressure.fill(Complex64::ZERO);
             let (residual, count) = (solved.residual, solved.iterations);
             let what = format!("no pressure: residual {residual:.1e} after {count} iterations");
@@ -469,7 +472,7 @@ impl FlowEquations {
         });
     }
 
-    /// Computes the time derivative of ω or ψ; `mean` is their mean.
+    /// Computes the time derivative of ω or ψ; `mean`: mean of that field over the box.
     fn compute_internal_variable_rates(&mut self, mean: f64, rates: &mut [Complex64]) {
         let (series, points) = (&mut self.series, &self.points);
         let [one, other, source] = &mut self.mode_buffers;
@@ -491,7 +494,7 @@ impl FlowEquations {
     }
 }
 
-/// Computes cos 2ψ and sin 2ψ.
+/// Computes cos 2ψ and sin 2ψ of the angle ψ = `angle`, rad.
 #[inline(always)]
 pub(super) fn to_double_angle(angle: f64) -> [f64; 2] {
     let (sin, cos) = (2.0 * angle).cr_sin_cos();

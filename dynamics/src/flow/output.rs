@@ -51,7 +51,8 @@ impl FlowSolver {
         }
     }
 
-    /// Computes |m| and the kinetic energy, J/m³, of each stored mode together with its conjugate.
+    /// Computes |m| and the kinetic energy, J/m³, of each stored mode m; the energy includes that of −m if −m is not
+    /// stored.
     fn mode_energies(&self) -> Vec<(f64, f64)> {
         let waves = self.equations.compute_wave_vectors(self.time);
         let series = &self.equations.series;
@@ -72,8 +73,8 @@ impl FlowSolver {
         (0..series.mode_count()).map(of_mode).collect()
     }
 
-    /// Computes the kinetic energy by shells n − ½ ≤ |m| < n + ½, n = 1, 2, …, J/m³; modes beyond the last shell are
-    /// added to it.
+    /// Computes the kinetic energy, J/m³, by shells n − ½ ≤ |m| < n + ½ of the mode numbers m, n = 1, 2, …; modes
+    /// beyond the last shell are added to that shell.
     pub fn energy_spectrum(&self) -> Vec<f64> {
         let most = self.equations.series.max_modes().into_iter().max().unwrap_or(1);
         let mut shells = vec![0.0; most];
@@ -94,8 +95,9 @@ impl FlowSolver {
         self.equations.compute_wave_vectors(self.time).wave_vector(mode)
     }
 
-    /// Returns the amplitudes of mode m, of exp(ik·y) with y from the first point: of the vorticity ζ, 1/s, and of ω or
-    /// ψ; then their time derivatives. `None` if the mode is not resolved.
+    /// Returns the amplitudes of mode m, the factors of exp(ik·y) with y measured from the first point: of the
+    /// vorticity ζ, 1/s, and of ω or ψ (zero without internal variable); then their time derivatives. `None` if the
+    /// mode is not resolved.
     pub fn mode_amplitudes(&self, mode: ModeNumbers) -> Option<[[Complex64; 2]; 2]> {
         let series = &self.equations.series;
         let (index, is_conjugate) = match series.mode_index(mode) {

@@ -6,7 +6,8 @@ use num_complex::Complex64;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Mode m and amplitude c of the wave Re c exp(ik·y), k = 2π(m₁/L₁, m₂/L₂).
+/// Mode numbers m and amplitude c of the wave Re c exp(ik·y), k = 2π(m₁/L₁, m₂/L₂), at the position y in the initial
+/// box of edges L, m.
 pub type FourierMode = ([i64; 2], Complex64);
 
 /// Points of the initial box.
@@ -18,13 +19,13 @@ pub struct Lattice {
     pub lengths: [f64; 2],
 }
 
-/// The wave A cos(k·y + phase), phase in rad.
+/// Returns the wave A cos(k·y + phase) with A = `amplitude` and `phase` in rad.
 pub fn plane_wave(mode: [i64; 2], amplitude: f64, phase: f64) -> FourierMode {
     (mode, cr_from_polar(amplitude, phase))
 }
 
-/// Random series of all modes with `from` ≤ |m| ≤ `to` (one of each pair ±m), of equal amplitudes, with root mean
-/// square `amplitude`. The phase of a mode depends only on the seed and the mode.
+/// Generates a random series of all modes with `from` ≤ |m| ≤ `to` (one of each pair ±m), of equal amplitudes, with
+/// root mean square `amplitude`. The phase of a mode depends only on the seed and the mode.
 pub fn generate_noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<FourierMode> {
     let most = to as i64;
     let in_band = |[m1, m2]: &[i64; 2]| {
@@ -44,7 +45,7 @@ pub fn generate_noise(from: f64, to: f64, amplitude: f64, seed: u64) -> Vec<Four
     modes.into_iter().map(|mode| (mode, cr_from_polar(each, phase(mode)))).collect()
 }
 
-/// One step of the SplitMix64 generator (Steele, Lea & Flood 2014).
+/// Makes one step of the SplitMix64 generator (Steele, Lea & Flood 2014).
 fn splitmix64(state: u64) -> u64 {
     let mut z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -52,13 +53,13 @@ fn splitmix64(state: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Tabulates exp(iπh/n), h = 0 … 2n − 1.
+/// Tabulates exp(iπh/n), h = 0 … 2n − 1, for an axis with n = `points` points.
 fn tabulate_roots_of_unity(points: usize) -> Vec<Complex64> {
     (0..2 * points).map(|half| cr_cis(PI * half as f64 / points as f64)).collect()
 }
 
-/// Iterates over exp(2πimy/L) at the points of an axis, from the table of [`tabulate_roots_of_unity`]; the index is
-/// reduced modulo 2n.
+/// Iterates over exp(2πimy/L) at the points y = (j + ½)L/n of an axis, m = `mode`, from the table of
+/// [`tabulate_roots_of_unity`]; the table index m(2j + 1) is reduced modulo 2n.
 fn iterate_phases(mode: i64, table: &[Complex64]) -> impl Iterator<Item = Complex64> {
     let count = table.len() as i64;
     (0..count / 2).map(move |i| table[(mode * (2 * i + 1)).rem_euclid(count) as usize])
@@ -76,7 +77,8 @@ impl Lattice {
         apply_envelope(envelope, self.sum_modes(self.select_resolved_modes(waves)))
     }
 
-    /// Evaluates a transverse velocity, along (−k₂, k₁)/|k|, by axis; see [`evaluate_scalar`](Self::evaluate_scalar).
+    /// Evaluates a transverse velocity, along (−k₂, k₁)/|k|, by axis and point; envelope and unresolved modes as in
+    /// [`evaluate_scalar`](Self::evaluate_scalar).
     pub fn evaluate_transverse(
         &self,
         waves: &[FourierMode],
@@ -199,7 +201,7 @@ mod tests {
             small_lattice([16, 16]).evaluate_scalar(&generate_noise(2.0, 5.0, 0.3, 8), None);
         let product: f64 = coarse.iter().zip(&other).map(|(a, b)| a * b).sum();
         assert!(product.abs() < 0.5 * 256.0 * 0.09, "{product}");
-        // A wider band has the same phases in common modes.
+        // In a wider band, the modes that both bands contain have the same phases.
         let wider: BTreeMap<[i64; 2], f64> =
             generate_noise(1.0, 9.0, 1.0, 7).iter().map(|(mode, c)| (*mode, c.arg())).collect();
         assert!(modes.iter().all(|(mode, c)| (wider[mode] - c.arg()).abs() < 1e-14));

@@ -1,18 +1,20 @@
-//! Pressure of an incompressible flow: the divergence of the momentum balance,
+//! Pressure of an incompressible flow, from the divergence of the momentum balance,
 //!
 //! ```text
-//! ∂ᵢ∂ⱼ[(δᵢⱼ − sin φ Nᵢⱼ) p] = s + c cos φ ∂ᵢ∂ⱼNᵢⱼ,   N = [[cos 2ψ, sin 2ψ], [sin 2ψ, −cos 2ψ]]
+//! ∂ᵢ∂ⱼ[(δᵢⱼ − sin φ Nᵢⱼ) p] = s + c cos φ ∂ᵢ∂ⱼNᵢⱼ,   N = [[cos 2ψ, sin 2ψ], [sin 2ψ, −cos 2ψ]],
 //! ```
 //!
-//! divided by −k², with k = k(cos θ, sin θ), p = P₀ + p̃ and prescribed mean P₀:
+//! with the source s = −ρ ∂ᵢvⱼ∂ⱼvᵢ without the part of the background flow, Pa/m². Its Fourier transform divided by
+//! −k², with k = k(cos θ, sin θ), p = P₀ + p̃ and prescribed mean P₀, is
 //!
 //! ```text
 //! (1 − sin φ R) p̃ = −ŝ/k² + (P₀ sin φ + c cos φ) R 1,   R p = cos 2θ (cos 2ψ p)^ + sin 2θ (sin 2ψ p)^
 //! ```
 //!
-//! ‖R‖ ≤ 1, so that p̃ is unique for any ψ. The operator is not self-adjoint, and for variable ψ its kernel is not the
-//! constants but one function of mean 1. Therefore p̃ omits mode 0, where the equation reads 0 = 0, and P₀ replaces it,
-//! as in a bordered system.
+//! where ^ denotes the Fourier transform and R 1 is R applied to the constant 1. ‖R‖ ≤ 1, so that p̃ is unique for any
+//! ψ. The differential operator is not self-adjoint; for variable ψ its kernel is spanned not by a constant but by
+//! another function of mean 1. Therefore p̃ has no mode 0, for which the equation reads 0 = 0, and the given P₀
+//! replaces that mode, as in a bordered system.
 
 use super::spectral::{FourierSeries, ModeWaveVector, ModeWaveVectors};
 use models::common::elementary::Elementary;
@@ -35,7 +37,8 @@ pub(super) struct PressureEquation<'a> {
 }
 
 impl PressureEquation<'_> {
-    /// Preconditioner: inverse of the operator with N replaced by its mean.
+    /// Returns the preconditioner of a mode: the inverse of the operator 1 − sin φ R with N replaced by its mean over
+    /// the box.
     #[inline(always)]
     fn preconditioner(&self, wave: &ModeWaveVector) -> f64 {
         let ([cos, sin], [mean_cos, mean_sin]) = (wave.double_angle, self.mean_double_angle);
@@ -51,13 +54,13 @@ pub(super) struct Convergence {
     pub(super) residual: f64,
 }
 
-/// Buffers of the solver.
+/// Buffers of the pressure solver.
 pub(super) struct PressureSolver {
     /// Orthonormal basis of the Krylov space.
     basis: Vec<Vec<Complex64>>,
-    /// Argument of the operator at the points.
+    /// Function to which the operator is applied, at the points.
     point_values: Vec<f64>,
-    /// Modes of its products with cos 2ψ and sin 2ψ.
+    /// Modes of the products of this function with cos 2ψ and sin 2ψ.
     products: [Vec<Complex64>; 2],
     operator_result: Vec<Complex64>,
     correction: Vec<Complex64>,
@@ -75,7 +78,8 @@ impl PressureSolver {
         }
     }
 
-    /// Computes `operator_result` = (1 − sin φ R) f p, where `factor` f multiplies each mode.
+    /// Computes `operator_result` = (1 − sin φ R) f p, with the modes of p multiplied by f = `factor` of their wave
+    /// vectors.
     fn apply_operator(
         &mut self,
         series: &mut FourierSeries,
@@ -103,7 +107,7 @@ impl PressureSolver {
     /// Solves for p̃ by restarted GMRES (Saad & Schultz 1986) with right preconditioning; `p` holds the initial guess.
     ///
     /// # Errors
-    /// Iterations and residual, if the tolerance is not reached.
+    /// Iterations and residual if the tolerance is not reached.
     pub(super) fn solve(
         &mut self,
         series: &mut FourierSeries,
@@ -189,7 +193,8 @@ impl PressureSolver {
     }
 }
 
-/// Computes the right-hand side from the modes of s, cos 2ψ and sin 2ψ; `stress` = P₀ sin φ + c cos φ.
+/// Assembles the right-hand side of the pressure equation from the modes of s, cos 2ψ and sin 2ψ; `stress` = P₀ sin φ +
+/// c cos φ, Pa.
 pub(super) fn assemble_right_hand_side(
     series: &FourierSeries,
     waves: &ModeWaveVectors,

@@ -12,8 +12,8 @@ pub struct FlowProblem {
     pub density: f64,
     /// Friction angle φ, rad; in (0, π/2).
     pub friction_angle: f64,
-    /// e_r/c_r of the flow rule (sin φ in double shearing at constant volume): sin 2(ψ − ψ_D) is this ratio times the
-    /// relative rotation (ω − s₂₁)/Q_D. Unused by coaxial models.
+    /// Coefficient ratio e_r/c_r of the flow rule (sin φ in double shearing at constant volume): sin 2(ψ − ψ_D) is this
+    /// ratio times the relative rotation (ω − s₂₁)/Q_D. Unused by coaxial models.
     pub rotation_ratio: f64,
     /// Cohesion c, Pa; ≥ 0.
     pub cohesion: f64,
@@ -21,11 +21,11 @@ pub struct FlowProblem {
     pub pressure: f64,
     /// Velocity gradient Γ, entry \[i\]\[j\] = ∂ⱼVᵢ, 1/s; traceless, with non-zero deformation rate.
     pub velocity_gradient: [[f64; 2]; 2],
-    /// Initial stress angle Ψ of the background, rad.
+    /// Initial stress angle Ψ of the background flow, rad.
     pub stress_angle: f64,
-    /// Initial spin Ω of the background, rad/s (Harris–Grekova only).
+    /// Initial spin Ω of the background flow, rad/s (Harris–Grekova only).
     pub spin: f64,
-    /// DΩ/Dt, rad/s² (Harris–Grekova only).
+    /// Rate of change DΩ/Dt of the spin of the background flow, rad/s² (Harris–Grekova only).
     pub spin_acceleration: f64,
     /// Number of points along each axis of the box; even, at least 4.
     pub points: [usize; 2],
@@ -35,7 +35,7 @@ pub struct FlowProblem {
     pub tolerance: f64,
     /// Maximum residual of the pressure equation relative to its right-hand side.
     pub pressure_tolerance: f64,
-    /// Q_D relative to that of the background below which a run ends (plastic potential only).
+    /// Shear rate Q_D, relative to that of the background flow, below which a run ends (plastic potential only).
     pub min_shear_rate: f64,
 }
 
@@ -98,13 +98,13 @@ impl FlowProblem {
         Ok(())
     }
 
-    /// Returns the deviatoric stress q of the background, Pa.
+    /// Computes the deviatoric stress q = P₀ sin φ + c cos φ of the background flow, Pa.
     fn deviatoric_stress(&self) -> f64 {
         self.pressure * self.friction_angle.cr_sin() + self.cohesion * self.friction_angle.cr_cos()
     }
 }
 
-/// Computes Q_D of a velocity gradient, 1/s.
+/// Computes the shear rate Q_D of a velocity gradient, 1/s.
 pub(super) fn gradient_shear_rate(gradient: [[f64; 2]; 2]) -> f64 {
     Deformation::new(gradient).shear_rate()
 }

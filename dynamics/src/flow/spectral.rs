@@ -10,10 +10,10 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Number of columns or rows per task: reads across them use whole cache lines.
+/// Number of columns or rows per parallel task: several, so that reads with the stride of a row use whole cache lines.
 const LINES_PER_TASK: usize = 8;
 
-/// A mode number along each axis.
+/// Mode numbers m₁ and m₂ along the axes.
 pub type ModeNumbers = [i32; 2];
 
 /// Resolved modes and their transforms.
@@ -25,14 +25,14 @@ pub struct FourierSeries {
     rows_inverse: Arc<dyn ComplexToReal<f64>>,
     columns_forward: Arc<dyn Fft<f64>>,
     columns_inverse: Arc<dyn Fft<f64>>,
-    /// Buffer: data transformed along one axis.
+    /// Buffer for data transformed along one of the axes.
     half_transformed: Vec<Complex64>,
 }
 
 pub use models::common::fourier::max_dealiased_modes;
 
 impl FourierSeries {
-    /// Series on `points` points along each axis: even, at least 4.
+    /// Creates the transforms for `points` points along each axis: even, at least 4.
     pub fn new(points: [usize; 2]) -> Self {
         let mut real = RealFftPlanner::new();
         let mut complex = FftPlanner::new();
@@ -48,22 +48,22 @@ impl FourierSeries {
         }
     }
 
-    /// Number of points along each axis.
+    /// Returns the number of points along each axis.
     pub fn points(&self) -> [usize; 2] {
         self.points
     }
 
-    /// Largest mode number along each axis.
+    /// Returns the largest mode number along each axis.
     pub fn max_modes(&self) -> [usize; 2] {
         self.max_modes
     }
 
-    /// Number of stored modes for each m₁.
+    /// Returns the number of stored modes for each m₁.
     pub fn column_length(&self) -> usize {
         2 * self.max_modes[1] + 1
     }
 
-    /// Number of stored modes.
+    /// Returns the number of stored modes.
     pub fn mode_count(&self) -> usize {
         (self.max_modes[0] + 1) * self.column_length()
     }
@@ -83,7 +83,7 @@ impl FourierSeries {
         is_kept.then(|| first as usize * column + second.rem_euclid(column as i32) as usize)
     }
 
-    /// Forward transform: modes from values at the points (first axis fastest).
+    /// Forward transform: computes modes from values at the points (first axis fastest).
     ///
     /// # Panics
     /// Never: buffers have the lengths of their plans.
@@ -132,7 +132,8 @@ impl FourierSeries {
         });
     }
 
-    /// Inverse transform: values at the points from modes, each stored one multiplied by `factor` of its wave vector.
+    /// Inverse transform: computes values at the points from modes, each stored one multiplied by `factor` of its wave
+    /// vector.
     ///
     /// # Panics
     /// Never: buffers have the lengths of their plans.
@@ -173,7 +174,7 @@ impl FourierSeries {
             for (row, spectrum) in
                 values.chunks_mut(columns).zip(spectra.chunks_mut(columns / 2 + 1))
             {
-                // Imaginary part of the mean of a row: rounding only.
+                // The imaginary part of the mean of a row is rounding error only.
                 spectrum[0].im = 0.0;
                 plan.process_with_scratch(spectrum, row, &mut scratch)
                     .expect("lengths of the plan");
@@ -232,7 +233,7 @@ pub struct ModeWaveVectors {
 }
 
 impl ModeWaveVectors {
-    /// Computes k = F⁻ᵀ(2πm/L) for a box of initial edges L, m, with deformation gradient F, det F = 1.
+    /// Computes k = F⁻ᵀ(2πm/L) for the modes m of a box of initial edges L, m, with deformation gradient F, det F = 1.
     pub fn new(series: &FourierSeries, lengths: [f64; 2], deformation: [[f64; 2]; 2]) -> Self {
         let mut waves = Self {
             basis: [[0.0; 2]; 2],

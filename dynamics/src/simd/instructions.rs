@@ -2,7 +2,7 @@
 
 use super::real::{Real, SimdKernel};
 
-/// Instruction set of a processor. Results do not depend on it.
+/// Instruction set of a processor; results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InstructionSet {
     /// Instructions of every processor of the architecture.

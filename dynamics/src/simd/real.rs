@@ -1,4 +1,5 @@
-//! Traits of the numbers of sweeps: floating-point scalars, groups of them in a cache line, and groups in registers.
+//! Traits of the number types of sweeps: floating-point scalars, groups of them in a cache line, and groups in
+//! registers.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -33,7 +34,7 @@ pub trait Real: Number + PartialOrd {
     unsafe fn run_avx512(kernel: impl SimdKernel<Self>);
 }
 
-/// Largest number of lanes of a group: that of `f32`.
+/// Largest number of lanes of a group, that of `f32`.
 pub(crate) const MAX_LANES: usize = 16;
 
 /// Group of numbers, one per lane, in memory.
@@ -179,10 +180,10 @@ pub trait Vector<T: Real>: Number {
     /// Returns `value` in all lanes.
     fn splat(value: T) -> Self;
 
-    /// Shifts lanes up by one: lane i becomes lane i − 1, lane 0 the last lane of `previous`.
+    /// Shifts lanes up by one: lane i of the result is lane i − 1 of `self`, lane 0 the last lane of `previous`.
     fn shift_in_low(self, previous: Self) -> Self;
 
-    /// Shifts lanes down by one: lane i becomes lane i + 1, the last lane becomes lane 0 of `next`.
+    /// Shifts lanes down by one: lane i of the result is lane i + 1 of `self`, the last lane is lane 0 of `next`.
     fn shift_in_high(self, next: Self) -> Self;
 
     /// Blends two groups: lanes whose bit is set in `lanes` from `other`, all others from `self`.
@@ -192,8 +193,8 @@ pub trait Vector<T: Real>: Number {
     fn greater_lanes(self, other: Self) -> u16;
 }
 
-/// Kernel that is compiled for each instruction set. `run` and all functions that it calls must be inlined; closures
-/// are not.
+/// Kernel that is compiled for each instruction set. `run` and all functions that it calls must be inlined, to be
+/// compiled with the instructions of the set. Closures are not inlined.
 pub trait SimdKernel<T: Real> {
     /// Runs the kernel in registers of type `V`.
     fn run<V: Vector<T>>(self);

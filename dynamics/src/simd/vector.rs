@@ -127,8 +127,8 @@ mod tests {
         }
     }
 
-    /// Verifies `minmod3` against its definition (smallest magnitude, or zero if the bounds differ in sign), bit by
-    /// bit, in every instruction set.
+    /// Verifies `minmod3` against its definition (the argument of smallest magnitude, or zero if the bounds differ in
+    /// sign), bit by bit, in every instruction set.
     fn check_minmod3<T: Real>() {
         let tiny = T::MIN_POSITIVE.to_f64();
         let sizes = [0.0, 1e-3 * tiny, tiny, 1e-3, 0.7, 1.0, 1.5, 1e30, f64::INFINITY];
@@ -220,8 +220,8 @@ mod tests {
         }
     }
 
-    /// Verifies `shift_in_low`, `shift_in_high` and `blend_lanes` on lanes 0, 1, … and 100, 101, … of another group, for each single
-    /// lane, for none and for a mixed selection, in every instruction set.
+    /// Verifies `shift_in_low`, `shift_in_high` and `blend_lanes` on a group with the numbers 0, 1, … and another one
+    /// with 100, 101, …, for each single lane, for no lane and for a mixed selection, in every instruction set.
     fn check_lane_shifts<T: Real>() {
         let count = T::Lanes::COUNT;
         let choices = (0..count).map(|lane| 1 << lane).chain([0, 0b1010_0110_0101_1001]);

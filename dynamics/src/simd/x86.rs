@@ -1,7 +1,8 @@
 //! Registers of x86-64: AVX2 and AVX-512.
 //!
-//! SAFETY of all unsafe blocks below: the register types are used only in `Real::run_avx2` and `Real::run_avx512`, whose
-//! callers guarantee the instruction set; addresses come from references to as many numbers as are read or written.
+//! SAFETY of all unsafe blocks below: the register types are used only in `Real::run_avx2` and `Real::run_avx512`,
+//! whose callers guarantee the instruction set; addresses come from references to as many numbers as are read or
+//! written.
 
 use crate::simd::{Lanes, Number, Vector};
 use std::arch::x86_64::*;
@@ -312,7 +313,8 @@ unsafe fn minmod3_single512(mean: __m512, one: __m512, other: __m512) -> __m512 
     }
 }
 
-/// Truth table of `ternarylogic`: XNOR of the second and the third operand.
+/// Truth table for `_mm512_ternarylogic_epi64` and `_mm512_ternarylogic_epi32`: XNOR of the second and the third
+/// operand.
 const XNOR_TABLE: i32 = 0b1001_1001;
 
 // Flush to zero of magnitudes below a limit; NaN is unchanged.

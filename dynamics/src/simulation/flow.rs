@@ -1,8 +1,8 @@
 //! Simulation of a flow with error-controlled step sizes.
 //!
-//! The duration is divided into 200 equal intervals, at whose ends steps end whatever output is requested. Output
-//! within a step comes from a copy of the flow that is restored to the state before the step and advanced to the output
-//! time with the same tolerance.
+//! The duration is divided into 200 equal intervals. Steps end at the ends of these intervals, but not at output times:
+//! they do not depend on the output. Output within a step comes from a copy of the flow that is restored to the state
+//! before the step and advanced to the output time with the same tolerance.
 
 use super::{RegularTimes, Simulation, SimulationState, from_bytes, number_sections, to_bytes};
 use crate::flow::{FlowEnergy, FlowError, FlowProblem, FlowSnapshot, FlowSolver, LeftDomain};
@@ -37,13 +37,14 @@ impl FlowAccount {
 /// Output fields of a flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowFields {
-    /// By [field](FlowSolver::output_fields) and point (x₁ fastest).
+    /// Values by [field](FlowSolver::output_fields) and point (x₁ fastest).
     pub values: Vec<Vec<f64>>,
     /// Deformation gradient of the box; see [`FlowSolver::deformation_gradient`].
     pub deformation_gradient: [[f64; 2]; 2],
 }
 
-/// Time-domain simulation of a flow. Uses the surrounding thread pool; results do not depend on the number of threads.
+/// Time-domain simulation of a flow. It uses the thread pool of the caller; results do not depend on the number of
+/// threads.
 pub struct FlowSimulation {
     flow: FlowSolver,
     duration: f64,
@@ -52,18 +53,18 @@ pub struct FlowSimulation {
     /// Points whose fields are recorded.
     probes: Vec<usize>,
     initial_energy: f64,
-    /// Snapshot before the last step.
+    /// State before the last step.
     snapshot_before_step: Option<FlowSnapshot>,
     /// Whether the present state has not been recorded yet.
     has_new_record: bool,
 }
 
 impl FlowSimulation {
-    /// The unperturbed background flow for a duration, s; to be [perturbed](Self::perturb) or
-    /// [restored](Simulation::restore). `probes`: point indices, x₁ fastest.
+    /// Creates the simulation of an unperturbed background flow for `duration`, s; the flow is to be
+    /// [perturbed](Self::perturb) or [restored](Simulation::restore). `probes`: point indices, x₁ fastest.
     ///
     /// # Errors
-    /// The first invalid number of the problem.
+    /// The first invalid parameter of the problem.
     pub fn new(
         problem: &FlowProblem,
         duration: f64,
@@ -112,7 +113,7 @@ impl FlowSimulation {
         }
     }
 
-    /// Calls `evaluate` for the flow at `time`, s, within the last step.
+    /// Calls `evaluate` for the flow at `time`, s, within or at the end of the last step.
     fn evaluate_at<R>(
         &self,
         time: f64,

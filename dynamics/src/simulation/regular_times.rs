@@ -3,8 +3,8 @@
 use super::Simulation;
 use std::cmp::Ordering;
 
-/// Multiples of an interval from 0 on; the last time is the duration, which replaces a multiple equal to it up to
-/// rounding.
+/// Times at the multiples of an interval, from 0 on; the last time is the duration, which replaces a multiple equal to
+/// it up to rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct RegularTimes {
     /// Interval, s.
@@ -18,8 +18,8 @@ pub struct RegularTimes {
 const MAX_INTERIOR_TIMES: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
 
 impl RegularTimes {
-    /// `interval` and `duration` in s, positive. If the duration exceeds 2⁵³ intervals, the times between are cut off
-    /// there.
+    /// Creates the multiples of `interval`, s, up to `duration`, s, both positive. If the duration exceeds 2⁵³
+    /// intervals, the multiples after the 2⁵³-th are omitted.
     pub fn new(interval: f64, duration: f64) -> Self {
         let inside = (duration / interval - 1e-6).floor().clamp(0.0, MAX_INTERIOR_TIMES);
         Self { interval, duration, count: inside as usize + 2 }
@@ -42,7 +42,7 @@ impl RegularTimes {
     /// Counts the times up to `time`, s, inclusive up to rounding.
     pub fn count_until(&self, time: f64) -> usize {
         let is_past = |own: f64| own <= time || self.is_same_time(own, time);
-        // Start one lower: the quotient may be rounded up.
+        // Start one index lower, since the quotient may be rounded up.
         let before = (time.min(self.duration) / self.interval).floor().max(1.0) as usize - 1;
         let mut count = before.min(self.count - 1);
         while self.time(count).is_some_and(is_past) {

@@ -1,9 +1,9 @@
 //! Simulation of a solid: batches of equal steps, each followed by a check that the energy is finite.
 //!
-//! A non-finite energy identifies the batch in which a value became non-finite, not the step. The simulation then
-//! returns to the last [saved](Simulation::state) or restored state (else the initial one), repeats the sound batches,
-//! and proceeds step by step to the last sound state. Output between two steps is interpolated linearly between the
-//! states, so that stresses stay in their convex yield sets.
+//! If the energy is not finite, a value has become non-finite in the last batch, in a step that is not known. The
+//! simulation then returns to the last [saved](Simulation::state) or restored state (else the initial one), repeats the
+//! sound batches, and proceeds step by step to the last sound state. Output between two steps is interpolated linearly
+//! between the states, so that stresses stay in their convex yield sets.
 
 use super::solver::{SolidSolver, SolverChoice};
 use super::{Simulation, SimulationState, TimeSteps, from_bytes, number_sections, to_bytes};
@@ -20,8 +20,8 @@ use std::cmp::Ordering;
 /// Maximum number of steps between two checks for non-finite energies.
 const MAX_BATCH_STEPS: usize = 64;
 
-/// Maximum of cells × steps between two checks: a few seconds of one thread in three dimensions. A run can be
-/// interrupted only between batches.
+/// Maximum of the product of cells and steps between two checks, a few seconds of one thread in three dimensions. A run
+/// can be interrupted only between batches.
 const MAX_BATCH_CELL_STEPS: usize = 20_000_000;
 
 /// Energy of a solid and its ledger.
@@ -38,8 +38,8 @@ pub struct SolidAccount {
 }
 
 impl SolidAccount {
-    /// Returns the energy change not explained by the ledger, J: rounding if the ledger is full, else minus the
-    /// numerical dissipation.
+    /// Returns the energy change not explained by the ledger, J: rounding error if the ledger is full (reference
+    /// solver), else minus the numerical dissipation (fused solver).
     pub fn balance(&self) -> f64 {
         self.energy.total() - self.initial_energy - self.ledger.energy_change()
     }
@@ -53,15 +53,16 @@ impl SolidAccount {
 /// Output fields of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidFields {
-    /// By quantity and cell (first axis fastest): all fields of the media with total stresses, then the time integrals
-    /// of the problem.
+    /// Values by quantity and cell (first axis fastest): all fields of the media with total stresses, then the time
+    /// integrals of the problem.
     pub values: Vec<Vec<f64>>,
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     pub plastic_dissipation: Vec<f64>,
 }
 
 impl SolidFields {
-    /// Interpolates linearly to another state; `part` in \[0, 1\].
+    /// Interpolates linearly to the fields `other` of a later state; `part`: fraction of the time between the states,
+    /// in \[0, 1\].
     fn interpolate(&self, other: &Self, part: f64) -> Self {
         let line = |(a, b): (&f64, &f64)| (1.0 - part) * a + part * b;
         let field = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(line).collect();
@@ -101,14 +102,14 @@ pub struct SolidSimulation<T: SolverReal, const D: usize> {
     fields_before_step: Option<SolidFields>,
     /// Records of the watched cells that have not been delivered yet.
     records: Vec<f64>,
-    /// Number of steps done at the first of the records.
+    /// Number of steps done in the state of the first of the records.
     first_record_step: usize,
-    /// Last saved or restored state; `None`: the initial one.
+    /// Last saved or restored state; `None` stands for the initial one.
     saved_snapshot: RefCell<Option<Snapshot<T>>>,
 }
 
 impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
-    /// A solid at time 0. `initial`: values by cell of fields that are not zero.
+    /// Creates the simulation of a solid at time 0. `initial`: values by cell of fields that are not zero.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -183,7 +184,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         self.solver.first_beyond_yield()
     }
 
-    /// Computes the account after `steps_done` steps from the solver's state.
+    /// Computes the account after `done` steps from the state of the solver.
     fn compute_account(&self, done: usize) -> SolidAccount {
         SolidAccount {
             time: self.time_steps.time(done),
@@ -193,7 +194,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         }
     }
 
-    /// Fetches the solver's records, the first of which is that of step `first`.
+    /// Fetches the records of the solver, the first of which is that of the state after `first` steps.
     fn collect_records(&mut self, first: usize) {
         if self.watched_cells.is_empty() {
             return;
@@ -206,7 +207,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         }
     }
 
-    /// Returns the number of steps between two checks.
+    /// Returns the maximum number of steps between two checks.
     fn batch_size(&self) -> usize {
         (MAX_BATCH_CELL_STEPS / self.problem.grid.count().max(1)).clamp(1, MAX_BATCH_STEPS)
     }
@@ -333,7 +334,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         self.account
     }
 
-    /// Returns the account of the present state, which is the end of the step that reached or passed `_time`.
+    /// Returns the account of the present state, at the end of the step that reached or passed `_time`, s.
     fn account_at(&self, _time: f64) -> Result<SolidAccount, SolidFault> {
         Ok(self.account)
     }
@@ -355,7 +356,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
     }
 
     fn state(&self) -> SimulationState {
-        // Drop the previous copy first, to limit memory to two copies of the fields.
+        // Drop the previous snapshot first, to limit memory to two copies of the fields.
         *self.saved_snapshot.borrow_mut() = None;
         let snapshot = self.solver.snapshot();
         let Snapshot {

@@ -12,7 +12,8 @@ use models::solid::waves::SolidField;
 /// Solver of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverChoice {
-    /// Fused solver; threads are limited by the number of layers. Its ledger lacks the numerical dissipation.
+    /// Fused solver; the number of threads is limited by the number of layers. Its ledger lacks the numerical
+    /// dissipation.
     Fused {
         /// Maximum number of threads.
         threads: usize,
@@ -46,7 +47,7 @@ impl SolverChoice {
     }
 }
 
-/// Interface of the solvers; both have methods of these names.
+/// Interface of both solvers, which have methods of the same names.
 pub(super) trait SolidSolver<T: Real>: Send {
     /// Advances all fields by `steps` time steps.
     fn advance(&mut self, steps: usize);
@@ -68,11 +69,11 @@ pub(super) trait SolidSolver<T: Real>: Send {
     fn restore(&mut self, snapshot: &Snapshot<T>) -> bool;
     /// Number of output quantities per cell.
     fn quantity_count(&self) -> usize;
-    /// Output by quantity and cell.
+    /// Output values by quantity and cell.
     fn output_fields(&self) -> Vec<Vec<f64>>;
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     fn plastic_dissipation(&self) -> Vec<f64>;
-    /// Records these cells after each step.
+    /// Selects the cells to be recorded after each step.
     fn watch_cells(&mut self, cells: &[usize]);
     /// Records the watched cells in the present state.
     fn record_watched(&mut self);

@@ -13,7 +13,7 @@ const STEP_ROUNDING: f64 = 1e-9;
 pub enum StepLimit {
     /// Courant number of the fastest wave.
     Wave,
-    /// Rotation angle per step of the spin oscillation driven by antisymmetric stress.
+    /// Phase angle per step of the spin oscillation driven by antisymmetric stress.
     Rotation,
 }
 
@@ -22,7 +22,7 @@ pub enum StepLimit {
 pub struct TimeSteps {
     /// Number of steps.
     pub count: usize,
-    /// Δt, s.
+    /// Time step Δt, s.
     pub step: f64,
     /// Criterion that limits Δt.
     pub limit: StepLimit,
@@ -42,8 +42,8 @@ pub struct TooManySteps {
 
 impl TimeSteps {
     /// Chooses the longest steps for which each sweep (half a step along an axis) has at most the Courant number
-    /// `courant` and spins rotate by at most `rotation`, rad, per step, shortened to divide the `duration`, s.
-    /// `spacing`: cell edges, m.
+    /// `courant` and the spin oscillation of a medium advances by a phase angle of at most `rotation`, rad, per step,
+    /// shortened to divide the `duration`, s. `spacing`: cell edges, m.
     ///
     /// # Errors
     /// More than 10¹² steps.

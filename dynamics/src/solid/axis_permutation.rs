@@ -32,7 +32,8 @@ impl<const D: usize> AxisPermutation<D> {
         self.axes.is_sorted()
     }
 
-    /// Converts a linear index over the axes `from` (first axis fastest) to one over the same axes in the order `to`.
+    /// Converts a linear index over the axes `from` (first of them fastest) to one over the same axes in the order
+    /// `to`.
     fn reindex(&self, index: usize, from: &[usize], to: &[usize]) -> usize {
         let mut along = [0; D];
         let mut rest = index;
@@ -43,25 +44,25 @@ impl<const D: usize> AxisPermutation<D> {
         to.iter().rev().fold(0, |index, &axis| index * self.cells[axis] + along[axis])
     }
 
-    /// Index in the domain of a cell of the problem.
+    /// Returns the index in the domain of a cell of the problem.
     pub(crate) fn permuted_cell(&self, cell: usize) -> usize {
         self.reindex(cell, &std::array::from_fn::<_, D, _>(|axis| axis), &self.axes)
     }
 
-    /// Index in the problem of a cell of the domain.
+    /// Returns the index in the problem of a cell of the domain.
     pub(crate) fn original_cell(&self, cell: usize) -> usize {
         self.reindex(cell, &self.axes, &std::array::from_fn::<_, D, _>(|axis| axis))
     }
 
-    /// Index in the domain of a face of a boundary across an axis of the problem.
+    /// Returns the index in the domain of a face of a boundary normal to an axis of the problem.
     fn permuted_face(&self, axis: usize, face: usize) -> usize {
         let others = |axes: [usize; D]| axes.into_iter().filter(|own| *own != axis).collect();
         let [from, to]: [Vec<usize>; 2] = [std::array::from_fn(|own| own), self.axes].map(others);
         self.reindex(face, &from, &to)
     }
 
-    /// Reorders values by cell of the problem to the cells of the domain. A list of another length (no values, or one
-    /// for all cells) is returned unchanged.
+    /// Reorders values by cell of the problem to the order of the cells of the domain. A list of another length (no
+    /// values, or one value for all cells) is returned unchanged.
     pub(crate) fn permute<'a, V: Copy>(&self, values: &'a [V]) -> Cow<'a, [V]> {
         if self.is_identity() || values.len() != self.cells.iter().product::<usize>() {
             return Cow::Borrowed(values);
@@ -69,7 +70,7 @@ impl<const D: usize> AxisPermutation<D> {
         (0..values.len()).map(|cell| values[self.original_cell(cell)]).collect()
     }
 
-    /// Reorders values by cell of the domain to the cells of the problem.
+    /// Reorders values by cell of the domain to the order of the cells of the problem.
     pub(crate) fn unpermute<V: Copy>(&self, values: Vec<V>) -> Vec<V> {
         if self.is_identity() || values.len() != self.cells.iter().product::<usize>() {
             return values;
@@ -77,12 +78,12 @@ impl<const D: usize> AxisPermutation<D> {
         (0..values.len()).map(|cell| values[self.permuted_cell(cell)]).collect()
     }
 
-    /// Permutes numbers by axis of the problem to the axes of the domain.
+    /// Reorders one number per axis of the problem to the order of the axes of the domain.
     pub(crate) fn permute_axis_values(&self, numbers: [usize; D]) -> [usize; D] {
         self.axes.map(|axis| numbers[axis])
     }
 
-    /// The grid with permuted axes.
+    /// Returns the grid with permuted axes.
     pub(crate) fn permute_grid(&self, own: &Grid<D>) -> Grid<D> {
         Grid {
             cells: self.axes.map(|axis| own.cells[axis]),
@@ -93,7 +94,8 @@ impl<const D: usize> AxisPermutation<D> {
     /// Checks a problem and permutes its axes.
     ///
     /// # Errors
-    /// See [`DomainError`]; the layers of a metric are normal to the second axis, which must not be permuted.
+    /// See [`DomainError`]; also if the problem has a metric and the axes are permuted, since the layers of a metric
+    /// are normal to the second axis.
     pub(crate) fn check_and_permute<'a>(
         &self,
         own: &'a Problem<D>,
@@ -105,8 +107,8 @@ impl<const D: usize> AxisPermutation<D> {
         Ok(self.permute_problem(own))
     }
 
-    /// Permutes the axes of a checked problem. Fields keep their names, and accelerations refer to the axes of the
-    /// problem.
+    /// Permutes the axes of a checked problem. The indices of velocities and stress components, and of the components
+    /// of the acceleration, still refer to the axes of the given problem.
     fn permute_problem<'a>(&self, own: &'a Problem<D>) -> Cow<'a, Problem<D>> {
         if self.is_identity() {
             return Cow::Borrowed(own);

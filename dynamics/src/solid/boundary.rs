@@ -1,14 +1,14 @@
 //! Boundary conditions, loads on boundaries, and sources.
 //!
-//! To add a condition, add a variant of [`Condition`], its signs and shifts to `GhostRule::new` in `ghosts`, and its
-//! case to the list of `contraction`, which tests that no state gains energy; its keys are in
+//! To add a condition, add a variant of [`Condition`], its signs and shifts to `GhostRule::new` in `ghosts`, and the
+//! variant to `CONDITIONS` in `contraction`, which tests that no state gains energy; its keys are in
 //! `cases::dynamics::boundary`, its translation in `setup::solid_run::boundary` of the program.
 
 use crate::solid::medium::Medium;
 use models::solid::waves::SolidField;
 use std::sync::Arc;
 
-/// A dimensionless function of time, s.
+/// A dimensionless function of the time, s.
 pub type Signal = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
 
 /// Boundary condition of a wave pair on a face.
@@ -18,7 +18,7 @@ pub enum Condition {
     Velocity(f64),
     /// Prescribed stress, Pa, or couple stress, N/m; tension positive at both ends of the axis.
     Traction(f64),
-    /// Non-reflecting: the incoming characteristic is zero, exact at normal incidence.
+    /// Non-reflecting: the incoming characteristic is zero, which is exact at normal incidence.
     NonReflecting,
     /// Symmetry plane with odd velocity or spin and even stress: the velocity vanishes on it.
     OddVelocity,
@@ -27,7 +27,7 @@ pub enum Condition {
 }
 
 impl Condition {
-    /// Whether the face reflects and is no symmetry plane.
+    /// Whether velocity or traction is prescribed, so that the face reflects without being a symmetry plane.
     pub(crate) fn is_reflecting(&self) -> bool {
         matches!(self, Self::Velocity(_) | Self::Traction(_))
     }
@@ -36,13 +36,13 @@ impl Condition {
 /// Boundary condition at an end of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
-    /// Continued at the opposite end of the axis.
+    /// Periodic: the grid continues at the opposite end of the axis.
     Periodic,
     /// Rigid: all velocities and spins vanish.
     Fixed,
     /// Free: all tractions and couples vanish.
     Free,
-    /// Non-reflecting: incoming characteristics are zero, exact at normal incidence.
+    /// Non-reflecting: incoming characteristics are zero, which is exact at normal incidence.
     NonReflecting,
     /// One condition per wave pair of the axis, in their order.
     ByPair(Vec<Condition>),
@@ -57,7 +57,7 @@ impl Boundary {
         Self::new_mirror_plane(medium, axis, true)
     }
 
-    /// Antisymmetry plane: mirror image with the opposite sign.
+    /// Antisymmetry plane normal to `axis`: fields continue as the mirror image with the opposite sign.
     pub fn new_antisymmetry(medium: &Medium, axis: usize) -> Self {
         Self::new_mirror_plane(medium, axis, false)
     }
@@ -89,7 +89,7 @@ impl Boundary {
     }
 }
 
-/// Time-dependent values on faces of a boundary, added to those of their conditions.
+/// Time-dependent velocities or tractions on faces of a boundary, added to those of the conditions of the faces.
 #[derive(Clone)]
 pub struct Load {
     /// Axis normal to the boundary, from 0.
@@ -98,7 +98,7 @@ pub struct Load {
     pub end: usize,
     /// Index of the wave pair, in the order of the medium.
     pub pair: usize,
-    /// Faces (first of the other axes fastest) and amplitudes in the unit of their condition.
+    /// Faces (first of the other axes fastest), and amplitudes in the unit of the condition of the face.
     pub faces: Vec<(usize, f64)>,
     /// Time function that multiplies the amplitudes.
     pub signal: Signal,
@@ -107,10 +107,11 @@ pub struct Load {
 /// A source in the interior: body force, couple or moment tensor.
 #[derive(Clone)]
 pub struct Source {
-    /// Cells (first axis fastest) and their shares; the sum is 1, less at symmetry planes.
+    /// Cells (first axis fastest) and their shares of the source; the shares add up to 1, or to less if a part of the
+    /// source lies beyond a symmetry plane.
     pub cells: Vec<(usize, f64)>,
     /// Components of the force (N, by velocity), of the couple (N·m, by spin) or of the moment tensor (N·m, by stress,
-    /// which it reduces); per metre in plane strain.
+    /// which the moment reduces); per metre in plane strain.
     pub amplitudes: Vec<(SolidField, f64)>,
     /// Time function that multiplies the amplitudes.
     pub signal: Signal,

@@ -7,13 +7,13 @@ use crate::simd::{LaneGroup, Number, Real, Vector};
 pub struct CellConstants<N> {
     /// Impedance z, kg/(m²s) for translations.
     pub impedance: N,
-    /// C/2: change of s per difference of 2zv between the interface states.
+    /// C/2, with the Courant number C: change of the stress s per difference of 2zv between the interface states.
     pub(crate) half_courant: N,
-    /// C/(2z): change of v per difference of 2s between the interface states.
+    /// C/(2z): change of the velocity v per difference of 2s between the interface states.
     pub(crate) velocity_factor: N,
-    /// (1 − C)/4: half-slope correction per sum of the two differences, unlimited.
+    /// (1 − C)/4: half-slope correction per sum of the upwind and the downwind difference, unlimited.
     pub(crate) mean_slope_weight: N,
-    /// (1 − C)/C: bound of the correction per upwind difference (Roe 1985).
+    /// (1 − C)/C: bound of the half-slope correction per upwind difference (Roe 1985).
     pub(crate) upwind_bound: N,
     /// Fourth order: weight of the upwind difference, (1 − C²)(2 + C)/24.
     pub(crate) upwind_weight: N,
@@ -24,21 +24,22 @@ pub struct CellConstants<N> {
 }
 
 impl<T: Real> CellConstants<T> {
-    /// From the impedance, kg/(m²s) for translations, and the Courant number in \[0, 1\].
+    /// Creates the constants from the impedance, kg/(m²s) for translations, and the Courant number in \[0, 1\].
     pub fn new(impedance: f64, courant: f64) -> Self {
         Self::with_reconstruction_courant(courant, impedance, courant)
     }
 
-    /// [`Self::new`] for problems with several media, with
-    /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder). The interface weights let no energy grow for C
-    /// ≥ 0.02. Slower waves use the weights for C = 0.02, which is stable, too, since for the same fluxes a smaller
-    /// Courant number leaves less energy; this adds at most 2 % of the first-order dissipation.
+    /// Creates the constants as [`Self::new`] does, for
+    /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder) in problems with several media or interlayers.
+    /// With [`Self::interface_weights`] no energy grows for C ≥ 0.02. Slower waves use the weights for C = 0.02, which
+    /// is also stable, since for the same fluxes a smaller Courant number leaves less energy; this adds at most 2 % of
+    /// the first-order dissipation.
     pub fn with_interfaces(impedance: f64, courant: f64) -> Self {
         Self::with_reconstruction_courant(courant.max(0.02), impedance, courant)
     }
 
-    /// [`Self::new`] for first order, independent of [`Slopes`](crate::solid::line::Slopes): weights for C = 1, which
-    /// are zero.
+    /// Creates constants for the first-order scheme, whichever [`Slopes`](crate::solid::line::Slopes) the sweep
+    /// applies: the weights are those for C = 1, which are zero.
     pub(crate) fn with_constant_reconstruction(impedance: f64, courant: f64) -> Self {
         Self { upwind_bound: T::ZERO, ..Self::with_reconstruction_courant(1.0, impedance, courant) }
     }
@@ -53,7 +54,7 @@ impl<T: Real> CellConstants<T> {
             half_courant: T::from_f64(0.5 * courant),
             velocity_factor: T::from_f64(0.5 * courant / impedance),
             mean_slope_weight: T::from_f64(0.25 * (1.0 - reconstruction_courant)),
-            // Finite for C → 0, where the bound has no effect.
+            // Finite for C → 0, where the bound is never active.
             upwind_bound: T::from_f64((1.0 - courant) / courant.max(1e-6)),
             upwind_weight: T::from_f64(
                 (1.0 - reconstruction_courant)
@@ -74,7 +75,7 @@ impl<T: Real> CellConstants<T> {
         }
     }
 
-    /// Courant number C = cΔt/h, in \[0, 1\].
+    /// Returns the Courant number C = cΔt/h, in \[0, 1\].
     pub fn courant(&self) -> T {
         self.half_courant + self.half_courant
     }
@@ -90,15 +91,16 @@ impl<V: Number> CellConstants<V> {
         (size * (V::ONE / V::MIN_POSITIVE)).min(V::ONE)
     }
 
-    /// Computes the reflection coefficient (y − z)/(y + z) of the face between this cell and another one of impedance
-    /// y.
+    /// Computes the reflection coefficient (y − z)/(y + z) of the face between this cell, of impedance z, and another
+    /// one, of impedance y.
     #[inline(always)]
     pub(crate) fn reflection_coefficient(&self, other: &Self) -> V {
         (other.impedance - self.impedance) / (other.impedance + self.impedance)
     }
 
-    /// Fourth order: time-averaged wave at the face between the second and the third of four like cells, in the
-    /// direction of propagation. Computed from values, since differences require more additions.
+    /// Fourth order: computes the time-averaged wave at the face between the second and the third of four cells of
+    /// equal constants, in the direction of propagation, from the values of the wave in the cells; differences would
+    /// require more additions.
     #[inline(always)]
     pub(crate) fn face_value(&self, [first, second, third, fourth]: [V; 4]) -> V {
         let own = V::ONE + self.upwind_weight - self.central_weight;
@@ -106,25 +108,27 @@ impl<V: Number> CellConstants<V> {
         own * second - self.upwind_weight * first + (next * third + self.downwind_weight * fourth)
     }
 
-    /// Returns for three of four cells whether the next one is alike, 1 or 0.
+    /// Returns for each of the first three of four adjacent cells 1 if the next cell has equal constants, else 0.
     #[inline(always)]
     pub(crate) fn equality_flags([one, two, three, four]: [&Self; 4]) -> [V; 3] {
         [V::ONE - one.contrast(two), V::ONE - two.contrast(three), V::ONE - three.contrast(four)]
     }
 
-    /// Returns 1 − C of the reconstruction.
+    /// Returns 1 − C, with the Courant number C of the reconstruction weights.
     #[inline(always)]
     pub(crate) fn one_minus_courant(&self) -> V {
         let half = self.mean_slope_weight + self.mean_slope_weight;
         half + half
     }
 
-    /// Fourth order near interfaces: weights of the three differences upwind of, across and downwind of the downwind
-    /// face, and of the scattered difference across it, in the face value minus the cell mean. Arguments (1 or 0):
-    /// whether the upwind cell is like this one, this one like the downwind cell, and that like the next.
+    /// Fourth order near interfaces: returns the weights in the face value minus the cell mean, for the face between
+    /// this cell and the downwind cell. Weights of three differences: between upwind cell and this cell, across the
+    /// face, and between the downwind cell and the next one; then the weight of the additional difference by scattering
+    /// at the face. Arguments (1 or 0): whether the upwind cell and this cell, this cell and the downwind cell, and the
+    /// downwind cell and the next one have equal constants.
     ///
-    /// Fits to the most accurate linear closure by which no wave gains energy; corrections that are exact for linear
-    /// waves would let some gain.
+    /// The weights are linear fits in C to the most accurate linear reconstruction by which no wave gains energy.
+    /// Reconstructions that are exact for linear waves would let some waves gain energy.
     #[inline(always)]
     pub(crate) fn interface_weights(&self, [upwind, downwind, beyond]: [V; 3]) -> ([V; 3], V) {
         let one_minus_courant = self.one_minus_courant();
@@ -132,7 +136,7 @@ impl<V: Number> CellConstants<V> {
         let before = one_minus_courant * (upwind * downwind * (V::ONE - beyond));
         let at_face = one_minus_courant * (upwind * (V::ONE - downwind));
         let behind = one_minus_courant * ((V::ONE - upwind) * downwind * beyond);
-        // Layers of two cells, and of one.
+        // Blocks of equal cells that are two cells long, and one cell long.
         let of_two = one_minus_courant * ((V::ONE - upwind) * downwind * (V::ONE - beyond));
         let of_one = one_minus_courant * ((V::ONE - upwind) * (V::ONE - downwind));
         let weights = [

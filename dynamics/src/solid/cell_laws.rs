@@ -9,12 +9,12 @@ use models::rheology::relaxation::{Relaxation, RelaxationIncrements, SymmetricTe
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 
-/// Time interval over which a law acts; constants are stored for both.
+/// Time interval over which a law acts; its constants are stored for both intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interval {
-    /// Δt.
+    /// A time step Δt.
     Step,
-    /// Δt/2.
+    /// Half a time step, Δt/2.
     HalfStep,
 }
 
@@ -28,18 +28,18 @@ impl Interval {
 /// Maximum number of fields: three velocities, three spins, nine stresses, nine couple stresses, six viscous strains.
 pub(crate) const MAX_FIELDS: usize = 30;
 
-/// Number of steps between two flushes of subnormal numbers: few, so that values rarely become subnormal in between.
+/// Number of steps between two flushes of subnormal numbers: so few that values rarely become subnormal in between.
 const FLUSH_INTERVAL: usize = 16;
 
 /// Returns the magnitude below which values are set to zero, 2⁴⁰·MIN_POSITIVE, if `steps_done` is a multiple of
-/// [`FLUSH_INTERVAL`]. The factor is a margin for products with constants of the media.
+/// [`FLUSH_INTERVAL`]; else `None`. The factor 2⁴⁰ is a margin for products with constants of the media.
 pub(crate) fn flush_limit<T: Real>(steps_done: usize) -> Option<T> {
     steps_done
         .is_multiple_of(FLUSH_INTERVAL)
         .then(|| T::from_f64(2.0f64.powi(40) * T::MIN_POSITIVE.to_f64()))
 }
 
-/// Converts the values of a state, in the order of `fields`, to a stress.
+/// Converts the values of a state, in the order of `fields`, to stress tensors.
 pub(crate) fn stress_from_fields<T: Real>(fields: &[SolidField], values: &[T]) -> Stress {
     // In classical solids one field represents both symmetric components.
     let is_symmetric = !fields.iter().any(|field| matches!(field, SolidField::Spin(_)));
@@ -68,7 +68,8 @@ pub(crate) fn add_scaled(a: &Stress, b: &Stress, factor: f64) -> Stress {
     Stress { force: part(a.force, b.force), couple: part(a.couple, b.couple) }
 }
 
-/// Adds `change` to a velocity; returns the change of kinetic energy per inertia, with the rounded values.
+/// Adds `change` to a velocity or spin; returns the change of kinetic energy per inertia, computed from the rounded
+/// values.
 pub(crate) fn accelerate<T: Real>(value: &mut T, change: f64) -> f64 {
     let before = value.to_f64();
     *value = T::from_f64(before + change);
@@ -76,17 +77,18 @@ pub(crate) fn accelerate<T: Real>(value: &mut T, change: f64) -> f64 {
     (after - before) * 0.5 * (after + before)
 }
 
-/// Integrates the signal of a source over an interval, s: midpoint value times duration, and change of the signal.
+/// Integrates the signal of a source over an interval, s: returns the midpoint value times the duration, s, and the
+/// change of the signal.
 pub(crate) fn integrate_signal(signal: &Signal, [from, to]: [f64; 2]) -> [f64; 2] {
-    // The signal is zero before time 0: an initial jump acts in the first step.
+    // The signal is zero before time 0, so that an initial jump acts in the first step.
     let before = if from > 0.0 { signal(from) } else { 0.0 };
     let mean = signal(0.5 * (from + to));
     [mean * (to - from), signal(to) - before]
 }
 
-/// Applies a source to a field of a cell over an interval; returns its work, J/m³. `strength`: amplitude times the
-/// cell's share; `impulse` and `moment`: results of [`integrate_signal`]. Forces and couples accelerate, moments reduce
-/// stresses.
+/// Applies a source to a field of a cell over an interval; returns its work, J/m³. `strength`: amplitude times share of
+/// the cell; `impulse` and `moment`: results of [`integrate_signal`]; `volume` of the cell, m³. Forces and couples
+/// change velocities and spins, moments reduce stresses.
 pub(crate) fn apply_source<T: Real>(
     medium: &Medium,
     state: &mut [T],
@@ -107,7 +109,8 @@ pub(crate) fn apply_source<T: Real>(
     }
 }
 
-/// Returns the field indices of spins and of the two stresses that rotate with each.
+/// Returns, for each spin, the field indices of the spin and of the two stresses ij and ji whose antisymmetric part
+/// rotates with it.
 pub(crate) fn rotated_fields(fields: &[SolidField]) -> Vec<[usize; 3]> {
     let place = |field: SolidField| fields.iter().position(|own| *own == field);
     let triple = |k: usize| {
@@ -121,7 +124,9 @@ pub(crate) fn rotated_fields(fields: &[SolidField]) -> Vec<[usize; 3]> {
     (0..3).filter_map(triple).collect()
 }
 
-/// Coefficients of the rotation of a spin and antisymmetric stress: cos, √(αj) sin, sin/√(αj).
+/// Coefficients of the rotation of a spin and antisymmetric stress over a time t: cos(Ωt), r sin(Ωt) and sin(Ωt)/r,
+/// with the frequency Ω, rad/s, and the amplitude ratio r, Pa·s, of
+/// [`SpinRotation`](models::solid::waves::SpinRotation).
 pub(crate) type SpinStressRotation<N> = [N; 3];
 
 /// Computes the rotation coefficients of a medium over `step_fraction`·`step`, s.
@@ -135,7 +140,8 @@ pub(crate) fn spin_stress_rotation(
     [cos, rotation.ratio * sin, sin / rotation.ratio]
 }
 
-/// Applies the rotation Q to a spin and both stresses.
+/// Rotates a spin ω and the antisymmetric part a = ½(first − second) of two stresses, with r of [`SpinStressRotation`]:
+/// a ← a cos + r ω sin, ω ← ω cos − a sin/r.
 #[inline(always)]
 pub(crate) fn rotate_spin_stress<N: Number>(
     [cos, ratio_sin, sin_over_ratio]: SpinStressRotation<N>,
@@ -146,11 +152,11 @@ pub(crate) fn rotate_spin_stress<N: Number>(
     [omega * cos - half * sin_over_ratio, first + stress_change, second - stress_change]
 }
 
-/// Field indices: \[normal stress, viscous strain\] by axis; \[shear stress, its transpose (may be the same), viscous
-/// strain\] by plane.
+/// Indices of the fields that relax: \[normal stress, viscous strain\] by axis; \[shear stress ij, shear stress ji (may
+/// be the same field), viscous strain\] by plane.
 pub(crate) type RelaxedFields = ([[usize; 2]; 3], Vec<[usize; 3]>);
 
-/// Finds the relaxed fields in a list; `None` if nothing relaxes.
+/// Finds the fields that relax in a list of fields; `None` if nothing relaxes.
 pub(crate) fn find_relaxed_fields(fields: &[SolidField]) -> Option<RelaxedFields> {
     let place = |field: SolidField| fields.iter().position(|own| *own == field);
     let normal = |i: usize| {
@@ -163,8 +169,8 @@ pub(crate) fn find_relaxed_fields(fields: &[SolidField]) -> Option<RelaxedFields
     Some(([normal(0)?, normal(1)?, normal(2)?], shear.collect()))
 }
 
-/// Computes the coefficients of relaxation over `step_fraction`·`step`, s; `value` collects a coefficient from the
-/// media.
+/// Computes the coefficients of relaxation over `step_fraction`·`step`, s; `collect` converts a coefficient, given as a
+/// function of the medium, to a number `N`, whose lanes may belong to different media.
 pub(crate) fn relaxation_coefficients<N>(
     collect: impl Fn(&dyn Fn(&Medium) -> f64) -> N,
     step_fraction: f64,
@@ -186,7 +192,7 @@ pub(crate) fn relaxation_coefficients<N>(
     }
 }
 
-/// Relaxes normal stresses and viscous strains, and both shear stresses and the viscous strain of each plane. Returns
+/// Relaxes stresses and viscous strains: `normal` by axis, `shear` by plane, in the order of [`RelaxedFields`]. Returns
 /// the energy dissipated, J/m³.
 #[inline(always)]
 pub(crate) fn relax<N: Number, const SHEARS: usize>(
@@ -225,12 +231,12 @@ pub(crate) struct MappedStress {
     pub(crate) dissipation: f64,
     /// Work of the initial stress, J/m³.
     pub(crate) initial_stress_work: f64,
-    /// Plastic dissipation divided by the stored energy.
+    /// Plastic dissipation divided by the energy stored by the trial stress.
     pub(crate) dissipation_ratio: f64,
 }
 
-/// Applies P (or 2P − I if `reflects`) to a deviation from the initial stress; `None` if the stress is in its yield
-/// set.
+/// Applies the return mapping P (or the reflection 2P − I if `reflects`) to the stress given by its deviation from the
+/// initial stress; `None` if the stress is in its yield set.
 pub(crate) fn map_stress(
     medium: &Medium,
     deviation: &Stress,
@@ -247,10 +253,11 @@ pub(crate) fn map_stress(
     let factor = if reflects { 2.0 } else { 1.0 };
     let plastic = add_scaled(&trial, &projection.stress, -1.0);
     let energy = |stress: &Stress| medium.stored_energy(stress);
-    // ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² − ½|s̄ − s|²).
+    // With the trial stress s̄, its projection s and the energy norm |·|: ½|s̄|² − ½|2s − s̄|² = 2(½|s̄|² − ½|s|² −
+    // ½|s̄ − s|²).
     let beyond = if reflects { energy(&plastic) } else { 0.0 };
     let dissipation = factor * (projection.energy_lost - beyond);
-    // Mixed term of the energy.
+    // Energy norm: inner product of the plastic stress change and the initial stress.
     let initial_stress_work = initial.map_or(0.0, |initial| {
         let both = add_scaled(&plastic, initial, 1.0);
         factor * (energy(&both) - energy(&plastic) - energy(initial))

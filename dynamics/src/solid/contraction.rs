@@ -1,5 +1,5 @@
-//! Verifies energy stability of the linear schemes: largest singular value of a sweep of lines with all combinations of
-//! boundaries, Courant numbers and media.
+//! Tests of the energy stability of the linear schemes: the largest singular value of the sweep of a line, for all
+//! pairs of boundary conditions, many Courant numbers, and random media.
 
 use crate::simd::{LaneGroup, Real};
 use crate::solid::boundary::{Boundary, Condition};
@@ -73,7 +73,7 @@ fn sweep_between_boundaries<T: Real>(
     stress.copy_from_slice(&s[GHOSTS..GHOSTS + count]);
 }
 
-/// Computes ‖G‖² − 1 of a sweep G, in the energy norm (zv² + s²/z)/C.
+/// Computes ‖G‖² − 1 of a sweep G, in the energy norm with the square Σ (zv² + s²/z)/C over the cells.
 fn energy_growth<T: Real>(cells: &[CellConstants<T>], conditions: [Condition; 2]) -> f64 {
     let count = cells.len();
     let unit = |i: usize| {
@@ -100,7 +100,7 @@ fn energy_growth<T: Real>(cells: &[CellConstants<T>], conditions: [Condition; 2]
     norm * norm - 1.0
 }
 
-/// Keeps the larger growth and its description; a growth that is no number counts as the largest.
+/// Keeps the larger of two growths and its description; a growth that is NaN counts as the largest.
 fn update_maximum(maximum: &mut (f64, String), growth: f64, describe: impl Fn() -> String) {
     if growth.is_nan() || growth > maximum.0 {
         *maximum = (growth, describe());
@@ -128,7 +128,7 @@ fn no_line_gains_energy() {
     assert!(maximum.0 < 1e-14, "{maximum:?}");
 }
 
-/// Random blocks of media, from single cells to long blocks.
+/// Verifies that no wave gains energy in lines of random blocks of media, from single cells to long blocks.
 #[test]
 fn no_line_of_several_media_gains_energy() {
     let mut random = LinearCongruentialGenerator::new(1);
@@ -145,7 +145,7 @@ fn no_line_of_several_media_gains_energy() {
     assert!(maximum.0 < 1e-14, "{maximum:?}");
 }
 
-/// Verifies that in single precision the energy grows by rounding only.
+/// Verifies that in single precision the energy grows by no more than rounding errors.
 #[test]
 fn single_precision_energy_grows_by_rounding_only() {
     let mut maximum = (f64::MIN, String::new());

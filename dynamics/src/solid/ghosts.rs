@@ -1,7 +1,7 @@
 //! Boundary conditions as ghost cells.
 //!
-//! Across a plane of symmetry, ghost values are mirror images, which is exact. At a free (fixed) boundary the normal
-//! derivative of the velocity (stress) is not zero: an image has a kink at the boundary, which limiters take for an
+//! Across a symmetry plane, mirror images as ghost values are exact. At a free (fixed) boundary the normal derivative
+//! of the velocity (stress) is not zero: the mirror image has a kink at the boundary, which limiters take for an
 //! extremum, and the face state has a first-order error. Ghost values are therefore chosen such that the unmodified
 //! sweep computes more accurate face states from them: [`compute_limited_ghosts`] and [`compute_fourth_order_ghosts`].
 
@@ -22,12 +22,12 @@ pub(crate) enum BoundaryFaces<T: Real> {
     Periodic,
     /// Outer end of a halo: ghost values are arbitrary.
     HaloEnd,
-    /// Physical boundary with ghost values (±v + a, ±s + b); signs and shifts are zero at non-reflecting faces.
+    /// Physical boundary with ghost values ±v + a, ±s + b; signs and shifts are zero at non-reflecting faces.
     Physical(GhostRule<T>),
 }
 
 impl<T: Real> BoundaryFaces<T> {
-    /// Returns the reconstruction beside the boundary; [`Slopes::Godunov`] means that ghost values are images.
+    /// Returns the reconstruction beside the boundary; [`Slopes::Godunov`] means that ghost values are mirror images.
     #[inline(always)]
     pub(crate) fn closure(&self) -> BoundaryClosure {
         match self {
@@ -57,11 +57,11 @@ pub(crate) fn set_time<T: Real>(boundaries: &mut [BoundaryFaces<T>; 2], time: f6
 /// Storage position of a face: group index and lane.
 pub(crate) type LaneIndex = (usize, usize);
 
-/// Ghost rule of a boundary: signs and shifts by wave pair and face.
+/// Ghost rule of a boundary: signs and shifts of its mirror images by wave pair and face.
 #[derive(Clone)]
 pub(crate) struct GhostRule<T: Real> {
-    /// Sign of v, shift of v, sign of s, shift of s, weight. Weight 1: one-sided reconstruction of the wave that
-    /// arrives at the boundary, 0: mirror image.
+    /// By wave pair and face group: sign of v, shift of v, sign of s, shift of s, weight. Weight 1: one-sided
+    /// reconstruction of the wave that arrives at the boundary, weight 0: mirror image.
     rules: Vec<[T::Lanes; 5]>,
     /// Number of face groups per pair; 1 if all faces have the same rule.
     groups_per_pair: usize,
@@ -85,16 +85,17 @@ pub(crate) struct BoundaryClosure {
 
 #[derive(Clone)]
 struct BoundaryLoad {
-    /// Slot in `rules`, index of the shift (1 or 3), and twice the amplitude.
+    /// Index of an element of `rules` and lane, index of the shift (1 or 3), and twice the amplitude.
     entries: Vec<(LaneIndex, usize, f64)>,
-    /// Shifts of the same entries without load.
+    /// Shifts of these entries without the load.
     unloaded_shifts: Vec<f64>,
     signal: Signal,
 }
 
 impl<T: Real> GhostRule<T> {
-    /// Ghost rule of `boundary` for the faces of a region. `faces`: face index in the boundary's list, ascending, and
-    /// slot. A uniform boundary stores one entry, since it is read at both ends of every row.
+    /// Creates the ghost rule of `boundary` for the faces of a region. `faces`: index of the face in the boundary,
+    /// ascending, and storage position. A uniform boundary stores one entry, since the rule is read at both ends of
+    /// every row.
     pub(crate) fn new(
         boundary: &Boundary,
         pairs: usize,
@@ -102,9 +103,10 @@ impl<T: Real> GhostRule<T> {
         is_loaded: bool,
         slopes: Slopes,
     ) -> Self {
-        // Without slopes, images give the same face states.
+        // Without slopes, mirror images give the same face states.
         let one_sided = if slopes == Slopes::Godunov { 0.0 } else { 1.0 };
-        // A subdomain holds only some of the faces of a by-face boundary: its closure must not depend on which.
+        // A subdomain holds only some of the faces of a boundary with conditions by face: its closure must not depend
+        // on which faces these are.
         let is_by_face = matches!(boundary, Boundary::ByFace(_));
         let entry = |condition| match condition {
             Some(Condition::Velocity(given)) => [-1.0, 2.0 * given, 1.0, 0.0, one_sided],
@@ -114,7 +116,7 @@ impl<T: Real> GhostRule<T> {
             Some(Condition::OddStress) => [1.0, 0.0, -1.0, 0.0, 0.0],
             None => [0.0; 5],
         };
-        // Non-zero shifts are stored by face: they would alter padding lanes.
+        // Rules with non-zero shifts are stored by face, since they would alter padding lanes.
         let uniform_entries = |pair: usize| {
             let mut all = faces.iter().map(|(face, _)| entry(boundary.condition(pair, *face)));
             let first = all.next()?;
@@ -215,13 +217,13 @@ impl<T: Real> GhostRule<T> {
         self.closure
     }
 
-    /// Returns the rule of a group of faces, in the order of `rules`.
+    /// Returns the rule of a group of faces: sign of v, shift of v, sign of s, shift of s, weight.
     #[inline(always)]
     pub(crate) fn group_coefficients(&self, pair: usize, group: usize) -> &[T::Lanes; 5] {
         &self.rules[pair * self.groups_per_pair + group.min(self.groups_per_pair - 1)]
     }
 
-    /// Returns the rule of one face.
+    /// Returns the rule of one face: sign of v, shift of v, sign of s, shift of s, weight.
     pub(crate) fn face_coefficients(&self, pair: usize, (group, lane): LaneIndex) -> [T; 5] {
         self.group_coefficients(pair, group).map(|lanes| lanes.lanes()[lane])
     }
@@ -237,8 +239,8 @@ pub(crate) fn image<N: Number>([sign, shift]: [N; 2], own: N) -> N {
 pub(crate) const CLOSURE_CELLS: usize = 3;
 
 /// Computes the ghost states beyond an end of a line (0: lower, 1: upper), nearest first. `outer_states`, `cells`:
-/// states and constants of the outermost cells; `ghost_rule`: result of [`GhostRule::face`]; `coefficients`: of the
-/// outermost cell.
+/// states and constants of the outermost cells, outermost first; `ghost_rule`: result of
+/// [`GhostRule::face_coefficients`]; `coefficients`: those of the outermost cell.
 #[inline(always)]
 pub(crate) fn compute_ghosts<N: Number>(
     closure: BoundaryClosure,
@@ -274,7 +276,7 @@ pub(crate) fn compute_ghosts<N: Number>(
     }
 }
 
-/// Returns the characteristic variables that arrive at the boundary and leave it.
+/// Returns two characteristic variables: the one that arrives at the boundary and the one that leaves it.
 #[inline(always)]
 fn split_characteristics<N: Number>(
     end: usize,
@@ -292,14 +294,14 @@ fn dot<N: Number>([a, b, c]: [N; 3], [one, two, three]: [N; 3]) -> N {
 
 /// Ghost values for [`Slopes::FourthOrder`]: a linear, energy-stable closure.
 ///
-/// At a reflecting boundary the unfolded wave is W = (O₁, O₀ | I₀′, I₁′): arriving wave O in the two outermost cells
-/// and its images. Images alone conserve energy, but ∂W has a kink at the boundary: first-order error. No closure that
-/// is exact for linear waves conserves energy: slopes a inside and b outside change it by C(1 − C²)/12 (a² − b²).
-/// [`REFLECTING_FLUX_COEFFICIENTS`], a mean of fits to pulses and to the kink, corrects the flux at the boundary and
-/// both fluxes at the next face; the sweep remains a contraction (test `no_line_gains_energy`). At a non-reflecting
-/// boundary the incoming wave is zero and the arriving wave is reconstructed one-sidedly: [`OPEN_FACE_COEFFICIENTS`].
-/// If the three outermost cells are not of one medium, images are used, and non-reflecting faces take the arriving wave
-/// of the outermost cell.
+/// At a reflecting boundary the unfolded wave is W = (O₁, O₀ | I₀′, I₁′): the arriving wave O in the two outermost
+/// cells (index 0: outermost) and its images I′. Images alone conserve energy, but ∂W has a kink at the boundary, which
+/// causes a first-order error. No closure that is exact for linear waves conserves energy: slopes a inside and b
+/// outside change it by C(1 − C²)/12 (a² − b²). [`REFLECTING_FLUX_COEFFICIENTS`], a mean of fits to pulses and to the
+/// kink, correct the flux at the boundary and both fluxes at the next face; the sweep remains a contraction (test
+/// `no_line_gains_energy`). At a non-reflecting boundary the incoming wave is zero and the arriving wave is
+/// reconstructed one-sidedly: [`OPEN_FACE_COEFFICIENTS`]. If the three outermost cells are not of one medium, images
+/// are used, and non-reflecting faces take the arriving wave of the outermost cell.
 #[inline(always)]
 fn compute_fourth_order_ghosts<N: Number>(
     has_open_faces: bool,
@@ -370,11 +372,12 @@ fn compute_fourth_order_ghosts<N: Number>(
 
 /// Ghost values for [`Slopes::Limited`].
 ///
-/// O is the arriving, I the leaving wave, index 0 in the outermost and 1 in the next cell; C the Courant number;
-/// γ = ½(σ_s − σ_v) the reflection coefficient (−1: traction, 1: velocity, 0: non-reflecting). At the face
-/// I* = γ O* + 2g_s ∓ 2z g_v and O* = O₀ + (1 − C) x. In smooth states x is half the slope a = O₀ − O₁; in rough states
-/// this could increase the energy. The averaging of the leaving wave dissipates at least (w − Cy)² − β, with
-/// w = γ(I₀ − I*) and y half of its limited slope, which bounds x:
+/// O is the wave that arrives at the boundary, I the wave that leaves it, index 0 in the outermost and 1 in the next
+/// cell; * denotes the face value; C is the Courant number; g_v and g_s are the prescribed velocity and traction; γ =
+/// ½(σ_s − σ_v) is the reflection coefficient, with the signs σ of the ghost rule (−1: traction, 1: velocity, 0:
+/// non-reflecting). At the face I* = γ O* + 2g_s ∓ 2z g_v and O* = O₀ + (1 − C) x. In smooth states x is half the slope
+/// a = O₀ − O₁; in rough states this could increase the energy. The averaging of the leaving wave dissipates at least
+/// (w − Cy)² − β, with w = γ(I₀ − I*) and y half of its limited slope, which bounds x:
 ///
 /// ```text
 /// x = a (½ − κ(1 − t)),  t = min(1, 15/4 · max(0, (w − Cy)² − β)/(C a²)),
@@ -382,8 +385,8 @@ fn compute_fourth_order_ghosts<N: Number>(
 /// β = max(0, y² − ((1 − ½C)b − (1 − C)y)² + ¼(1 − C)b²),  b = γ(I₁ − I₀).
 /// ```
 ///
-/// `tests/solid/energy.rs` searches for states that gain energy in a sweep; none is known. The nearest ghost has
-/// O = O₀ + 4x − a, which yields this half slope in the outermost cell, and I of the linear wave through I* and I₀.
+/// `tests/solid/energy.rs` searches for states that gain energy in a sweep; none is known. In the nearest ghost, O = O₀
+/// + 4x − a, which yields this half slope in the outermost cell, and I is the linear function through I* and I₀.
 #[inline(always)]
 fn compute_limited_ghosts<N: Number>(
     [own, behind]: [State<N>; 2],
@@ -392,7 +395,7 @@ fn compute_limited_ghosts<N: Number>(
     end: usize,
     [cell, cell_behind]: [&CellConstants<N>; 2],
 ) -> [State<N>; GHOSTS] {
-    // Images where the two cells are of different media: the dissipation bound holds in one medium only.
+    // Mirror images where the two cells are of different media: the bound of the dissipation holds in one medium only.
     let one_sided = one_sided * (N::ONE - cell.contrast(cell_behind));
     let is_lower = end == 0;
     let [arriving, leaving] = split_characteristics(end, own, cell);
@@ -422,7 +425,7 @@ fn compute_limited_ghosts<N: Number>(
     let beta = y * y - inflow_part * inflow_part + N::QUARTER * one_minus_courant * (b * b);
     let excess_dissipation = averaged * averaged - beta.max(N::ZERO);
     let needed = (courant * (steep * steep)).max(N::MIN_POSITIVE);
-    // 4 would use the whole dissipation.
+    // A factor of 4 would use the whole dissipation.
     let gain = (N::ONE + N::ONE) + (N::ONE + N::ONE) - N::QUARTER;
     let t = (gain * excess_dissipation.max(N::ZERO) / needed).min(N::ONE);
     let root = (one_plus_courant * one_plus_courant

@@ -7,7 +7,7 @@ use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 use num_complex::Complex64;
 
-/// Several densities in one layer.
+/// Error: a layer has several densities.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("densities {:?} and {:?} in one layer", densities[0], densities[1])]
 pub struct NonUniformLayer {
@@ -41,9 +41,10 @@ pub fn layer_densities(
     Ok(densities)
 }
 
-/// Adds the lithostatic stress to the layers normal to an axis: ∂σ + ρg = 0, with σ = 0 at the boundary that
-/// `acceleration`, m/s² along the axis, points away from. `densities`, kg/m³, and `spacing` (thickness, m) are those of
-/// the layers. Normal stresses across the axis are `lateral_ratio` times those along it.
+/// Adds the lithostatic stress to the layers normal to an axis: ∂σ + ρg = 0, with σ = 0 at the boundary that the
+/// acceleration g = `acceleration`, m/s² along the axis, points away from. `densities`, kg/m³, and `spacing`
+/// (thickness, m) are those of the layers. Normal stresses along the other axes are `lateral_ratio` times that along
+/// this axis.
 pub fn add_lithostatic_stress(
     layers: &mut [Stress],
     axis: usize,
@@ -66,8 +67,8 @@ pub fn add_lithostatic_stress(
     }
 }
 
-/// Normalises the amplitudes of a plane wave of unit energy such that |v| in the phase of the largest velocity
-/// component is 1 m/s. `None` if only spins move.
+/// Normalises the amplitudes of a plane wave of unit energy such that the norm |v| of the complex velocity is 1 m/s and
+/// the largest velocity component is real and positive. `None` if only spins move. `density`, kg/m³.
 pub fn normalise_velocity(
     amplitudes: Vec<(SolidField, Complex64)>,
     density: f64,
@@ -101,13 +102,13 @@ pub struct PlanePulse {
 }
 
 impl PlanePulse {
-    /// Longitudinal wave in the direction `n`.
+    /// Creates a longitudinal wave in the direction `n`.
     pub fn new_longitudinal(solid: &Isotropic, n: [f64; 3]) -> Self {
         Self::new(solid, solid.lambda + 2.0 * solid.mu, n, n)
     }
 
-    /// Transverse wave in the direction `n` of the given azimuth and elevation, rad. The polarisation is the direction
-    /// of increasing azimuth, rotated by `angle`, rad, towards increasing elevation.
+    /// Creates a transverse wave in the direction `n` of the given azimuth and elevation, rad. The polarisation is the
+    /// direction of increasing azimuth, rotated by `angle`, rad, towards increasing elevation.
     pub fn new_transverse(
         solid: &Isotropic,
         n: [f64; 3],
@@ -128,13 +129,13 @@ impl PlanePulse {
         Self { n, a, speed, lambda: solid.lambda, mu: solid.mu }
     }
 
-    /// Wave speed, m/s.
+    /// Returns the wave speed, m/s.
     pub fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// Computes the distances of a position from the pulse centre at time 0, m: along the direction of propagation and
-    /// across.
+    /// Computes the distances of a position from the pulse centre at time 0, m: along and normal to the direction of
+    /// propagation.
     pub fn distances(&self, from: &[f64]) -> [f64; 2] {
         let along: f64 = from.iter().zip(self.n).map(|(x, n)| x * n).sum();
         let transverse_distance =
@@ -147,7 +148,7 @@ impl PlanePulse {
         let (n, a) = (&self.n, &self.a);
         match field {
             SolidField::Velocity(i) => Some(a[i]),
-            // σ̇ = λ tr ε̇ + 2μ ε̇ with ∂ⱼvᵢ = −aᵢnⱼg′/c.
+            // σ̇ = λ tr ε̇ I + 2μ ε̇ with ∂ⱼvᵢ = −aᵢnⱼg′/c for the velocity v = a g(t − n·x/c).
             SolidField::Stress(i, j) => {
                 let dilation: f64 = a.iter().zip(n).map(|(a, n)| a * n).sum();
                 let normal = if i == j { self.lambda * dilation } else { 0.0 };

@@ -1,16 +1,16 @@
-//! Faces with history variables along a line: reference implementation of what the fused solver applies to many lines
-//! at once.
+//! Faces with history variables along a line: reference implementation of the kernel by which the fused solver sweeps
+//! many lines with interlayers at once.
 //!
 //! The two cells at an interlayer provide face values, averaged over the step and reconstructed one-sidedly: s − z⁻v
-//! from the left and s + z⁺v from the right,
+//! from the left and s + z⁺v from the right, with stress s, velocity v and impedances z±,
 //!
 //! ```text
 //! R⁻ = −(s − z⁻v),    R⁺ = s + z⁺v.
 //! ```
 //!
-//! The law ([`models::interface`]) gives v± and σ±, the fluxes of the cells. At Courant number 1 the face values are
-//! cell values, and the scheme is the box closure itself. Cells of lines with interlayers use
-//! [`CellConstants::with_interfaces`].
+//! The law of the face ([`models::interface`]) gives velocities v± and tractions σ±, the fluxes of the cells. At
+//! Courant number 1 the face values are cell values, and the box scheme of the interlayer law is the only
+//! approximation. Cells of lines with interlayers use [`CellConstants::with_interfaces`].
 
 use super::line::{CellConstants, Slopes, SweepAccount, advance, face_values};
 use super::riemann::{InterfaceState, State};
@@ -21,16 +21,16 @@ use models::interface::{FaceLaw, RiemannData};
 #[derive(Clone, Copy, Debug)]
 pub struct Interlayer<N: Number, L: FaceLaw<N>> {
     /// Index of the cell above the face, ghosts included. An interlayer between ghosts affects the reconstruction, but
-    /// its memory is not advanced.
+    /// its history variables are not advanced.
     pub upper_cell: usize,
     /// Law of the interlayer.
     pub law: L,
-    /// Memory variables.
+    /// History variables.
     pub history: L::History,
 }
 
 impl<N: Number, L: FaceLaw<N>> Interlayer<N, L> {
-    /// An interlayer at rest at the lower face of cell `place`.
+    /// Creates an interlayer at rest at the lower face of cell `upper_cell`.
     pub fn new(upper_cell: usize, law: L) -> Self {
         Self { upper_cell, law, history: L::REST_HISTORY }
     }
@@ -41,8 +41,8 @@ impl<N: Number, L: FaceLaw<N>> Interlayer<N, L> {
     }
 }
 
-/// Advances an interlayer with incident waves `left` = s − zv and `right` = s + yv; returns the interface states of
-/// both cells and the dissipation, J/m².
+/// Advances an interlayer by `step`, s, with incident waves `left` = s − zv and `right` = s + yv for the impedances z
+/// and y of the cells; returns the interface states of both cells and the dissipation, J/m².
 #[inline(always)]
 pub(crate) fn advance_interlayer<N: Number, L: FaceLaw<N>>(
     law: &L,
@@ -67,8 +67,8 @@ pub(crate) fn advance_interlayer<N: Number, L: FaceLaw<N>>(
     (interface_states, moved.dissipated_energy)
 }
 
-/// [`sweep`](super::line::sweep) by `step`, s, along a line with interlayers, in the order of their places. Returns the
-/// dissipation of the interlayers, J/m².
+/// Sweeps a line with interlayers by `step`, s, as [`sweep`](super::line::sweep) does for other lines; `interlayers` in
+/// ascending order of their cells. Returns the dissipation of the interlayers, J/m².
 pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T>>(
     velocity: &mut [T],
     stress: &mut [T],
@@ -109,7 +109,8 @@ mod tests {
     use models::interface::{FaceLaw, FaceState, FaceStep, RiemannData};
     use nalgebra::DMatrix;
 
-    /// Emits prescribed waves on both sides, independent of the incoming ones: s + zv to the left, s − zv to the right.
+    /// Emits prescribed waves to both cells, independent of the incoming waves: s + zv to the left, s − zv to the
+    /// right.
     #[derive(Clone, Copy)]
     struct WaveEmitter;
 
@@ -146,8 +147,8 @@ mod tests {
         }
     }
 
-    /// Dissipation of a sweep of a line segment between two interlayers, from the states of its cells and the waves
-    /// that the interlayers emit; all in units of the square root of energy.
+    /// Computes the dissipation of a sweep of a line segment between two interlayers, from the states of its cells and
+    /// the waves that the interlayers emit; `amplitudes`: all in units of the square root of energy.
     fn sweep_dissipation(cells: &[CellConstants<f64>], slopes: Slopes, amplitudes: &[f64]) -> f64 {
         let count = cells.len();
         let (mut all, mut velocity, mut stress) = (Vec::new(), Vec::new(), Vec::new());
@@ -179,7 +180,7 @@ mod tests {
         accounts.iter().sum::<SweepAccount>().dissipation
     }
 
-    /// Smallest eigenvalue of the quadratic form [`dissipated`].
+    /// Computes the smallest eigenvalue of the quadratic form [`sweep_dissipation`] of the amplitudes.
     fn min_dissipation(cells: &[CellConstants<f64>]) -> f64 {
         let count = 2 * cells.len() + 2;
         let form = |amplitudes: &[f64]| sweep_dissipation(cells, Slopes::FourthOrder, amplitudes);

@@ -6,22 +6,22 @@ use models::interface::FaceLaw;
 use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
 use models::solid::waves::{SolidField, VelocityStressPair};
 
-/// Number of history variables of an interlayer per wave pair: V and S.
+/// Number of history variables of an interlayer per wave pair: mean velocity V and mean traction S.
 pub(crate) const HISTORY_VARIABLES: usize = 2;
 
 /// Interlayers normal to an axis, at the lower faces of cells `offset`, `offset + block_cells`, …
 ///
-/// The thickness enters only the law; geometrically an interlayer is a face.
+/// The thickness of an interlayer enters only its law; geometrically the interlayer is a face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interlayers {
     /// Axis normal to the faces.
     pub axis: usize,
-    /// Number of cells below the first interlayer. May be 0 on a periodic axis; on others the blocks at both ends have
-    /// at least three cells.
+    /// Number of cells below the first interlayer. May be 0 on a periodic axis; on other axes the blocks at both ends
+    /// have at least three cells.
     pub offset: usize,
     /// Number of cells per block.
     pub block_cells: usize,
-    /// Law for each wave pair of the axis.
+    /// Face law for each wave pair of the axis.
     pub laws: Vec<ElasticInterlayer<f64>>,
 }
 
@@ -50,12 +50,14 @@ impl Interlayers {
     }
 }
 
-/// Initial memory of a stress-free interlayer: mean of the velocities of the two adjacent cells, zero stress.
+/// Returns the initial history variables of a stress-free interlayer: mean velocity of the two adjacent cells, zero
+/// traction.
 pub(crate) fn stress_free_history<T: Real>([front, behind]: [T; 2]) -> [T; HISTORY_VARIABLES] {
     [T::HALF * (front + behind), T::ZERO]
 }
 
-/// Returns cell i − 1 along an axis for cell i of a grid; for the first cell, the last one (periodic).
+/// Returns the lower neighbour of a cell along an axis of a grid of `cells` cells; for the first cell, the last one
+/// (periodic).
 pub(crate) fn lower_neighbour(cells: &[usize], axis: usize, cell: usize) -> usize {
     let (stride, count) = (cells[..axis].iter().product::<usize>(), cells[axis]);
     match cell / stride % count {
@@ -64,7 +66,7 @@ pub(crate) fn lower_neighbour(cells: &[usize], axis: usize, cell: usize) -> usiz
     }
 }
 
-/// Computes kinetic and stored energy, J, of a face of area `area`, m², for a wave pair.
+/// Computes kinetic and stored energy, J, of an interlayer face of area `area`, m², for a wave pair.
 pub(crate) fn interlayer_energy<T: Real>(
     law: &ElasticInterlayer<T>,
     history: [T; HISTORY_VARIABLES],
@@ -75,7 +77,7 @@ pub(crate) fn interlayer_energy<T: Real>(
     [area * law.kinetic_energy(&history), area * law.stored_energy(&history)]
 }
 
-/// Returns the field of a wave pair whose history variable is not finite.
+/// Returns the field of a wave pair that corresponds to a non-finite history variable: its velocity or stress.
 pub(crate) fn non_finite_field<T: Real>(
     pair: &VelocityStressPair,
     history: [T; HISTORY_VARIABLES],

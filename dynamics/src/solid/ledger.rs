@@ -9,7 +9,7 @@ use crate::solid::problem::Problem;
 /// dissipation. Each term is computed separately, none as a residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
-    /// Work on the boundaries, positive inwards.
+    /// Work done at the boundaries, positive inwards.
     pub boundary_work: f64,
     /// Work of sources and gravity.
     pub source_work: f64,
@@ -22,8 +22,8 @@ pub struct Ledger {
     /// Numerical dissipation; see [`SweepAccount`](crate::solid::line::SweepAccount). Zero in the ledger of the fused
     /// solver.
     pub numerical_dissipation: f64,
-    /// Smallest plastic dissipation of a cell in a step, divided by the energy stored in the cell, if negative
-    /// (rounding errors only).
+    /// Smallest plastic dissipation of a cell in a step, divided by the energy stored in the cell, if negative, else 0;
+    /// negative values are rounding errors.
     pub min_dissipation_ratio: f64,
 }
 
@@ -78,7 +78,7 @@ impl EnergySums {
         self.interlayer_stored.merge(&other.interlayer_stored);
     }
 
-    /// Converts to energies; `volume` of a cell, m³.
+    /// Converts the sums to energies, J; `volume` of a cell, m³.
     pub(crate) fn to_energy(&self, volume: f64) -> Energy {
         Energy {
             kinetic: volume * self.kinetic.to_f64(),
@@ -92,7 +92,7 @@ impl EnergySums {
 /// Exact sums of work over faces and cells.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkSums {
-    /// Work on the boundaries, J.
+    /// Work done at the boundaries, J.
     pub(crate) boundary_work: ExactSum,
     /// Sum of the work densities of sources and gravity, J/m³.
     pub(crate) source_work: ExactSum,
@@ -111,7 +111,7 @@ impl WorkSums {
         self.min_dissipation_ratio = self.min_dissipation_ratio.min(other.min_dissipation_ratio);
     }
 
-    /// Returns numbers with the same exact sums, for checkpoints.
+    /// Converts each sum to a few numbers of the same exact sum, for checkpoints.
     pub(crate) fn to_partial_sums(&self) -> WorkPartialSums {
         let Self { boundary_work, source_work, numerical_dissipation, min_dissipation_ratio } =
             self;
@@ -123,7 +123,7 @@ impl WorkSums {
         ]
     }
 
-    /// Restores the sums from such numbers.
+    /// Restores the sums from the numbers that [`Self::to_partial_sums`] returns.
     pub(crate) fn from_partial_sums(
         [boundary_work, source_work, numerical_dissipation, least]: &WorkPartialSums,
     ) -> Self {
@@ -141,7 +141,7 @@ impl WorkSums {
 /// [`Ledger::min_dissipation_ratio`].
 pub type WorkPartialSums = [Vec<f64>; 4];
 
-/// Dissipation of the laws of each cell, J/m³, by cell or by lane; lists are empty if no medium needs them.
+/// Dissipation and work of the laws of each cell, J/m³, by cell or by lane; lists are empty if no medium needs them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellDissipation {
     /// Plastic dissipation.
@@ -171,12 +171,12 @@ impl CellDissipation {
         })
     }
 
-    /// Returns the three lists: plastic, released, viscous.
+    /// Returns the three lists: plastic dissipation, work of the initial stress, dissipation of dashpots.
     pub(crate) fn lists(&self) -> [&Vec<f64>; 3] {
         [&self.plastic_dissipation, &self.initial_stress_work, &self.viscous_dissipation]
     }
 
-    /// Returns the three lists for modification.
+    /// Returns the lists of [`Self::lists`] for modification.
     pub(crate) fn lists_mut(&mut self) -> [&mut Vec<f64>; 3] {
         [
             &mut self.plastic_dissipation,
@@ -190,7 +190,7 @@ impl CellDissipation {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LedgerSums {
     pub(crate) work: WorkSums,
-    /// Sums over cells of the lists of [`CellDissipation::all`].
+    /// Sums over cells of the lists of [`CellDissipation::lists`], J/m³.
     pub(crate) dissipation: [ExactSum; 3],
 }
 
@@ -202,7 +202,7 @@ impl LedgerSums {
         both.for_each(|(own, other)| own.merge(other));
     }
 
-    /// Converts to a ledger; `volume` of a cell, m³.
+    /// Converts the sums to a ledger, J; `volume` of a cell, m³.
     pub(crate) fn to_ledger(&self, volume: f64) -> Ledger {
         let [plastic_dissipation, initial_stress_work, viscous_dissipation] =
             self.dissipation.each_ref().map(|sum| volume * sum.to_f64());

@@ -6,17 +6,19 @@
 //! m v̇ = ∂s,    ṡ = M ∂v
 //! ```
 //!
-//! has two waves: s − zv is right-going, s + zv left-going. The time-averaged waves at a face are reconstructed from
-//! the cells around it; velocity and stress at the face are continuous (Riemann problem),
+//! of velocity v and stress s, with inertia m and modulus M, has two waves: s − zv is right-going, s + zv left-going.
+//! The time-averaged waves at a face are reconstructed from the cells around it; velocity and stress at the face are
+//! continuous (Riemann problem),
 //!
 //! ```text
 //! s* − z_L v* = (s − zv)_L,    s* + z_R v* = (s + zv)_R,
 //! ```
 //!
-//! and the cells are updated with the fluxes of their faces (Godunov 1959; van Leer 1979). Exact for C = 1 between
-//! cells of the same constants and at material interfaces; for C < 1 of the order of the reconstruction, [`Slopes`].
+//! and the cells are updated with the fluxes of their faces (Godunov 1959; van Leer 1979). The sweep is exact for C =
+//! 1, between cells of the same constants and at material interfaces; for C < 1 it has the order of the reconstruction,
+//! [`Slopes`].
 //!
-//! The [`SweepAccount`] holds the work and the dissipation of the sweep, by cell and from the fluxes.
+//! The [`SweepAccount`] holds the work and the dissipation of the sweep, computed by cell from the fluxes.
 //!
 //! The formulas are generic over [`Number`](crate::simd::Number): [`sweep`] applies them to one line, cell by cell,
 //! with the account; the kernel of [`crate::solid::domain`] applies them to many lines at once.
@@ -26,21 +28,21 @@ pub use super::reconstruction::{GHOSTS, HALO, Slopes};
 use super::riemann::{InterfaceState, State, update_cell};
 use crate::simd::Real;
 
-/// Energy account of a sweep, W per m² of the line's cross-section; times the time step, J/m².
+/// Energy account of a sweep, W per m² of the cross-section of the line; multiplied by the time step, J/m².
 ///
-/// With the cell energy in the same unit, h(½mv² + ½s²/M)/Δt = (zv² + s²/z)/(2C):
-/// energy after − energy before = boundary work − dissipation, to rounding.
+/// With the energy of a cell in the same unit, h(½mv² + ½s²/M)/Δt = (zv² + s²/z)/(2C), energy after the sweep − energy
+/// before = boundary work − dissipation, to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SweepAccount {
     /// Work at the ends of the line, positive inwards: mean stress × mean velocity over the step.
     pub boundary_work: f64,
-    /// Numerical dissipation. A wave w of a cell with fluxes F± through its faces loses (F₊ − F₋)((w + w′) − (F₊ +
-    /// F₋))/4z, w′ being the wave after the step. In the fourth-order scheme this may be negative in a cell, but the
-    /// sum over all cells is not.
+    /// Numerical dissipation. A wave w of a cell with fluxes F₋ and F₊ through its lower and upper face loses ±(F₊ −
+    /// F₋)((w + w′) − (F₊ + F₋))/(4z), with + for the right-going wave and the wave w′ after the step. In the
+    /// fourth-order scheme this may be negative in a cell, but the sum over all cells is not.
     pub dissipation: f64,
 }
 
-/// Sum over cells.
+/// Sums accounts over cells.
 impl<'a> std::iter::Sum<&'a Self> for SweepAccount {
     fn sum<I: Iterator<Item = &'a Self>>(accounts: I) -> Self {
         accounts.fold(Self::default(), |sum, own| Self {
@@ -50,8 +52,8 @@ impl<'a> std::iter::Sum<&'a Self> for SweepAccount {
     }
 }
 
-/// Face values of the right-going and the left-going wave from the four cells around a face; `continuity` is 0 at
-/// interlayers and 1 at other faces.
+/// Computes the face values of the right-going and the left-going wave from the four cells around a face; `continuity`
+/// of the three faces between the cells is 0 at interlayers and 1 at other faces.
 pub(super) fn face_values<T: Real>(
     states: [State<T>; 4],
     cells: [&CellConstants<T>; 4],
@@ -66,7 +68,7 @@ pub(super) fn face_values<T: Real>(
     slopes.face_values_with_interlayers(stencil_data, around, cells, continuity).0
 }
 
-/// Interface states of a face for its left and right cell, from the four cells around it.
+/// Computes the interface states of a face for its left and its right cell, from the four cells around it.
 fn solve_face<T: Real>(
     states: [State<T>; 4],
     cells: [&CellConstants<T>; 4],
@@ -76,14 +78,14 @@ fn solve_face<T: Real>(
     InterfaceState::riemann(impedance, face_values(states, cells, [T::ONE; 3], slopes))
 }
 
-/// Mean stress × mean velocity over the step at the lower face of a cell, W/m².
+/// Computes mean stress × mean velocity over the step at a face of a cell, W/m².
 fn face_power<T: Real>(lower_face: &InterfaceState<T>, cell: &CellConstants<T>) -> f64 {
     lower_face.sum.to_f64() * lower_face.difference.to_f64() / (4.0 * cell.impedance.to_f64())
 }
 
-/// Mean stress × mean velocity over the step at the face in the middle of four cells, W/m²; positive towards the first
-/// of them. Exact at driven boundaries, where one factor is constant over the step; at non-reflecting ones the
-/// correlation within the step is neglected.
+/// Computes mean stress × mean velocity over the step at the face in the middle of four cells, W/m²; positive towards
+/// the first of them. Exact at boundaries with prescribed velocity or traction, where one factor is constant over the
+/// step; at non-reflecting boundaries the correlation within the step is neglected.
 pub(crate) fn boundary_power<T: Real>(
     states: [State<T>; 4],
     cells: [CellConstants<T>; 4],
@@ -92,8 +94,8 @@ pub(crate) fn boundary_power<T: Real>(
     face_power(&solve_face(states, cells.each_ref(), slopes)[0], &cells[1])
 }
 
-/// Advances a wave pair by a step along a line whose first and last [`GHOSTS`] cells are ghosts. Adds to the accounts
-/// of the interior cells, if given; the work at the ends is assigned to the outermost cells.
+/// Advances a wave pair by a step along a line whose first and last [`GHOSTS`] cells are ghosts. Adds the account of
+/// each interior cell to `accounts`, if given; the work at the ends is assigned to the outermost interior cells.
 ///
 /// All slices have the same length, at least 2·[`GHOSTS`] + 1; `accounts` is shorter by 2·[`GHOSTS`]. Shorter lines are
 /// not changed.
@@ -109,8 +111,8 @@ pub fn sweep<T: Real>(
     advance(velocity, stress, cells, at_face, accounts);
 }
 
-/// [`sweep`] with interface states from `at_face`, which is called once per face, in ascending order, with the states
-/// and constants of the four cells around the face and the index of the cell above it.
+/// Advances a wave pair as [`sweep`] does, with interface states from `at_face`, which is called once per face, in
+/// ascending order, with the states and constants of the four cells around the face and the index of the cell above it.
 pub(super) fn advance<T: Real>(
     velocity: &mut [T],
     stress: &mut [T],
@@ -127,7 +129,7 @@ pub(super) fn advance<T: Real>(
         velocity: velocity[place],
         stress: stress[place],
     };
-    // Evaluates the lower face of cell `place` from old states.
+    // Evaluates the lower face of cell `place` from the states before the step.
     let mut lower_face_of = |states: [State<T>; 4], place: usize| {
         let around = std::array::from_fn(|i| &cells[place - 2 + i]);
         at_face(states, around, place)
@@ -154,14 +156,15 @@ pub(super) fn advance<T: Real>(
     }
 }
 
-/// Numerical dissipation of a cell, from its states before and after and the states of its left and right face.
+/// Computes the numerical dissipation of a cell, W/m², from its states before and after the step and the states of its
+/// left and right face.
 fn cell_dissipation<T: Real>(
     states: [State<T>; 2],
     [left, right]: [&InterfaceState<T>; 2],
     cell: &CellConstants<T>,
 ) -> f64 {
     let z = cell.impedance.to_f64();
-    // Sign −1: s − zv, sign 1: s + zv.
+    // Sign −1: right-going wave s − zv; sign 1: left-going wave s + zv.
     let by_wave = |sign: f64| {
         let wave = |own: State<T>| own.stress.to_f64() + sign * z * own.velocity.to_f64();
         let flux = |lower_face: &InterfaceState<T>| {
@@ -174,7 +177,7 @@ fn cell_dissipation<T: Real>(
     (by_wave(-1.0) + by_wave(1.0)) / (4.0 * z)
 }
 
-/// Energy of the interior cells of a line, in the unit of [`SweepAccount`].
+/// Computes the energy of the interior cells of a line, in the unit of [`SweepAccount`].
 pub fn energy<T: Real>(velocity: &[T], stress: &[T], cells: &[CellConstants<T>]) -> f64 {
     let inner = GHOSTS..cells.len().saturating_sub(GHOSTS);
     inner

@@ -1,4 +1,4 @@
-//! A solid as the sweeps require it: wave pairs, rotation, relaxation and yield set.
+//! A solid in the form that the sweeps require: wave pairs, rotation, relaxation and yield set.
 
 use models::rheology::relaxation::StandardLinearSolid;
 use models::solid::ElasticLaw;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// A solid: wave pairs along the axes, spin rotation, relaxation and yield set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// Velocities, spins and stresses: the fields of the state without [history variables](Self::history).
+    /// Velocities, spins and stresses: the fields of the state without [history variables](Self::history_fields).
     pub fields: Vec<SolidField>,
     /// Wave pairs by axis; all media of a theory have the same velocities and stresses in the same order.
     pub pairs: Vec<Vec<VelocityStressPair>>,
@@ -19,15 +19,15 @@ pub struct Medium {
     pub rotation: Option<SpinRotation>,
     /// Elastic law: stress and energy.
     pub law: ElasticLaw,
-    /// Relaxation of the stress deviator; the other constants are those of the unrelaxed solid.
+    /// Relaxation of the stress deviator; the other constants of the medium are then those of the unrelaxed solid.
     pub relaxation: Option<StandardLinearSolid>,
     /// Yield set of the stress, with associated flow rule; dilatancy angles are not used.
     pub yield_set: Option<YieldSet>,
 }
 
 impl Medium {
-    /// An elastic solid in 2 (plane strain) or 3 dimensions. A law given by compliances is one of plane strain; its
-    /// out-of-plane stresses remain zero.
+    /// Creates an elastic solid in 2 (plane strain) or 3 dimensions. A law given by compliances is one of plane strain;
+    /// its out-of-plane stresses remain zero.
     pub fn new(law: impl Into<ElasticLaw>, dimensions: usize) -> Self {
         let law = law.into();
         Self {
@@ -40,8 +40,8 @@ impl Medium {
         }
     }
 
-    /// A standard linear solid in 2 (plane strain) or 3 dimensions: waves propagate in the unrelaxed solid, and the
-    /// stress deviator relaxes locally, with history variables.
+    /// Creates a standard linear solid in 2 (plane strain) or 3 dimensions: waves propagate in the unrelaxed solid, and
+    /// the stress deviator relaxes locally, with history variables.
     pub fn with_relaxation(solid: StandardLinearSolid, dimensions: usize) -> Self {
         Self { relaxation: Some(solid), ..Self::new(solid.unrelaxed(), dimensions) }
     }
@@ -57,7 +57,7 @@ impl Medium {
         fields.filter_map(viscous_strain).collect()
     }
 
-    /// Adds a yield set that is admissible for the law.
+    /// Returns the solid with a yield set, which must be admissible for the law.
     #[must_use]
     pub fn with_yield_set(self, set: impl Into<YieldSet>) -> Self {
         Self { yield_set: Some(set.into()), ..self }
@@ -84,7 +84,7 @@ impl Medium {
         }
     }
 
-    /// Projects a trial stress onto the yield set in the energy norm; also returns the energy lost.
+    /// Projects a trial stress onto the yield set in the energy norm; also returns the energy lost, J/m³.
     pub fn project(&self, trial: &Stress) -> Projection<Stress> {
         match &self.yield_set {
             Some(set) => set.project(&self.law, trial),
@@ -92,8 +92,8 @@ impl Medium {
         }
     }
 
-    /// Projects the stress of a state onto the yield set; values in the order of [`fields`](Self::fields), with total
-    /// stresses. Further values are not changed.
+    /// Projects the stress of a state onto the yield set. `values` are those of [`fields`](Self::fields), with total
+    /// stresses; values beyond these fields are not changed.
     pub fn make_admissible(&self, values: &mut [f64]) {
         if self.yield_set.is_none() {
             return;
@@ -119,7 +119,7 @@ impl Medium {
     }
 }
 
-/// Returns the component of a stress that a field represents.
+/// Returns the component of a stress that a field represents; `None` for fields that are no stresses.
 pub(crate) fn stress_component(field: SolidField, stress: &Stress) -> Option<f64> {
     match field {
         SolidField::Stress(i, j) => Some(stress.force[i][j]),
@@ -128,8 +128,8 @@ pub(crate) fn stress_component(field: SolidField, stress: &Stress) -> Option<f64
     }
 }
 
-/// Computes the energy density of a medium as a quadratic form in the fields of a domain, by evaluating the energy of
-/// one and of two unit components.
+/// Computes the energy density of a medium as a quadratic form in the fields of a domain: two field indices and a
+/// coefficient per term, from the stored energy of one and of two unit components.
 fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f64)> {
     let stress = |places: &[usize]| {
         let mut stress = Stress::default();

@@ -6,12 +6,12 @@
 //! A ∂ₜU = (1/h) B¹ ∂_ξ U + B² ∂_y U + κ Q̂ U
 //! ```
 //!
-//! with ξ in cells along the first axis, h(y) the cell length and κ(y) the curvature of the lines along that axis. B¹
-//! and B² are symmetric and Q̂ is antisymmetric, so that ½∫U·AU dξ dy is conserved: all cells have the same volume, and
-//! the energy estimates of the sweeps hold.
+//! with the state U = (v, σ), ξ in cells along the first axis, the cell length h(y), and the curvature κ(y) of the
+//! lines along that axis. A, B¹ and B² are symmetric and Q̂ is antisymmetric, so that ½∫U·AU dξ dy is conserved: all
+//! cells have the same volume, and the energy estimates of the sweeps hold.
 //!
 //! In polar coordinates (angle along the first axis, radius along the second), h = r Δθ, κ = 1/r and U = √r (v, σ): the
-//! factor makes volumes uniform and Q̂ antisymmetric. Entries of Q̂: ½ for (v_r, σ_rr), −1 for (v_r, σ_θθ), 3/2 for
+//! factor √r makes volumes uniform and Q̂ antisymmetric. Entries of Q̂: ½ for (v_r, σ_rr), −1 for (v_r, σ_θθ), 3/2 for
 //! (v_θ, σ_rθ) of a symmetric stress.
 
 use crate::simd::Number;
@@ -29,8 +29,8 @@ pub struct Metric {
 }
 
 impl Metric {
-    /// Metric of a polar block: inner radius, m, number of layers, cell angle, rad, and layer width, m. Fields are √r
-    /// times the physical ones; the grid spacing is \[angle, width\].
+    /// Creates the metric of a polar block: inner radius, m, number of layers, cell angle, rad, and layer width, m.
+    /// Fields are √r times the physical ones; the grid spacing is \[angle, width\].
     pub fn new_polar(inner: f64, layers: usize, [angle, width]: [f64; 2]) -> Self {
         let radii = (0..layers).map(|layer| inner + (layer as f64 + 0.5) * width);
         Self {
@@ -54,14 +54,14 @@ impl Metric {
     }
 }
 
-/// Plane of phase space in which the curvature rotates the state: a velocity or spin v of inertia m and the stresses
-/// y = q·σ,
+/// Plane of the state space in which the curvature κ, 1/m, rotates the state: a velocity or spin v of inertia m and the
+/// weighted sum of stresses y = q·σ,
 ///
 /// ```text
 /// m v̇ = κ y,  σ̇ = −κ Cq v,
 /// ```
 ///
-/// where Cq is the stress of the strain q. With Ω² = q·Cq/m this is a rotation by the angle κΩt.
+/// where Cq is the stress of the strain q. With Ω² = q·Cq/m this is a rotation by the angle κΩt over a time t.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CurvatureRotation {
     /// Field index of v.
@@ -77,8 +77,9 @@ pub(crate) struct CurvatureRotation {
 }
 
 impl CurvatureRotation {
-    /// Planes of a medium. Along the second axis, half of the stress of each wave pair enters; along the first axis the
-    /// direction of velocities rotates, so that stresses across it act on the other velocity.
+    /// Creates the planes of a medium. Along the second axis, half of the stress of each wave pair enters q; along the
+    /// first axis the direction of velocities rotates, so that stresses on faces normal to that axis act on the other
+    /// velocity.
     pub(crate) fn from_medium(medium: &Medium) -> Vec<Self> {
         let [across, along] = [0, 1].map(|axis| &medium.pairs[axis]);
         let place = |field: SolidField| medium.fields.iter().position(|own| *own == field);
@@ -123,13 +124,13 @@ impl CurvatureRotation {
         along.iter().filter_map(plane).collect()
     }
 
-    /// Returns the entry of Cq of a field.
+    /// Returns the entry of Cq for the field with index `place`; 0 if there is none.
     pub(crate) fn modulus(&self, place: usize) -> f64 {
         self.moduli.iter().find(|own| own.0 == place).map_or(0.0, |own| own.1)
     }
 
-    /// Computes the rotation coefficients for a curvature, 1/m, and a time, s: cos φ, sin φ/(mΩ), sin φ/Ω and
-    /// (1 − cos φ)/(mΩ²), φ = κΩt.
+    /// Computes the rotation coefficients for a curvature κ, 1/m, and a time t, s: cos φ, sin φ/(mΩ), sin φ/Ω and (1 −
+    /// cos φ)/(mΩ²), φ = κΩt.
     pub(crate) fn coefficients(&self, curvature: f64, time: f64) -> [f64; 4] {
         use models::common::elementary::Elementary;
         let Self { inertia, frequency, .. } = *self;
@@ -145,8 +146,8 @@ impl CurvatureRotation {
     }
 }
 
-/// Rotates by the coefficients of [`CurvatureRotation::coefficients`]: returns v and the strain e, the stress change
-/// being −Cq e.
+/// Rotates v and y by the coefficients of [`CurvatureRotation::coefficients`]: returns the new v and the scalar e of
+/// the stress change −Cq e.
 #[inline(always)]
 pub(crate) fn rotate_pair_by_curvature<N: Number>([cos, a, b, c]: [N; 4], v: N, y: N) -> [N; 2] {
     [cos * v + a * y, b * v + c * y]

@@ -3,14 +3,14 @@
 //! | module | contents |
 //! |---|---|
 //! | [`problem`] | problem definition: grid, media, boundary conditions, sources, scheme |
-//! | [`medium`] | a solid as wave pairs along the axes, a rotation, and a yield set |
+//! | [`medium`] | a solid as wave pairs along the axes, rotation, relaxation and yield set |
 //! | [`boundary`] | boundary conditions, loads and sources |
 //! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | sweep: cell constants, Riemann solver, limiter, update |
 //! | [`interlayers`], [`interface`] | thin layers with mass between blocks of cells; faces with history along a line |
 //! | `ghosts` | boundary conditions as ghost cells |
 //! | [`metric`] | cell lengths that vary by layer, and polar blocks |
-//! | [`domain`] | the fused solver; its `step` defines the sequence of operations of a time step |
-//! | [`mod@reference`] | reference solver with energy accounts by cell; `cell_laws`: formulas of both solvers |
+//! | [`domain`] | fused solver; its `step` defines the sequence of operations of a time step |
+//! | [`mod@reference`] | reference solver with full energy ledger; `cell_laws`: formulas of both solvers |
 //! | [`region`], `restriction` | subdomain with its halo; problem restricted to it |
 //! | [`snapshot`] | state for checkpoints |
 //! | [`ledger`] | energy, work and dissipation |

@@ -1,7 +1,8 @@
 //! Distribution of point sources over cells: kernels that preserve moments, folded at symmetry planes.
 //!
-//! In the far field, shares wᵢ in cells at xᵢ act as Σ wᵢ G(xᵢ), a quadrature for the value at the point of a function
-//! G that is smooth on one side of material interfaces: the moments determine the error. Along each axis the kernel is
+//! In the far field, shares wᵢ in cells at xᵢ act as Σ wᵢ G(xᵢ), a quadrature for the value of G at the point, with a
+//! function G that is smooth on one side of material interfaces: the moments of the shares determine the error. Along
+//! each axis the kernel is
 //!
 //! ```text
 //! K(u) = ¼ (B(u − 1) + 2 B(u) + B(u + 1)),    w(u) = (7/4) K(u) − ⅜ (K(u − 1) + K(u + 1)),
@@ -9,20 +10,21 @@
 //!
 //! with u in cells and the quadratic B-spline B. For any position of the point in the grid, the moments of w equal
 //! those of the point up to second order; waves with a wavelength of two cells, which nothing damps, are not excited,
-//! and nearby ones to second order only (Fourier transform of w: double zero at π per cell). The half-width is less
-//! than four cells.
+//! and waves of nearby wavelengths to second order only (the Fourier transform of w has a double zero at π per cell).
+//! The half-width is less than four cells.
 //!
-//! At a plane of symmetry or antisymmetry the kernel is folded back with the sign of the field's mirror image: the grid
-//! is half (a quarter, an eighth) of the whole model. Amplitudes refer to the whole model: a point on such a plane is
-//! its own image, and half of the source acts on either side. At other boundaries, shares outside are moved to the two
-//! outermost cells by linear extrapolation, which preserves sum and first moments. A bell is cut off there.
+//! At a plane of symmetry or antisymmetry the kernel is folded back with the sign of the mirror image of the field: the
+//! grid is half (a quarter, an eighth) of the whole model. Amplitudes refer to the whole model: a point on such a plane
+//! is its own image, and half of the source acts on either side. At other boundaries, shares outside the grid are moved
+//! to the two outermost cells by linear extrapolation, which preserves sum and first moments. The raised-cosine kernel
+//! is cut off there.
 
 use models::common::elementary::Elementary;
 use models::solid::waves::SolidField;
 use nalgebra::{DMatrix, DVector};
 
-/// Support of the spline kernel: from `SPLINE_HALF_WIDTH` cells below the cell that contains the point to
-/// `SPLINE_HALF_WIDTH` + 1 above.
+/// Half-width of the support of the spline kernel: the support reaches from `SPLINE_HALF_WIDTH` cells below the cell
+/// centre next below the point to `SPLINE_HALF_WIDTH` + 1 cells above it.
 const SPLINE_HALF_WIDTH: isize = 3;
 
 /// Distance from a plane, in cells, below which a point counts as on it.
@@ -31,27 +33,28 @@ const PLANE_TOLERANCE: f64 = 1e-6;
 /// Continuation beyond an end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxisEnd {
-    /// Mirror image, multiplied by this sign.
+    /// Symmetry or antisymmetry plane: mirror image, multiplied by this sign.
     Mirror(f64),
-    /// Open: nothing, or another body.
+    /// Open: nothing, or another solid, beyond the end.
     Open,
     /// Periodic.
     Periodic,
 }
 
 impl AxisEnd {
-    /// Symmetry plane normal to an axis, for the source of a field.
+    /// Creates the end at a symmetry plane normal to an axis, for the source of a field.
     pub fn new_symmetry(field: SolidField, axis: usize) -> Self {
         Self::Mirror(if is_odd(field, axis) { -1.0 } else { 1.0 })
     }
 
-    /// Antisymmetry plane normal to an axis, for the source of a field.
+    /// Creates the end at an antisymmetry plane normal to an axis, for the source of a field.
     pub fn new_antisymmetry(field: SolidField, axis: usize) -> Self {
         Self::Mirror(if is_odd(field, axis) { 1.0 } else { -1.0 })
     }
 }
 
-/// Offsets from the point, m, and the cell that represents the position, with a factor, if any.
+/// A grid position: offsets from the point along the axes, m, and the cell that represents the position, if any, with
+/// the sign factor of its mirror images.
 type BellPosition = (Vec<f64>, Option<(usize, f64)>);
 
 /// Position of the point along an axis.
@@ -66,7 +69,8 @@ pub struct PointPosition {
 }
 
 impl PointPosition {
-    /// Returns the end beyond which a position lies, and the distance in cells; `None` inside the grid.
+    /// Returns the end beyond which a position (cell index) lies, and the distance from the outermost cell, in cells;
+    /// `None` inside the grid.
     fn distance_beyond_end(&self, place: isize) -> Option<(usize, isize)> {
         let count = self.cells as isize;
         match place {
@@ -76,7 +80,7 @@ impl PointPosition {
         }
     }
 
-    /// Maps a position to a cell and a factor; `None` beyond an open end.
+    /// Maps a position (cell index) to the cell that represents it, and its sign factor; `None` beyond an open end.
     fn image_cell(&self, mut place: isize) -> Option<(usize, f64)> {
         let mut factor = 1.0;
         while let Some((end, cells_beyond)) = self.distance_beyond_end(place) {
@@ -92,8 +96,8 @@ impl PointPosition {
         Some((place as usize, factor))
     }
 
-    /// Returns the fraction of the source that acts inside the grid: a factor ½ for each end with a symmetry plane
-    /// through the point.
+    /// Returns the fraction of the source that acts inside the grid: a factor of ½ for each end with a symmetry or
+    /// antisymmetry plane through the point.
     fn inside_fraction(&self) -> f64 {
         let planes = [-0.5, self.cells as f64 - 0.5].into_iter().zip(self.ends);
         let is_on = |&(plane, end): &(f64, AxisEnd)| {
@@ -102,7 +106,7 @@ impl PointPosition {
         0.5f64.powi(planes.filter(is_on).count() as i32)
     }
 
-    /// Adds the share of a position to those of the cells.
+    /// Adds the share of a position (cell index) to those of the cells that represent it.
     fn add_share(&self, place: isize, share: f64, shares: &mut Vec<(usize, f64)>) {
         let last = self.cells as isize - 1;
         match (self.image_cell(place), self.distance_beyond_end(place)) {
@@ -115,7 +119,7 @@ impl PointPosition {
                 self.add_share(first, (1 + cells_beyond) as f64 * share, shares);
                 self.add_share(second, -cells_beyond as f64 * share, shares);
             }
-            // A grid of one cell, or an open end reached through a mirror plane.
+            // A grid of one cell, or an open end that is reached through a mirror plane.
             (None, Some((end, _))) => {
                 self.add_share(if end == 0 { 0 } else { last }, share, shares)
             }
@@ -137,7 +141,7 @@ impl PointPosition {
     }
 }
 
-/// Quadratic B-spline; u in cells.
+/// Computes the quadratic B-spline B(u); u in cells.
 fn quadratic_spline(u: f64) -> f64 {
     match u.abs() {
         u if u <= 0.5 => 0.75 - u * u,
@@ -146,7 +150,7 @@ fn quadratic_spline(u: f64) -> f64 {
     }
 }
 
-/// Kernel w(u) along an axis; u in cells.
+/// Computes the kernel w(u) along an axis; u in cells.
 fn spline_kernel(u: f64) -> f64 {
     let wide = |u: f64| {
         0.25 * (quadratic_spline(u - 1.0) + 2.0 * quadratic_spline(u) + quadratic_spline(u + 1.0))
@@ -154,7 +158,7 @@ fn spline_kernel(u: f64) -> f64 {
     1.75 * wide(u) - 0.375 * (wide(u - 1.0) + wide(u + 1.0))
 }
 
-/// Raised cosine: 1 at distance 0, 0 beyond `radius`, continuously differentiable.
+/// Computes the raised cosine: 1 at distance 0, 0 beyond `radius`, continuously differentiable; both in m.
 fn raised_cosine(distance: f64, radius: f64) -> f64 {
     if distance < radius {
         0.5 + 0.5 * (std::f64::consts::PI * distance / radius).cr_cos()
@@ -173,31 +177,32 @@ fn is_odd(field: SolidField, axis: usize) -> bool {
     }
 }
 
-/// Scales shares to the fraction inside the grid: ½ for each symmetry plane through the point.
+/// Scales shares by the fraction inside the grid: ½ for each symmetry or antisymmetry plane through the point.
 fn scale_to_inside(along: &[PointPosition], mut shares: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     let inside_fraction: f64 = along.iter().map(PointPosition::inside_fraction).product();
     shares.iter_mut().for_each(|own| own.1 *= inside_fraction);
     shares
 }
 
-/// Shares of cells in a point source of a field, or of faces of a boundary (with its two axes), by index (first axis
-/// fastest), with the spline kernel. Their sum is 1, unless mirror images are odd, and is halved for each symmetry
-/// plane through the point.
+/// Computes the shares of cells in a point source of a field, or of faces of a boundary (with the two axes of the
+/// boundary), by index (first axis fastest), with the spline kernel. Their sum is 1, unless mirror images are odd, and
+/// is halved for each symmetry plane through the point.
 pub fn spline_shares(along: &[PointPosition]) -> Vec<(usize, f64)> {
     scale_to_inside(along, spline_product(along))
 }
 
-/// [`spline_shares`] with a bell of radius `radius`, m, as kernel; `spacing`: cell edges, m.
+/// Computes shares as [`spline_shares`] does, with a raised cosine of radius `radius`, m, as kernel; `spacing`: cell
+/// edges, m.
 pub fn bell_shares(along: &[PointPosition], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     scale_to_inside(along, compute_bell_shares(along, spacing, radius))
 }
 
-/// [`spline_shares`] with the nearest cell or face only.
+/// Computes shares as [`spline_shares`] does, with the nearest cell or face only.
 pub fn nearest_share(along: &[PointPosition]) -> Vec<(usize, f64)> {
     scale_to_inside(along, vec![(nearest_cell(along), 1.0)])
 }
 
-/// Returns the cell that contains the point.
+/// Returns the cell that contains the point; outside the grid, the nearest one.
 fn nearest_cell(along: &[PointPosition]) -> usize {
     along.iter().rev().fold(0, |cell, axis| {
         let index = (axis.x + 0.5).floor().max(0.0) as usize;
@@ -220,9 +225,10 @@ fn spline_product(along: &[PointPosition]) -> Vec<(usize, f64)> {
     all
 }
 
-/// Computes the normalised shares of a bell of radius `radius`, m; unless cut off, its centre of mass is at the point.
+/// Computes the normalised shares of a raised cosine of radius `radius`, m; unless it is cut off or narrower than two
+/// cells, its centre of mass is at the point.
 fn compute_bell_shares(along: &[PointPosition], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
-    // Offset from the point, m, cell and factor, by position.
+    // Offsets from the point, m, with cell and sign factor, by position.
     let mut places: Vec<BellPosition> = vec![(Vec::new(), Some((0, 1.0)))];
     for (axis, h) in along.iter().zip(spacing).rev() {
         let reach = radius / h;
@@ -273,8 +279,8 @@ fn compute_bell_shares(along: &[PointPosition], spacing: &[f64], radius: f64) ->
     merged
 }
 
-/// Moves the centre of mass of shares to the point, by factors 1 − (x − m)·C⁻¹m with mean 1; m: offset of the centre of
-/// mass, C: covariance.
+/// Moves the centre of mass of shares to the point, by factors 1 − (x − m)·C⁻¹m with mean 1 at the offsets x from the
+/// point; m: offset of the centre of mass, C: covariance of the offsets.
 fn centre_shares(all: &mut [(Vec<f64>, usize, f64, f64)]) {
     let d = all.first().map_or(0, |own| own.0.len());
     let mean: DVector<f64> =
@@ -301,7 +307,8 @@ mod tests {
         shares.iter().map(|(cell, share)| share * (*cell as f64 - x).powi(power)).sum()
     }
 
-    /// Verifies that moments equal those of the point and that two-cell waves are not excited, for many positions.
+    /// Verifies that the moments of the shares equal those of the point, and that waves with a wavelength of two cells
+    /// are not excited, for many positions of the point.
     #[test]
     fn spline_shares_have_exact_moments_up_to_second_order() {
         for step in 0..=200 {
@@ -317,8 +324,8 @@ mod tests {
         }
     }
 
-    /// Verifies sums and first moments near boundaries without mirror planes, and sums with even mirror images; few
-    /// cells suffice.
+    /// Verifies sums and first moments near boundaries without mirror planes, and sums with even mirror images, in
+    /// grids of one cell or more.
     #[test]
     fn splines_near_boundaries_keep_sum_and_first_moment() {
         for cells in [1, 2, 3, 5, 20] {
@@ -335,7 +342,8 @@ mod tests {
                 }
             }
         }
-        // On a symmetry plane the half kernel is doubled; for odd fields it vanishes.
+        // With a symmetry plane through the point, shares before scaling are twice those of the whole kernel; for odd
+        // fields they vanish.
         let whole = point_position(20, [AxisEnd::Open; 2], 9.5).axis_shares();
         let half = point_position(10, [AxisEnd::Mirror(1.0), AxisEnd::Open], -0.5).axis_shares();
         for (cell, share) in &half {
@@ -346,7 +354,7 @@ mod tests {
         assert!(odd.iter().all(|own| own.1.abs() < 1e-15), "{odd:?}");
     }
 
-    /// Verifies sum 1 and the centre of mass of bells inside the grid, and sum 1 of bells that are cut off.
+    /// Verifies sum 1 and the centre of mass of raised cosines inside the grid, and sum 1 of those that are cut off.
     #[test]
     fn bell_shares_have_unit_sum_and_centre_of_mass_at_the_point() {
         for step in 0..50 {

@@ -1,14 +1,14 @@
 //! Probes: records at a point by polynomial interpolation of cell values.
 //!
-//! Tensor product of cubic Lagrange polynomials through the four nearest cells along each axis; the error O(h⁴) is
-//! below that of the scheme. Near a boundary the four cells stay inside and the polynomial extrapolates by at most half
-//! a cell; on a periodic axis they wrap around. All cells belong to the medium of the cell that contains the point,
-//! since fields have kinks or jumps at interfaces: near an interface the polynomials extrapolate, and in a thin medium
-//! they have fewer cells.
+//! The interpolation is a tensor product of cubic Lagrange polynomials through the four nearest cells along each axis;
+//! its error O(h⁴) is below that of the scheme. Near a boundary the four cells stay inside the grid and the polynomial
+//! extrapolates by at most half a cell; on a periodic axis they wrap around. All cells belong to the medium of the cell
+//! that contains the point, since fields have kinks or jumps at interfaces: near an interface the polynomials
+//! extrapolate, and in a thin medium they have fewer cells.
 
 use crate::solid::medium::Medium;
 
-/// Maximum number of cells along an axis.
+/// Maximum number of cells of the stencil along an axis.
 const MAX_STENCIL_CELLS: usize = 4;
 
 /// Distance from a cell centre, in cells, that counts as rounding.
@@ -23,19 +23,19 @@ pub struct Probe {
     containing_cell: usize,
 }
 
-/// Consecutive cells along an axis. `first` may be negative on a periodic axis.
+/// Run of consecutive cells along an axis; `first` may be negative on a periodic axis.
 #[derive(Clone, Copy, Debug)]
 struct CellRun {
     first: isize,
     count: usize,
-    /// Number of cells short of the maximum; 0 for a point at a cell centre.
+    /// [`MAX_STENCIL_CELLS`] minus the number of cells; 0 for a point at a cell centre.
     missing_cells: usize,
     /// Distance of the centre of the run from the point, in cells.
     centre_distance: f64,
 }
 
-/// Lists the admissible runs along an axis for a point at `x`, in cells from the centre of the first cell, in cell
-/// `containing_cell`.
+/// Lists the admissible runs along an axis of `cells` cells for a point in cell `containing_cell`, at the coordinate
+/// `x` in cells from the centre of the first cell.
 fn admissible_runs(
     cells: usize,
     is_periodic: bool,
@@ -68,7 +68,8 @@ fn admissible_runs(
     runs
 }
 
-/// Computes the Lagrange weights of the cells of a run at `x`.
+/// Computes the Lagrange weights of the cells of a run for the coordinate `x`, in cells from the centre of the first
+/// cell.
 fn lagrange_weights(run: &CellRun, x: f64) -> Vec<f64> {
     let places: Vec<f64> =
         (0..run.count).map(|index| (run.first + index as isize) as f64).collect();
@@ -87,7 +88,7 @@ fn wrap_index(place: isize, cells: usize) -> usize {
     place.rem_euclid(cells as isize) as usize
 }
 
-/// Lists the cells of a box of runs (first axis fastest).
+/// Lists the cells of the tensor product of runs (first axis fastest) in a grid of `cells` cells.
 fn box_cells(cells: &[usize], runs: &[CellRun]) -> Vec<usize> {
     let mut all = vec![0];
     for (axis, run) in runs.iter().enumerate().rev() {
@@ -103,8 +104,9 @@ fn box_cells(cells: &[usize], runs: &[CellRun]) -> Vec<usize> {
     all
 }
 
-/// Selects the best box of one medium: highest minimum degree, then highest sum of degrees, then best centred. `along`:
-/// admissible runs by axis. `None` if no box is of one medium.
+/// Selects the best tensor product of runs with cells of one medium: highest minimum polynomial degree, then highest
+/// sum of degrees, then smallest distance of the centre from the point. `along`: admissible runs by axis; `is_alike`:
+/// whether all cells are of one medium. `None` if there is no such product.
 fn select_box(
     along: &[Vec<CellRun>],
     is_alike: impl Fn(&[CellRun]) -> bool,
@@ -129,13 +131,13 @@ fn select_box(
 }
 
 impl Probe {
-    /// A probe that takes the values of one cell.
+    /// Creates a probe that takes the values of one cell.
     pub fn from_cell(containing_cell: usize) -> Self {
         Self { stencil: vec![(containing_cell, 1.0)], containing_cell }
     }
 
-    /// A point in cell `containing_cell` of a grid of `cells` (first axis fastest). `at`: coordinates in cells from the
-    /// centre of the first cell; `cell_media`: medium of each cell.
+    /// Creates a probe at a point in cell `containing_cell` of a grid of `cells` cells (first axis fastest). `at`:
+    /// coordinates of the point in cells from the centre of the first cell; `cell_media`: medium of each cell.
     pub fn with_interpolation(
         cells: &[usize],
         is_periodic: &[bool],
@@ -156,7 +158,7 @@ impl Probe {
                 .into_iter()
                 .all(|cell| cell_media[cell] == cell_media[containing_cell])
         };
-        // The run of one cell always qualifies.
+        // The product of runs of one cell always qualifies.
         let Some(runs) = select_box(&along, is_alike) else {
             return Self::from_cell(containing_cell);
         };
@@ -185,8 +187,8 @@ impl Probe {
         self
     }
 
-    /// Appends the quantities at the point; `values` has `width` quantities per watched cell. Interpolated stresses are
-    /// projected onto the yield set of the medium.
+    /// Appends the output quantities at the point; `values` has `width` quantities per watched cell. Interpolated
+    /// stresses are projected onto the yield set of the medium.
     pub(crate) fn append_values(
         &self,
         values: &[f64],

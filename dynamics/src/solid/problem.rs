@@ -39,13 +39,13 @@ impl<const D: usize> Grid<D> {
 /// Position of the return mapping in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PlasticStep {
-    /// Return mapping P after the elastic step: first order; the state is always in its yield set. Elastic–plastic
-    /// fronts are as sharp as the sweeps permit.
+    /// Return mapping P after the elastic step: first order; the stress is in its yield set after each step.
+    /// Elastic–plastic fronts are as sharp as the sweeps permit.
     #[default]
     ReturnMapping,
-    /// Reflection 2P − I between the halves of the elastic step: second order while the same conditions stay active. If
-    /// plastic flow stops abruptly, as behind a shock, the overshoot of the last reflection remains: an error of one
-    /// step's plastic strain. The state is in its yield set at mid-step; for output use
+    /// Reflection 2P − I between the halves of the elastic step: second order while the set of active yield conditions
+    /// does not change. If plastic flow stops abruptly, as behind a shock, the overshoot of the last reflection
+    /// remains: an error of the plastic strain of one step. The stress is in its yield set at mid-step; for output use
     /// [`Domain::to_admissible`](crate::solid::domain::Domain::to_admissible).
     MidpointReflection,
 }
@@ -53,16 +53,16 @@ pub enum PlasticStep {
 /// Order of the sweeps of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Splitting {
-    /// x y z, then z y x, each by half a step (Marchuk 1968; Strang 1968). Two sweeps along an axis follow each other,
-    /// and waves of Courant number 1 along an axis are shifted by two cells exactly.
+    /// Sweeps x y z, then z y x, each by half a step (Marchuk 1968; Strang 1968). Two successive sweeps along an axis
+    /// shift waves of Courant number 1 by two cells exactly.
     #[default]
     TwoCyclic,
     /// Sweeps along x alternate with those along the other axes: x, y z, x, z y; x is the axis [`Problem::first_axis`].
-    /// The state lags by a quarter of a step of the sweep along x, which
-    /// [`Domain::output_cell`](crate::solid::domain::Domain::output_cell) completes; the first sweep is half as long.
-    /// Same number of sweeps, a quarter of the splitting error between x and the other axes. The gain is largest at
-    /// free boundaries, where two successive normal sweeps let the traction produced by tangential sweeps grow twice as
-    /// far before it is released.
+    /// The state lacks the last quarter of a step along x, which
+    /// [`Domain::output_cell`](crate::solid::domain::Domain::output_cell) adds; the very first sweep is half as long as
+    /// the others. Same number of sweeps, a quarter of the splitting error between x and the other axes. The gain is
+    /// largest at free boundaries, where two-cyclic splitting lets two tangential sweeps produce traction before a
+    /// normal sweep releases it.
     Alternating,
 }
 
@@ -89,10 +89,11 @@ impl Scheme {
         self.splitting == Splitting::Alternating && self.plastic_step == PlasticStep::ReturnMapping
     }
 
-    /// Returns the reconstruction that the sweeps execute.
+    /// Returns the reconstruction by which the kernels sweep.
     pub(crate) fn sweep_slopes(&self) -> Slopes {
         match self.slopes {
-            // First order: cells have zero weights, see `CellConstants::with_constant_reconstruction`.
+            // First order: the weights in the cell constants are zero, see
+            // `CellConstants::with_constant_reconstruction`.
             Slopes::Godunov => Slopes::FourthOrder,
             own => own,
         }
@@ -157,10 +158,10 @@ impl<const D: usize> Problem<D> {
         }
     }
 
-    /// Returns the axis that should be swept first: the last axis with reflecting boundaries, if any. In three
-    /// dimensions, alternating sweeps along one axis alternate with those along both others, which do not alternate
-    /// with each other. Waves along a free boundary have four times the splitting error unless sweeps normal to the
-    /// boundary alternate with tangential ones.
+    /// Returns the axis that should be swept first: in three dimensions with alternating sweeps, the last axis with
+    /// reflecting boundaries, if any, else axis 0. Sweeps along the first axis alternate with those along both others,
+    /// which do not alternate with each other. Waves along a free boundary have four times the splitting error unless
+    /// sweeps normal to the boundary alternate with tangential ones.
     pub fn first_axis(&self) -> usize {
         let reflects = |condition: &Boundary| match condition {
             Boundary::Fixed | Boundary::Free => true,
@@ -191,7 +192,7 @@ impl<const D: usize> Problem<D> {
         self.validate_in_region(&Region::from_grid(self.grid.cells))
     }
 
-    /// [`Self::validate`] for the problem of a region, see [`Self::restrict_to`].
+    /// Checks the problem of a region (see [`Self::restrict_to`]) as [`Self::validate`] does.
     pub(crate) fn validate_in_region(&self, region: &Region<D>) -> Result<(), DomainError> {
         let expected = region.count();
         if expected == 0 || self.cell_media.len() != expected {
@@ -245,7 +246,8 @@ impl<const D: usize> Problem<D> {
         self.check_loads_and_sources(region)
     }
 
-    /// Checks that the metric has values for all layers and that no part of the problem requires a uniform one.
+    /// Checks that the metric has values for all layers, and that the problem has nothing that requires a uniform
+    /// metric.
     fn check_metric(&self) -> Result<(), DomainError> {
         let Some(metric) = &self.metric else { return Ok(()) };
         let is_curved = !metric.curvature.is_empty();
@@ -269,7 +271,7 @@ impl<const D: usize> Problem<D> {
         Ok(())
     }
 
-    /// Checks the positions of loads, sources and the initial stress.
+    /// Checks that loads, sources and the initial stress refer to existing faces, wave pairs, cells, fields and layers.
     fn check_loads_and_sources(&self, region: &Region<D>) -> Result<(), DomainError> {
         let is_invalid = |load: &Load| {
             load.axis >= D
@@ -369,7 +371,7 @@ pub enum DomainError {
         /// Number of media.
         count: usize,
     },
-    /// The number of cells with a medium differs from that of the grid.
+    /// The number of cells with a medium differs from that of cells of the grid.
     #[error("{actual} cells have a medium, of {expected}")]
     CellCount {
         /// Number of cells given.
@@ -385,7 +387,8 @@ pub enum DomainError {
         /// Courant number c(Δt/2)/h.
         courant: f64,
     },
-    /// The number of conditions differs from that of wave pairs, or by face from that of faces.
+    /// The number of conditions differs from that of wave pairs, or the number of conditions by face from that of
+    /// faces.
     #[error("axis {axis}: {actual} conditions are given for {expected} pairs of waves")]
     ConditionCount {
         /// The axis, from 0.
@@ -395,10 +398,10 @@ pub enum DomainError {
         /// Number of wave pairs of the axis.
         expected: usize,
     },
-    /// A load on missing faces or wave pairs, or on a periodic boundary.
+    /// A load (its index) on missing faces or wave pairs, or on a periodic boundary.
     #[error("load {0} acts on a side, a pair or a face that is not there")]
     Load(usize),
-    /// A source in missing cells or fields.
+    /// A source (its index) in missing cells or fields.
     #[error("source {0} acts on a cell or a field that is not there")]
     Source(usize),
     /// The number of initial stresses differs from that of layers.
@@ -426,10 +429,10 @@ pub enum DomainError {
         /// Reason.
         reason: &'static str,
     },
-    /// An invalid metric.
+    /// An invalid metric, with the reason.
     #[error("metric: {0}")]
     Metric(&'static str),
-    /// A periodic boundary whose opposite is not periodic.
+    /// An axis (from 0) with a periodic boundary at one end only.
     #[error("both sides of axis {0} must be periodic, or neither")]
     Periodic(usize),
 }

@@ -19,7 +19,7 @@ impl LinearCongruentialGenerator {
     }
 
     /// Returns the constants of a line of random length in `lengths`: blocks of one medium each, of random impedances
-    /// and Courant numbers. The longest block has 1, 2, 3 or 8 cells in turn with `attempt`.
+    /// and Courant numbers. Blocks have at most 1, 2, 3 or 8 cells, in turn with `attempt`.
     pub(crate) fn cells(&mut self, lengths: [f64; 2], attempt: usize) -> Vec<CellConstants<f64>> {
         let count = self.uniform(lengths[0], lengths[1]) as usize;
         let longest = [1.0, 2.0, 3.0, 8.0][attempt % 4];

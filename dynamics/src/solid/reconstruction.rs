@@ -2,8 +2,9 @@
 //! limited piecewise linear (van Leer 1977; Roe 1985), or linear fourth order (Strang 1962).
 //!
 //! The limiter (case key `order = "eno2"`) is [`Slopes::half_slope_correction`], with tighter bounds beside other
-//! media. `ghosts` derives its closure from the energy bounds of this limiter, and `tests/solid/energy.rs` searches for
-//! states in which energy grows: a new limiter needs both.
+//! media. The boundary closure in `ghosts` is derived from the energy bounds of this limiter, and
+//! `tests/solid/energy.rs` searches for states in which energy grows: a new limiter needs its own closure and such a
+//! search.
 
 use super::cell::CellConstants;
 use super::riemann::{RiemannInvariants, State};
@@ -13,8 +14,8 @@ use models::solid::waves::VelocityStressPair;
 /// Number of ghost cells beyond each end of a line.
 pub const GHOSTS: usize = 2;
 
-/// Width of the halo along a cut axis, in cells per step of a pass: each of the two sweeps of a step along an axis
-/// reads [`GHOSTS`] cells beyond those it updates.
+/// Width of the halo beside a neighbouring subdomain, in cells per step of a pass: each of the two sweeps of a step
+/// along an axis reads [`GHOSTS`] cells beyond those it updates.
 pub const HALO: usize = 2 * GHOSTS;
 
 /// Reconstruction in cells.
@@ -27,14 +28,14 @@ pub enum Slopes {
     /// regions.
     Limited,
     /// Unlimited linear fourth-order scheme: cubic interpolation of the integral of the wave over the four cells around
-    /// a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). Overshoots at
+    /// a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). It overshoots at
     /// discontinuities.
     FourthOrder,
 }
 
 impl Slopes {
-    /// Constants of a cell for a wave pair. The Courant number may exceed 1 by rounding. `has_interfaces`: whether the
-    /// problem has several media or interlayers.
+    /// Creates the constants of a cell for a wave pair. The Courant number may exceed 1 by rounding. `has_interfaces`:
+    /// whether the problem has several media or interlayers.
     pub(crate) fn cell_constants<T: Real>(
         self,
         pair: &VelocityStressPair,
@@ -49,12 +50,12 @@ impl Slopes {
         }
     }
 
-    /// Time-averaged outflow minus cell mean of a piecewise linear reconstruction: (1 − C)/2 × limited slope, from the
-    /// upwind and downwind differences.
+    /// Computes the time-averaged outflow minus the cell mean of a piecewise linear reconstruction: (1 − C)/2 × limited
+    /// slope, from the upwind and downwind differences.
     ///
-    /// With corrections l, a wave w in cell i becomes w − C(w + l − w′ − l′), w′ and l′ being those of the upwind cell.
-    /// With d = w − w′, corrections of the sign of d with |l| ≤ |d|(1 − C)/C (Roe 1985) and |l′| ≤ |d| make the update
-    /// a convex combination of w and w′, hence TVD (Harten 1983).
+    /// With corrections l, a wave w in cell i becomes w − C(w + l − w′ − l′), where w′ and l′ belong to the upwind
+    /// cell. With d = w − w′, corrections of the sign of d with |l| ≤ |d|(1 − C)/C (Roe 1985) and |l′| ≤ |d| make the
+    /// update a convex combination of w and w′, hence total variation diminishing (Harten 1983).
     #[inline(always)]
     pub(crate) fn half_slope_correction<N: Number>(
         self,
@@ -68,9 +69,10 @@ impl Slopes {
         }
     }
 
-    /// [`Self::half_slope_correction`] in a cell next to a cell of another impedance or Courant number (`contrast` 1)
-    /// or not (0). At contrasts the limited half slope is ⅜(1 − C) minmod of the differences: the bounds for one
-    /// medium, and ½ in place of ⅜, allow energy growth there (`tests/solid/energy.rs` finds such states).
+    /// Computes [`Self::half_slope_correction`] in a cell next to a cell of another impedance or Courant number
+    /// (`contrast` 1) or of the same ones (0). At contrasts the limited half slope is ⅜(1 − C) minmod of the
+    /// differences: the bounds for one medium, and ½ in place of ⅜, allow energy growth there (`tests/solid/energy.rs`
+    /// finds such states).
     #[inline(always)]
     fn half_slope_correction_at_contrast<N: Number>(
         self,
@@ -90,7 +92,8 @@ impl Slopes {
         }
     }
 
-    /// Returns the stencil data of cell i + 1: its invariants (fourth order), else the difference to it.
+    /// Returns the stencil data of cell i + 1 from the invariants of cells i (`own`) and i + 1: its invariants (fourth
+    /// order), else the difference to it.
     #[inline(always)]
     pub(crate) fn upper_stencil<N: Number>(
         self,
@@ -103,7 +106,8 @@ impl Slopes {
         }
     }
 
-    /// Returns the stencil data of cell i − 1: its invariants (fourth order), else the difference from it.
+    /// Returns the stencil data of cell i − 1 from the invariants of cells i − 1 and i (`own`): its invariants (fourth
+    /// order), else the difference from it.
     #[inline(always)]
     pub(crate) fn lower_stencil<N: Number>(
         self,
@@ -116,11 +120,12 @@ impl Slopes {
         }
     }
 
-    /// Computes the left and right state of the Riemann problem at the lower face of cell i, in one medium: s − zv and
-    /// s + zv, averaged over the step. Also returns the stencil data `stencil_data` for the next face.
+    /// Computes both waves of the Riemann problem at the lower face of cell i, in one medium: s − zv from the left and
+    /// s + zv from the right, averaged over the step. Also returns `stencil_data` for the next face.
     ///
-    /// `stencil_data`: the invariants of cell i − 2 (fourth order), else the left state. `own`: the invariants of cell
-    /// i. `lower_stencil`, `upper_stencil`: results of [`Self::lower_stencil`] and [`Self::upper_stencil`].
+    /// `stencil_data`: the invariants of cell i − 2 (fourth order), else the right-going wave at the face. `own`: the
+    /// invariants of cell i. `lower_stencil`, `upper_stencil`: results of [`Self::lower_stencil`] and
+    /// [`Self::upper_stencil`].
     #[inline(always)]
     pub(crate) fn face_values<N: Number>(
         self,
@@ -153,7 +158,7 @@ impl Slopes {
         }
     }
 
-    /// [`Self::face_values`] for cells i − 2 … i + 1 of any media.
+    /// Computes [`Self::face_values`] for cells i − 2 … i + 1 of any media.
     #[inline(always)]
     pub(crate) fn face_values_in_mixed_media<N: Number>(
         self,
@@ -164,10 +169,10 @@ impl Slopes {
         self.face_values_with_interlayers(stencil_data, states, cells, [N::ONE; 3])
     }
 
-    /// [`Self::face_values_in_mixed_media`] with interlayers at some of the three faces between the cells: `continuity`
-    /// is 0 at interlayers and 1 at other faces. The stencil does not extend across an interlayer: differences across
-    /// it are zero (constant extrapolation), and the cells on its two sides count as different media. Then no wave
-    /// gains energy for any response of the interlayer (tests of [`crate::solid::interface`]).
+    /// Computes [`Self::face_values_in_mixed_media`] with interlayers at some of the three faces between the cells:
+    /// `continuity` is 0 at interlayers and 1 at other faces. The stencil does not extend across an interlayer:
+    /// differences across it are zero (constant extrapolation), and the two cells at it count as different media. Then
+    /// no wave gains energy for any response of the interlayer (tests of [`crate::solid::interface`]).
     #[inline(always)]
     pub(crate) fn face_values_with_interlayers<N: Number>(
         self,
@@ -195,8 +200,8 @@ impl Slopes {
                 let after =
                     own.difference(own.transmit(next, cell.reflection_coefficient(cell_after)));
                 let after = after.scale(continuity_after);
-                // At a material interface the outgoing waves differ from the scattered incoming ones. Mapped back
-                // through the scattering matrix, this gives an additional difference for the stencil.
+                // At a material interface the outgoing waves differ from the incoming waves after scattering. Mapped
+                // back through the scattering matrix, this gives an additional difference for the stencil.
                 let beyond = own_behind.transmit(own, reflection);
                 let right = cell.one_minus_courant() * before.right;
                 let left = continuity_here
@@ -253,7 +258,7 @@ impl Slopes {
     }
 }
 
-/// Face value of the right-going wave: cell mean plus weighted differences, ordered from upwind to downwind.
+/// Computes the face value of the right-going wave: cell mean plus weighted differences, from upwind to downwind.
 #[inline(always)]
 fn right_face_value<N: Number>(
     mean: N,
@@ -263,7 +268,7 @@ fn right_face_value<N: Number>(
     mean + a * upwind + b * central + c * downwind
 }
 
-/// Face value of the left-going wave; the differences have the opposite sign.
+/// Computes the face value of the left-going wave: as for the right-going wave, with differences of the opposite sign.
 #[inline(always)]
 fn left_face_value<N: Number>(
     mean: N,
@@ -281,7 +286,7 @@ struct Reconstruction<N> {
 }
 
 impl<N: Number> Reconstruction<N> {
-    /// In one medium, from the cell's invariants and the differences from cell i − 1 and to cell i + 1.
+    /// Reconstructs in one medium, from the invariants of cell i and the differences from cell i − 1 and to cell i + 1.
     #[inline(always)]
     fn new(
         mean: RiemannInvariants<N>,
@@ -296,8 +301,8 @@ impl<N: Number> Reconstruction<N> {
         Self { mean, half_slope }
     }
 
-    /// In several media, from the states of cells i − 1, i and i + 1; `continuity` is 0 at interlayers between them and
-    /// 1 at other faces.
+    /// Reconstructs in several media, from the states of cells i − 1, i and i + 1; `continuity` is 0 at interlayers
+    /// between them and 1 at other faces.
     #[inline(always)]
     fn from_mixed_media(
         [before, own, after]: [State<N>; 3],
@@ -330,13 +335,14 @@ impl<N: Number> Reconstruction<N> {
         Self { mean, half_slope }
     }
 
-    /// Returns the time-averaged outflow to the left: the mean over the leftmost fraction C of the cell.
+    /// Returns the time-averaged outflow of the left-going wave: its mean over the leftmost fraction C of the cell.
     #[inline(always)]
     fn left_outflow(self) -> N {
         self.mean.left - self.half_slope.left
     }
 
-    /// Returns the time-averaged outflow to the right and the left state, as stencil data for the next face.
+    /// Returns the time-averaged outflow of the right-going wave, as stencil data for the next face; the other wave is
+    /// zero.
     #[inline(always)]
     fn stencil_data(self) -> RiemannInvariants<N> {
         RiemannInvariants { right: self.mean.right + self.half_slope.right, left: N::ZERO }

@@ -1,4 +1,4 @@
-//! Region: a box of cells of a grid with a halo around it.
+//! Region: a box of cells of a grid, with a halo around it.
 
 use std::ops::Range;
 
@@ -14,14 +14,14 @@ pub struct Region<const D: usize> {
 }
 
 impl<const D: usize> Region<D> {
-    /// A region with owned cells `own` in a grid of `whole` cells; `halo`: width at each end of each axis, in cells. It
-    /// is zero at ends that are neither cut nor, along the last axis, periodic.
+    /// Creates a region with owned cells `own` in a grid of `whole` cells; `halo`: width at each end of each axis, in
+    /// cells. The width is zero at ends without neighbouring subdomain, except on a periodic last axis.
     pub(crate) fn new(whole: [usize; D], own: [Range<usize>; D], halo: [[usize; 2]; D]) -> Self {
         debug_assert!((0..D).all(|axis| own[axis].end <= whole[axis]));
         Self { grid_cells: whole, owned: own, halo }
     }
 
-    /// Region of a whole grid, without halo.
+    /// Creates the region of a whole grid, without halo.
     pub fn from_grid(cells: [usize; D]) -> Self {
         Self::new(cells, cells.map(|count| 0..count), [[0; 2]; D])
     }
@@ -41,7 +41,7 @@ impl<const D: usize> Region<D> {
         self.halo[axis]
     }
 
-    /// Returns whether the region has neighbours beyond the lower and the upper end of an axis.
+    /// Returns whether the region has neighbouring subdomains beyond the lower and the upper end of an axis.
     pub fn is_cut(&self, axis: usize) -> [bool; 2] {
         let is_part = self.owned[axis].len() < self.grid_cells[axis];
         self.halo[axis].map(|width| width > 0 && is_part)
@@ -70,7 +70,7 @@ impl<const D: usize> Region<D> {
         (first..first + self.cells()[axis]).map(|place| place % whole).collect()
     }
 
-    /// Returns the global cell of each cell of the region.
+    /// Returns the index in the whole grid of each cell of the region, halo included.
     pub fn global_cells(&self) -> Vec<usize> {
         linear_indices(
             &std::array::from_fn::<_, D, _>(|axis| self.coordinates(axis)),
@@ -78,13 +78,14 @@ impl<const D: usize> Region<D> {
         )
     }
 
-    /// Returns the global cell of each owned cell.
+    /// Returns the index in the whole grid of each owned cell.
     pub fn owned_global_cells(&self) -> Vec<usize> {
         let own = std::array::from_fn::<_, D, _>(|axis| self.owned_range(axis).collect());
         linear_indices(&own, &self.grid_cells)
     }
 
-    /// Returns the positions along an axis with a given global coordinate: several if a periodic halo wraps around.
+    /// Returns the positions along an axis of the region with a given coordinate in the whole grid: several if a
+    /// periodic halo wraps around.
     fn local_positions(&self, axis: usize, coordinate: usize) -> Vec<usize> {
         let (whole, halo) = (self.grid_cells[axis], self.halo[axis][0]);
         let first = (self.owned[axis].start + halo * whole - halo) % whole;
@@ -92,7 +93,8 @@ impl<const D: usize> Region<D> {
         (place..self.cells()[axis]).step_by(whole).collect()
     }
 
-    /// Returns the cells of the region that are copies of a global cell.
+    /// Returns the cells of the region that represent a cell of the whole grid: several if a periodic halo wraps
+    /// around.
     pub(crate) fn local_cells(&self, mut cell: usize) -> Vec<usize> {
         let along: Vec<_> = (0..D)
             .map(|axis| {
@@ -104,7 +106,8 @@ impl<const D: usize> Region<D> {
         linear_indices(&along, &self.cells())
     }
 
-    /// Returns the faces of a boundary of the region normal to `axis` that are copies of a global face.
+    /// Returns the faces of a boundary of the region normal to `axis` that represent a face of the whole grid: several
+    /// if a periodic halo wraps around.
     pub(crate) fn local_faces(&self, axis: usize, mut face: usize) -> Vec<usize> {
         let others: Vec<usize> = (0..D).filter(|other| *other != axis).collect();
         let along = others.iter().map(|&other| {
@@ -117,7 +120,7 @@ impl<const D: usize> Region<D> {
         linear_indices(&along, &cells)
     }
 
-    /// Returns the global cell of an owned cell, given its number among the owned cells.
+    /// Returns the index in the whole grid of an owned cell, given its number among the owned cells.
     pub fn owned_global_cell(&self, mut number: usize) -> usize {
         let (mut cell, mut stride) = (0, 1);
         for (own, whole) in self.owned.iter().zip(self.grid_cells) {
@@ -128,7 +131,8 @@ impl<const D: usize> Region<D> {
         cell
     }
 
-    /// Returns the number among the owned cells of a global cell; `None` if it is not owned.
+    /// Returns the number of a cell among the owned cells, given its index in the whole grid; `None` if it is not
+    /// owned.
     pub fn owned_index(&self, cell: usize) -> Option<usize> {
         let (mut rest, mut number, mut stride) = (cell, 0, 1);
         for (own, whole) in self.owned.iter().zip(self.grid_cells) {
@@ -142,7 +146,7 @@ impl<const D: usize> Region<D> {
         (rest == 0).then_some(number)
     }
 
-    /// Returns the global face of each face of a boundary of the region normal to `axis`.
+    /// Returns the index in the whole grid of each face of a boundary of the region normal to `axis`.
     pub fn global_faces(&self, axis: usize) -> Vec<usize> {
         let others = (0..D).filter(|other| *other != axis);
         let (along, cells): (Vec<_>, Vec<_>) =
@@ -151,7 +155,8 @@ impl<const D: usize> Region<D> {
     }
 }
 
-/// Computes linear indices (first axis fastest) from coordinates along each axis, for a grid of `cells`.
+/// Computes the linear indices (first axis fastest) in a grid of `cells` cells of all combinations of the coordinates
+/// `along` the axes.
 fn linear_indices(along: &[Vec<usize>], cells: &[usize]) -> Vec<usize> {
     let last_first = along.iter().zip(cells).rev();
     last_first.fold(vec![0], |before, (along, cells)| {

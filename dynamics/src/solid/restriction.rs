@@ -7,8 +7,8 @@ use crate::solid::region::Region;
 use std::borrow::Cow;
 
 impl<const D: usize> Problem<D> {
-    /// Region of the whole grid for passes of `max_pass_steps` steps; on a periodic last axis it has a halo of opposite
-    /// layers.
+    /// Returns the region of the whole grid for passes of `max_pass_steps` steps; on a periodic last axis it has a halo
+    /// of copies of the layers at the opposite end.
     pub(crate) fn whole_region(&self, max_pass_steps: usize) -> Region<D> {
         let is_periodic = self.boundaries[D - 1][0] == Boundary::Periodic;
         let width = if is_periodic { max_pass_steps * HALO } else { 0 };
@@ -17,9 +17,9 @@ impl<const D: usize> Problem<D> {
         Region::new(cells, cells.map(|count| 0..count), halo)
     }
 
-    /// Restricts the problem to a region: media, by-face conditions, loads and sources are renumbered to the cells and
-    /// faces of the region. The grid remains the whole one, and so do the layers of the initial stress and of the
-    /// metric, and the interlayers.
+    /// Restricts the problem to a region: media, conditions by face, loads and sources are renumbered to the cells and
+    /// faces of the region. The grid, the layers of the initial stress and of the metric, and the interlayers remain
+    /// those of the whole problem.
     #[must_use]
     pub fn restrict_to(&self, region: &Region<D>) -> Cow<'_, Self> {
         if *region == Region::from_grid(self.grid.cells) {

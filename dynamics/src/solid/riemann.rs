@@ -28,10 +28,11 @@ impl<N: Number> RiemannInvariants<N> {
         Self { right: state.stress - zv, left: state.stress + zv }
     }
 
-    /// Maps the invariants of a neighbour through the scattering matrix of the interface: w = (1 − ρ)w′ + ρŵ, with the
-    /// reflection coefficient ρ = (y − z)/(y + z), y the impedance of the neighbour, and ŵ the cell's own
-    /// counter-propagating wave. The same formula gives the outgoing waves, by time reversal. Scattering conserves
-    /// energy, so that the unfolded line has no interface.
+    /// Maps the invariants of a neighbour to this cell through the scattering matrix of the face: w = (1 − ρ)w′ + ρŵ,
+    /// with the invariant w′ of the neighbour, the reflection coefficient ρ = (y − z)/(y + z) of the impedances y of
+    /// the neighbour and z of this cell, and the counter-propagating invariant ŵ of this cell. By time reversal the
+    /// same formula gives the outgoing waves. Scattering conserves energy, so that the mapped values can be treated as
+    /// those of a line without interface.
     #[inline(always)]
     pub(crate) fn transmit(self, neighbour: Self, reflection: N) -> Self {
         Self {
@@ -70,8 +71,8 @@ impl<N: Number> RiemannInvariants<N> {
     }
 }
 
-/// Solution of the Riemann problem at a face, scaled by the impedance z of the cell that uses it: difference = 2zv*,
-/// sum = 2s*.
+/// Velocity v* and stress s* at a face, the solution of the Riemann problem, scaled by the impedance z of the cell that
+/// uses it: difference = 2zv*, sum = 2s*.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InterfaceState<N> {
     pub(crate) difference: N,
@@ -89,7 +90,8 @@ impl<N: Number> InterfaceState<N> {
     /// Solves the Riemann problem between cells of impedances z and y with incident waves `left` = s − zv and `right` =
     /// s + yv: v* = (right − left)/(z + y), s* = (y left + z right)/(z + y). Computed with the reflection coefficient
     /// (y − z)/(y + z); if it is zero, equal to [`Self::riemann_equal_impedance`] bit for bit. Returns the state scaled
-    /// for either cell. On the soft side, v* has a rounding error of ε times the impedance ratio.
+    /// for the left and for the right cell. In the cell of smaller impedance, v* has a rounding error of ε times the
+    /// impedance ratio.
     #[inline(always)]
     pub(crate) fn riemann([z, y]: [N; 2], waves: [N; 2]) -> [Self; 2] {
         let reflection = (y - z) / (y + z);

@@ -2,19 +2,20 @@
 
 use crate::solid::ledger::WorkPartialSums;
 
-/// State of a solid, independent of the solver and the number of subdomains; sufficient to continue it bit for bit.
+/// State of a solid, independent of the solver and of the number of subdomains; sufficient to continue the simulation
+/// bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot<T> {
     /// Number of steps done.
     pub steps: usize,
     /// Values by field and cell; the axis that is swept first runs fastest.
     pub fields: Vec<Vec<T>>,
-    /// Work of boundaries and sources, and numerical dissipation.
+    /// Sums of the work of boundaries and sources, of the numerical dissipation, and the smallest dissipation ratio.
     pub work_sums: WorkPartialSums,
     /// By cell: plastic dissipation, work of the initial stress and dissipation of dashpots, J/m³, if any medium has
     /// them; then the time integrals of the problem.
     pub cell_sums: Vec<Vec<f64>>,
-    /// V and S of interlayers, in the order of
+    /// History variables of interlayers (mean velocity V, m/s, and mean traction S, Pa), in the order of
     /// [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
     pub interlayer_history: Vec<[T; 2]>,
 }

@@ -20,7 +20,8 @@ use wellposed_dynamics::solid::interface::{Interlayer, sweep_with_interlayers};
 use wellposed_dynamics::solid::interlayers::Interlayers;
 use wellposed_dynamics::solid::line::{CellConstants, GHOSTS, HALO, Slopes};
 
-/// Returns the numbers of the random problems of a test: `count` of them, or as many as the environment sets.
+/// Returns the indices of the random problems of a test: `count` of them, or as many as the environment variable
+/// `ROUGH` states; `first` distinguishes the tests.
 fn problem_numbers(first: usize, count: usize) -> std::ops::Range<usize> {
     let asked = std::env::var("ROUGH").ok().and_then(|count| count.parse().ok());
     first * 1_000_000..first * 1_000_000 + asked.unwrap_or(count)
@@ -54,7 +55,7 @@ fn random_boundary(random: &mut NoiseSequence, medium: &Medium, axis: usize) -> 
     }
 }
 
-/// Returns a random problem with interlayers across at least one axis, and its description.
+/// Returns the random problem of an index, with interlayers across at least one axis, and its description.
 fn random_blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
     let mut random = NoiseSequence::new((number as u64) << 40);
     let media = random_media(&mut random, D);
@@ -132,7 +133,7 @@ fn fused_solver_in_subdomains<T: SolverReal, const D: usize>(
     domain
 }
 
-/// Returns the reference solver with the same random state.
+/// Returns the reference solver in the initial state of [`fused_solver`].
 fn reference_solver<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Reference<T, D> {
     let mut solver: Reference<T, D> = Reference::new(problem).expect("sound");
     let cells = 0..problem.grid.count();
@@ -208,11 +209,12 @@ fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) {
         let is_possible = |cut: &[usize; D]| cut.iter().zip(most).all(|(own, most)| *own <= most);
         let cuts = cuts.into_iter().filter(is_possible);
         let mut parts: Vec<_> = cuts.map(|cut| fused_solver_in_subdomains(&problem, cut)).collect();
-        // Other instruction sets, and a run interrupted by reading a snapshot.
+        // Solvers in one subdomain with other instruction sets.
         let mut others: Vec<_> = InstructionSet::available_sets()
             .map(|own| (own, fused_solver::<f64, D>(&problem)))
             .collect();
-        // A pulse in a domain at rest: values of all magnitudes, and a flush of subnormals during the run.
+        // For odd indices, a pulse in a domain at rest: values of all magnitudes occur, and subnormals are flushed
+        // during the run.
         let pulse = |own: &mut DecomposedDomain<f64, D>| {
             if number % 2 == 1 {
                 for field in own.fields().to_vec() {
@@ -299,7 +301,7 @@ fn energy_of_blocks_never_grows() {
     }
 }
 
-/// Verifies a periodic row of blocks in either axis against one-dimensional sweeps of each pair of fields.
+/// Verifies a periodic row of blocks along either axis against one-dimensional sweeps of each pair of fields.
 #[test]
 fn row_of_blocks_equals_a_one_dimensional_line() {
     let medium = Medium::new(classical(1.0), 2);
@@ -373,7 +375,7 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
                 v = all_v[GHOSTS..GHOSTS + count].to_vec();
                 s = all_s[GHOSTS..GHOSTS + count].to_vec();
             }
-            // Sweeps across the row leave the fields unchanged, and constants are rounded alike.
+            // Sweeps along the other axis leave the fields unchanged; results differ by rounding only.
             let found = [domain.values(own.velocity), domain.values(own.stress)];
             for (found, expected) in found.into_iter().zip([v, s]) {
                 for (found, expected) in found.expect("a field").iter().zip(expected) {

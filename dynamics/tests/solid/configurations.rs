@@ -1,6 +1,6 @@
-//! Random problems: the fused solver, with any instruction set and decomposition, interrupted or not, must give the
-//! bits of the reference solver. Both share the formulas of cells and faces; they differ in the cells to which the
-//! formulas are applied, and in the order.
+//! Random problems: the fused solver, with any instruction set and decomposition, interrupted or not, must be
+//! bit-identical to the reference solver. Both solvers share the formulas of cells and faces; they differ in the loops
+//! over cells and in the order of operations.
 //!
 //! `CONFIGURATIONS=20000 cargo test --release -p wellposed-dynamics --test solid configurations::` runs 20,000 problems
 //! in each of the four tests.
@@ -70,7 +70,7 @@ fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
         let strength = random.choose(&[0.05, 0.05, 0.3, 0.3, 1.0, 100.0]);
         let friction = random.choose(&[0.0, 0.2, 0.5]);
         let mises = Mises::new_drucker_prager(strength, friction, friction);
-        // Interlayer sets exist in the plane only.
+        // Interlayer yield sets exist in the plane only.
         own.with_yield_set(match (D == 2 && random.is_one_in(4), random.is_one_in(2)) {
             (true, _) => YieldSet::from(InterlayerYieldSet {
                 shear_strength: strength,
@@ -94,7 +94,7 @@ fn random_media<const D: usize>(random: &mut NoiseSequence) -> Vec<Medium> {
     (0..=random.uniform_index(3)).map(|_| medium(random)).collect()
 }
 
-/// Returns the medium of each cell: uniform, layered, in stripes, or random.
+/// Returns the medium of each cell: uniform, layered, in patches of `width` × `width` cells, or random by cell.
 fn random_cell_media<const D: usize>(
     random: &mut NoiseSequence,
     cells: [usize; D],
@@ -265,8 +265,8 @@ fn run_reference<T: SolverReal, const D: usize>(
     reference
 }
 
-/// Runs the fused solver and returns its snapshot, output fields and energy. `runs`: numbers of parts along each axis,
-/// and steps with this decomposition; each following run resumes from the snapshot of the previous one.
+/// Runs the fused solver and returns its snapshot, output fields and energy. `runs`: numbers of subdomains along each
+/// axis, and number of steps with this decomposition; each following run resumes from the snapshot of the previous one.
 fn run_fused<T: SolverReal, const D: usize>(
     problem: &Problem<D>,
     start: InitialValues,
@@ -300,8 +300,8 @@ fn flatten_history<T: SolverReal>(memory: &[[T; 2]]) -> [Vec<T>; 1] {
     [memory.as_flattened().to_vec()]
 }
 
-/// Compares all runs of the random problems from number `first` on; `small`: magnitude of the initial values that are
-/// flushed to zero.
+/// Compares the fused solver with the reference solver for random problems from the index `first` on. `small`:
+/// magnitude of initial values close to the threshold below which values are flushed to zero.
 fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small: f64) {
     let wanted = std::env::var("CONFIGURATIONS").ok();
     let wanted = wanted.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
@@ -316,7 +316,7 @@ fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small: f64) {
             magnitude: random.choose(&[1.0, 1.0, 1.0, small]),
             nonzero_fraction: random.choose(&[1.0, 1.0, 0.5, 0.05]),
         };
-        // Along the first axis the stencil of output needs two more cells.
+        // Along the first axis the stencil of the output needs two more cells than the halo.
         let most = |axis: usize| {
             let cells = problem.grid.cells[axis];
             if axis == 0 { (cells / (HALO + 2)).clamp(1, 3) } else { (cells / HALO).clamp(1, 4) }
@@ -356,8 +356,8 @@ fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small: f64) {
         relaxing += usize::from(reference.ledger().viscous_dissipation > 0.0);
         layered += usize::from(!expected.interlayer_history.is_empty());
     }
-    // At least a quarter of the problems yield, a quarter are split along an axis other than the last, a tenth relax,
-    // and a tenth have interlayers.
+    // At least a quarter of the problems yield, a quarter are decomposed along an axis other than the last, a tenth
+    // relax, and a tenth have interlayers.
     let kinds = [4 * yielding, 4 * divided, 10 * relaxing, 10 * layered];
     assert!(count < 40 || kinds.iter().all(|own| *own > count), "{kinds:?}");
 }

@@ -1,4 +1,4 @@
-//! Decomposed domains must have the bits of the undecomposed domain.
+//! Domain decomposition: results must be bit-identical to those of the undecomposed domain.
 
 use crate::support::media::{cubic_compliances, isotropic};
 use crate::support::noise;
@@ -71,7 +71,7 @@ fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
         let (found, expected) = (reference.values(field), whole.values(field));
         assert!(to_bits(found) == to_bits(expected), "reference, {field:?}");
     }
-    // Sums are exact, hence independent of their order.
+    // Sums over the cells are exact, hence independent of their order.
     assert_eq!(reference.energy(), whole.energy());
     let (found, expected) = (reference.ledger(), whole.ledger());
     assert_eq!(Ledger { numerical_dissipation: 0.0, ..found }, expected);
@@ -127,7 +127,8 @@ fn decompositions_equal_the_whole_domain() {
     }
 }
 
-/// Verifies decomposition in each theory: halos contain the fields that sweeps along the last axis and rotation change.
+/// Verifies decomposition in each theory: halos must contain the fields that are changed by sweeps along the last axis
+/// and by the spin–stress rotation.
 #[test]
 fn decompositions_equal_the_whole_domain_in_every_theory() {
     let pair = |b: &Boundary| [b.clone(), b.clone()];
@@ -155,14 +156,15 @@ fn decompositions_equal_the_whole_domain_in_wide_layers() {
         let sides = [pair(&Boundary::Free), pair(&middle), pair(&Boundary::Fixed)];
         check_decompositions::<f64, 3>(&sides, [9, 19, 20], PlasticStep::ReturnMapping);
     }
-    // Work at the ends of rows and layers that are processed in blocks.
+    // Boundary work at the ends of rows and layers that are processed in tiles.
     let open = pair(&Boundary::NonReflecting);
     check_decompositions::<f64, 3>(
         &[open.clone(), open.clone(), open.clone()],
         [9, 25, 13],
         PlasticStep::ReturnMapping,
     );
-    // All layers are processed in blocks of rows, the last of which has fewer rows than the lag of a sweep.
+    // All layers are processed in tiles of rows; the last tile has fewer rows than the distance by which a sweep trails
+    // the previous one.
     for last in [Boundary::Periodic, Boundary::NonReflecting] {
         let sides = [open.clone(), pair(&Boundary::Free), pair(&last)];
         check_decompositions::<f64, 3>(&sides, [66, 41, 12], PlasticStep::MidpointReflection);
@@ -198,7 +200,8 @@ fn fused_solver_equals_the_reference_around_a_single_cell() {
         }
     }
     for place in [0, 1, 253, 254, 255, 256, 257, 258, 509, 510, 511, 512, 513] {
-        // Rows have 526 groups: the cell is in the first lane, then in the fourth.
+        // A row of 4200 cells has 526 SIMD groups, and each lane holds a contiguous segment of the row: the cell is in
+        // the first lane, then in the fourth.
         check_single_cell([4200, 2], place);
         check_single_cell([4200, 2], 3 * 526 + place);
         check_single_cell([2, 600], 2 * place);
@@ -265,8 +268,8 @@ fn runs_resume_from_snapshots() {
     assert!(!second.restore(&other));
 }
 
-/// Verifies single layers and single cells, with mirrored and periodic ghosts, against the reference solver; fixed and
-/// free boundaries do no work.
+/// Verifies single layers and single cells, with image ghosts (fixed and free boundaries) and periodic ghosts, against
+/// the reference solver; fixed and free boundaries do no work.
 #[test]
 fn single_layers_equal_the_reference() {
     let medium = Medium::new(two_solids()[0], 2);
@@ -296,7 +299,7 @@ fn single_layers_equal_the_reference() {
     }
 }
 
-/// Creates both solvers with the same noise.
+/// Creates the fused and the reference solver with the same noise as initial values.
 fn build_both_solvers(problem: &Problem<2>) -> (DecomposedDomain<f64, 2>, Reference<f64, 2>) {
     let mut split = DecomposedDomain::new(problem, 1).expect("sound");
     let mut reference = Reference::new(problem).expect("sound");
@@ -336,12 +339,12 @@ fn boundary_work_on_single_layers_equals_the_reference() {
     }
 }
 
-/// Verifies that several steps per pass equal single steps, with time-dependent boundaries and sources, and in the
+/// Verifies that passes of several steps equal single steps, with time-dependent boundaries and sources, also in the
 /// records after each step.
 #[test]
 fn multi_step_passes_equal_single_steps() {
     check_passes([20, 33], [640, 3, 337, 330, 3]);
-    // In space a pass makes one step, in blocks of rows.
+    // In three dimensions a pass makes one step, in tiles of rows.
     check_passes([66, 50, 17], [56_099, 3, 5_000, 2_700, 3]);
 }
 
@@ -403,20 +406,21 @@ fn check_passes<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
     }
 }
 
-/// Verifies that small values in the tails of waves are flushed to zero before they become subnormal: at the same step
-/// in all decompositions, instruction sets and solvers; the other values agree with double precision, where nothing of
-/// this magnitude is flushed.
+/// Verifies that small values in the tails of waves are flushed to zero before they become subnormal, at the same step
+/// in all decompositions, instruction sets and solvers. The other values are compared with a run in double precision,
+/// in which nothing of this magnitude is flushed.
 #[test]
 fn small_values_are_flushed_in_all_subdomains() {
-    // Thirteen subdomains are nine layers long: for all widths some of the small values are in a halo.
+    // Thirteen subdomains of 121 layers have nine or ten layers each: for every `flat` some of the small values are in
+    // a halo.
     (0..9).step_by(2).for_each(|flat| check_flush([20, 121], 0, flat, Boundary::Free));
     check_flush([9, 7, 121], 0, 0, Boundary::Free);
     // Periodic: small values wrap around where a subdomain is its own neighbour.
     check_flush([20, 146], 73, 0, Boundary::Periodic);
 }
 
-/// Verifies flushing with initial values of order one within `flat` layers of the layer `from` that decay exponentially
-/// beyond.
+/// Verifies flushing with initial values of order one up to `flat` layers from the layer `from`; beyond, they decay by
+/// the factor exp(−3.5) per layer.
 fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last: Boundary) {
     const FLUSH_LIMIT: f64 = 1.29e-26;
     let [soft, stiff] = two_solids().map(|solid| Medium::new(solid, D));
@@ -429,7 +433,7 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
     let problem = Problem::new(grid, media, cell_media, sides, step, scheme);
     let layer = grid.count() / cells[D - 1];
-    // Values underflow in single precision before the half length.
+    // In single precision the values underflow within half of the layers.
     let decay = |i: usize| (-3.5 * (i / layer).abs_diff(from).saturating_sub(flat) as f64).exp();
     let value = |index: usize, i: usize| noise((31 * index + i) as u64) * decay(i);
 
@@ -489,7 +493,8 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
     }
 }
 
-/// Verifies that a panic of one thread, as user signals may cause, does not leave the other threads waiting.
+/// Verifies that a panic of one thread, as a user-supplied time function may cause, does not leave the other threads
+/// waiting.
 #[test]
 #[should_panic(expected = "a scoped thread panicked")]
 fn a_panic_does_not_deadlock() {
@@ -510,7 +515,8 @@ fn a_panic_does_not_deadlock() {
     split.advance(40);
 }
 
-/// Verifies media by moduli and by compliances side by side, in either order: passive stresses follow in both.
+/// Verifies that media given by moduli and by compliances can be combined in one problem: the results do not depend on
+/// their order in the list of media.
 #[test]
 fn media_by_moduli_and_by_compliances_can_be_mixed() {
     let solid = two_solids()[0];

@@ -142,7 +142,7 @@ fn invalid_domains_are_refused() {
         make(vec![medium.clone(), other], vec![0; 16], 1e-3, free.clone()),
         Err(DomainError::Media)
     );
-    // A plane medium on a grid in space.
+    // A medium in the plane on a three-dimensional grid is refused.
     let sides = std::array::from_fn(|_| [Boundary::Free, Boundary::Free]);
     let scheme = Scheme::new(Slopes::Limited, PlasticStep::MidpointReflection);
     let space = Grid { cells: [2; 3], spacing: [0.1; 3] };
@@ -231,8 +231,8 @@ fn half_of_a_symmetric_domain_equals_the_whole() {
     }
 }
 
-/// Verifies a bar pushed with the velocity V against σ = −zV behind the front, which moves by whole cells at Courant
-/// number 1; the boundary work equals the energy of the bar.
+/// Verifies a bar pushed with the velocity V, or with a traction, against σ = −zV behind the front, with the impedance
+/// z; at Courant number 1 the front moves by whole cells. The boundary work equals the energy of the bar.
 #[test]
 fn pushed_bar_has_the_exact_front() {
     let solid = isotropic(Theory::Classical, 1.0);
@@ -254,7 +254,7 @@ fn pushed_bar_has_the_exact_front() {
         let v = domain.values(SolidField::Velocity(0)).expect("a field");
         let s = domain.values(SolidField::Stress(0, 0)).expect("a field");
         for i in 0..40 {
-            // A step consists of two sweeps.
+            // A step has two sweeps along x₁, each of which moves the front by one cell.
             let [vi, si] = if i < 30 { [velocity, stress] } else { [0.0, 0.0] };
             assert!(
                 (v[i] - vi).abs() < 1e-14 && (s[i] - si).abs() < 1e-14,
@@ -263,7 +263,7 @@ fn pushed_bar_has_the_exact_front() {
                 s[i]
             );
         }
-        // ½ρv² + ½s²/M in thirty cells; sweeps along x₂ have no gradients.
+        // Energy ½ρv² + ½s²/M = ρv² per volume in thirty cells (modulus M); there are no gradients along x₂.
         let expected = 30.0 * 0.01 * (velocity * velocity * z / c);
         assert!(
             (ledger.boundary_work / expected - 1.0).abs() < 1e-13,
@@ -275,7 +275,7 @@ fn pushed_bar_has_the_exact_front() {
 }
 
 /// Verifies the frequency of a uniform spin over a thousand periods, for the medium of the unit test
-/// `HomogeneousIsotropicCosseratDomain` of SPECFEM++: 194.2009 Hz (as quoted; unconfirmed).
+/// `HomogeneousIsotropicCosseratDomain` of SPECFEM++: 194.2009 Hz (quoted value, not confirmed independently).
 #[test]
 fn uniform_rotation_has_the_natural_frequency() {
     let couple = Some(CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 });

@@ -40,7 +40,7 @@ fn cone_yield_set() -> YieldSet {
     })
 }
 
-/// Returns an interlayer set in which layers slip and roll on each other.
+/// Returns an interlayer yield set in which layers slip and roll on each other.
 fn interlayer_yield_set() -> YieldSet {
     YieldSet::from(InterlayerYieldSet {
         shear_strength: 0.3,
@@ -60,7 +60,7 @@ fn random_media(random: &mut NoiseSequence, dimensions: usize) -> Vec<Medium> {
     let cosserat = |factor| Medium::new(cosserat(factor), dimensions);
     let reduced = Microrotation { alpha: 0.6, inertia: 0.37, couple: None };
     let reduced = Isotropic::new(1.1, 0.8, 1.3, Some(reduced)).expect("sound moduli");
-    // Cubic solids and interlayer sets exist in the plane only.
+    // Cubic solids and interlayer yield sets exist in the plane only.
     match random.uniform_index(if dimensions == 2 { 10 } else { 7 }) {
         0 => vec![classical(1.0)],
         1 => vec![cosserat(1.0)],
@@ -126,7 +126,7 @@ fn random_domain<T: SolverReal, const D: usize>(number: usize) -> (Domain<T, D>,
     for field in domain.fields().to_vec() {
         let values: Vec<T> = (0..grid.count())
             .map(|cell| match kind {
-                // Noise, sawtooth, spikes.
+                // Initial values by `kind`: noise, sawtooth, spikes.
                 0 => size * random.uniform_symmetric(),
                 1 => size * if cell % 2 == 0 { 1.0 } else { -1.0 },
                 _ if random.uniform_index(10) == 0 => size * random.uniform_symmetric(),
@@ -158,7 +158,7 @@ fn check_energy_never_grows<T: SolverReal, const D: usize>(
             );
             assert!(now <= most, "{description}: {now:e} of {most:e} in step {step}");
             before = now;
-            // Below this the energy is subnormal and its rounding error exceeds the bound.
+            // Below this limit the energy is subnormal and its rounding error exceeds the bound on its growth.
             if now < f64::MIN_POSITIVE / growth {
                 break;
             }
@@ -214,13 +214,14 @@ impl LineDomain {
         Self { domain: Domain::new(&problem).expect("sound"), zero_values: vec![0.0; cells] }
     }
 
-    /// Computes the relative change of energy in a step from a state: velocities of all cells, then their stresses.
+    /// Computes the relative change of energy in one step from a state: the velocities of all cells, then their
+    /// stresses.
     fn energy_growth(&mut self, state: &[f64]) -> f64 {
         let cells = self.zero_values.len();
         for (index, field) in self.domain.fields().to_vec().into_iter().enumerate() {
             let own = match index {
                 0 => &state[..cells],
-                // σ₁₁ follows two velocities; all other fields are zero.
+                // Field 2 is σ₁₁, after the two velocities; all fields other than v₁ and σ₁₁ are zero.
                 2 => &state[cells..2 * cells],
                 _ => &self.zero_values[..],
             };
@@ -232,8 +233,8 @@ impl LineDomain {
     }
 }
 
-/// Stochastic ascent: perturbs a random state of `count` numbers `trials` times, keeping the state of largest growth,
-/// and returns that growth.
+/// Maximises the growth of energy by stochastic ascent: perturbs a random state of `count` numbers `trials` times,
+/// keeping the state of largest growth; returns that growth.
 fn maximise_growth(
     random: &mut NoiseSequence,
     count: usize,
@@ -308,7 +309,7 @@ fn no_state_next_to_an_interface_gains_energy() {
                     places.iter().map(|own| media[line[own.0]]).collect();
                 let growth = |state: &[f64]| {
                     let impedance = |place: usize| cells[GHOSTS + place].impedance;
-                    // Scaled for equal energies of all cells.
+                    // Amplitudes are scaled so that equal entries of `state` give all cells equal energies.
                     let size = |place: usize| cells[GHOSTS + place].courant().sqrt();
                     let mut velocity: Vec<f64> = places
                         .iter()

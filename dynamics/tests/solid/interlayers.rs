@@ -1,5 +1,5 @@
 //! Interlayers on a line: sweeps against a dense solution of the discrete equations, Bloch dispersion of a chain,
-//! energy ledger, a velocity step through an interlayer, energy.
+//! energy ledger, decay of energy, a velocity step and a pulse through an interlayer.
 
 use crate::support::random::CongruentialGenerator;
 use models::interface::elastic::ElasticInterlayer;
@@ -38,7 +38,7 @@ impl InterlayerLine {
         }
     }
 
-    /// Advances the line by one step and returns the power dissipated in the cells, W/m².
+    /// Advances the line by one step and returns the power dissipated by the sweep in the cells, W/m².
     fn advance(&mut self, slopes: Slopes, step: f64) -> f64 {
         let count = self.cells.len();
         let place = |i: usize| (i + count - GHOSTS) % count;
@@ -88,8 +88,8 @@ impl InterlayerLine {
     }
 }
 
-/// Verifies steps at Courant number 1, where waves move by one cell, against a dense solution of the equations of both
-/// interlayers.
+/// Verifies steps at Courant number 1, where waves move by one cell, against a dense solution of the discrete equations
+/// of two interlayers.
 #[test]
 fn steps_at_courant_number_one_equal_a_dense_solution() {
     let mut random = CongruentialGenerator::new(1);
@@ -115,7 +115,8 @@ fn steps_at_courant_number_one_equal_a_dense_solution() {
         let mut memory = [[0.0; 2]; 2];
         for number in 0..500 {
             let slopes = ALL_SLOPES[number % 3];
-            // Unknowns of each face: v⁻, v⁺, σ⁻, σ⁺, V, S.
+            // Unknowns of each interlayer: v⁻, v⁺, σ⁻, σ⁺ on its lower and upper face, and its velocity V and stress S
+            // after the step.
             let mut matrix = DMatrix::zeros(12, 12);
             let mut right = DVector::zeros(12);
             for face in 0..2 {
@@ -170,7 +171,8 @@ fn steps_at_courant_number_one_equal_a_dense_solution() {
     assert!(worst < 1e-12, "{worst:e}");
 }
 
-/// A periodic chain of blocks of `count` cells with impedance z, separated by interlayers.
+/// A periodic chain of `block_count` blocks with `cells_per_block` cells of impedance z each, separated by interlayers;
+/// the Courant number is 1.
 struct BlockChain {
     cells_per_block: usize,
     block_count: usize,
@@ -180,14 +182,16 @@ struct BlockChain {
 }
 
 impl BlockChain {
-    /// Computes θ and ψ at a frequency of the scheme: ω in ψ is replaced by (2/Δt) tan ½ωΔt.
+    /// Computes the phase changes across a block, θ = ωh/c, and across an interlayer, ψ = 2 arctan ½ω√(mC), rad, at a
+    /// frequency ω of the scheme. θ is exact at Courant number 1; in ψ the frequency is replaced by (2/Δt) tan ½ωΔt.
     fn phase_angles(&self, frequency: f64) -> [f64; 2] {
         let discrete = 2.0 / self.step * (0.5 * frequency * self.step).tan();
         let rate = (self.law.mass * self.law.compliance).sqrt();
         [self.cells_per_block as f64 * self.step * frequency, 2.0 * (0.5 * discrete * rate).atan()]
     }
 
-    /// Computes cos κh = cos θ cos ψ − ½(z/z′ + z′/z) sin θ sin ψ.
+    /// Computes cos κh = cos θ cos ψ − ½(z/z′ + z′/z) sin θ sin ψ, with the Bloch wave number κ, the block length h and
+    /// the interlayer impedance z′ = √(m/C).
     fn bloch_cosine(&self, frequency: f64) -> f64 {
         let [theta, psi] = self.phase_angles(frequency);
         let own = (self.law.mass / self.law.compliance).sqrt();
@@ -219,16 +223,17 @@ impl BlockChain {
         found[branch]
     }
 
-    /// Computes the amplitudes of the right- and left-going waves in the first cell of a block, and of V and S of the
-    /// interlayer at its lower face, for modes exp(i(ωt − κx)): the null vector of the interlayer equations with Bloch
-    /// phases.
+    /// Computes the amplitudes of the right- and left-going waves in the first cell of a block, and of the velocity V
+    /// and stress S of the interlayer at its lower face, for modes exp(i(ωt − κx)): the null vector of the interlayer
+    /// equations with Bloch phases.
     fn mode_amplitudes(&self, frequency: f64, phase: f64) -> [Complex<f64>; 4] {
         let turn = |angle: f64| Complex::from_polar(1.0, angle);
         let of_step = turn(frequency * self.step);
         let (z, m, c) = (self.z, self.law.mass / self.step, self.law.compliance / self.step);
         let half = Complex::new(0.5, 0.0);
-        // In a block the right-going wave is a e^{iω(n − j)}, the left-going one b e^{iω(n + j)}. The last cell of the
-        // previous block differs from this block by the factor e^{iκh}:
+        // After n steps the right-going wave in cell j of a block is a exp(iω(n − j)Δt), the left-going one b
+        // exp(iω(n + j)Δt), with the amplitudes a and b. The last cell of the previous block differs from that of this
+        // block by the factor e^{iκh}:
         let through = frequency * self.step * (self.cells_per_block as f64 - 1.0);
         let [right_before, left_before] = [turn(phase - through), turn(phase + through)];
         // Incoming waves: cell means before the step; outgoing waves: cell means after it.
@@ -303,7 +308,7 @@ impl BlockChain {
         let (v, s, memory) = state(0);
         (line.velocity, line.stress) = (v, s);
         line.layers.iter_mut().zip(memory).for_each(|(own, memory)| own.history = memory);
-        // By the wave amplitudes: a standing wave may have zero initial stress.
+        // Errors are relative to the wave amplitudes: a standing wave may have zero initial stress.
         let size = mode[0].norm().max(mode[1].norm());
         let mut worst = 0.0f64;
         for number in 1..=steps {
@@ -342,12 +347,12 @@ fn modes_of_a_chain_have_the_frequencies_of_the_bloch_relation() {
     }
 }
 
-/// Finds the band edge κh = π next to a frequency just inside the band, where the Bloch relation factorises into
-/// monotonic factors: tan ½θ tan ½ψ = z/z′ or z′/z.
+/// Finds the frequency of the band edge κh = π next to a frequency just inside the band. There the Bloch relation
+/// factorises into monotonic factors: tan ½θ tan ½ψ = z/z′ or z′/z, with z′ = √(m/C).
 fn find_band_edge(chain: &BlockChain, near: f64) -> f64 {
     let own = (chain.law.mass / chain.law.compliance).sqrt();
     let find = |ratio: f64| {
-        // Root of cos ½θ cos ½ψ − r sin ½θ sin ½ψ by Newton's method with a difference quotient.
+        // Root of cos ½θ cos ½ψ − r sin ½θ sin ½ψ, with r = `ratio`, by Newton's method with a difference quotient.
         let factor = |frequency: f64| {
             let [theta, psi] = chain.phase_angles(frequency).map(|angle| 0.5 * angle);
             theta.cos() * psi.cos() - ratio * theta.sin() * psi.sin()
@@ -396,14 +401,14 @@ fn random_line(random: &mut CongruentialGenerator, count: usize) -> (InterlayerL
     (line, step)
 }
 
-/// Verifies that the energy of cells and interlayers changes by the dissipation of the cells, over 20,000 steps between
-/// unequal impedances.
+/// Verifies that the energy of cells and interlayers changes by minus the dissipation of the cells, over 20,000 steps
+/// between unequal impedances.
 #[test]
 fn the_ledger_of_a_line_closes() {
     let mut random = CongruentialGenerator::new(3);
     for slopes in ALL_SLOPES {
         let (mut line, step) = random_line(&mut random, 24);
-        // No numerical dissipation at Courant number 1.
+        // At Courant number 1 sweeps have no numerical dissipation.
         for cell in &mut line.cells {
             *cell = CellConstants::new(cell.impedance, 1.0);
         }
@@ -454,8 +459,9 @@ fn energy_never_grows() {
     }
 }
 
-/// Verifies second order for a step of velocity v₀ through an interlayer between equal half-spaces, against the mean
-/// over each time step of the exact v⁺ = v₀(1 − exp(−2zt/m) − exp(−2Kt/z)).
+/// Verifies second order for a step of velocity v₀ through an interlayer of mass m (kg/m²) and compliance C (m/Pa)
+/// between half-spaces of impedance z, against the mean over each time step of the exact velocity behind the
+/// interlayer, v⁺ = v₀(1 − exp(−2zt/m) − exp(−2t/(Cz))).
 #[test]
 fn velocity_step_through_an_interlayer_converges_at_second_order() {
     let (z, law) = (1.3, ElasticInterlayer { mass: 2.1, compliance: 0.7 });

@@ -80,7 +80,8 @@ fn at_courant_number_one_waves_move_by_a_cell() {
     }
 }
 
-/// Computes the larger of the mean errors of velocity and stress at the time 0.83 on `count` cells.
+/// Computes the mean errors of velocity and stress of periodic waves at the time 0.83 on `count` cells, and returns the
+/// larger one.
 fn wave_error(count: usize, slopes: Slopes) -> f64 {
     let (z, c, courant) = (1.7, 1.3, 0.62);
     let h = 1.0 / count as f64;
@@ -179,8 +180,9 @@ fn only_fourth_order_slopes_overshoot_at_steps() {
     }
 }
 
-/// Verifies a wave that meets another medium: s_r/s_i = (z₂ − z₁)/(z₂ + z₁), s_t/s_i = 2z₂/(z₂ + z₁); exact at Courant
-/// number 1 in both media.
+/// Verifies a wave that meets another medium: the stresses of the reflected and transmitted waves relative to the
+/// incident one are s_r/s_i = (z₂ − z₁)/(z₂ + z₁) and s_t/s_i = 2z₂/(z₂ + z₁), with the impedances z₁ and z₂; exact at
+/// Courant number 1 in both media.
 #[test]
 fn reflection_and_transmission_are_exact_at_courant_number_one() {
     let solids = [(1.0, 1.0, 1.0), (3.0, 2.0, 0.7)];
@@ -201,13 +203,13 @@ fn reflection_and_transmission_are_exact_at_courant_number_one() {
         let transmitted = 2.0 * z[1] / (z[1] + z[0]);
         for (i, place) in line.interior().enumerate() {
             let expected = if i < 50 {
-                // Mirrored at the interface between the cells 49 and 50.
+                // Image of the cell in the interface between the cells 49 and 50, moved back by 40 steps of one cell.
                 let source = 99 - i as i64 - 40;
                 reflected * usize::try_from(source).map_or(0.0, pulse)
             } else {
                 transmitted * pulse(i - 40)
             };
-            // One rounding of stresses up to 5 in each of 40 steps.
+            // One rounding error of stresses up to 5 in each of 40 steps.
             let rounding = 40.0 * 5.0 * f64::EPSILON;
             assert!((line.stress[place] - expected).abs() < rounding, "{slopes:?} {i}");
         }
@@ -293,7 +295,7 @@ fn limited_slopes_create_no_new_extrema() {
     let mut reached = 0;
     for _ in 0..300 {
         let (z, courant) = (random.uniform(0.1, 5.0), random.uniform(0.0, 1.0));
-        // Right-going wave only: rough, smooth or piecewise constant.
+        // Only a right-going wave: rough, smooth or piecewise constant.
         let kind = random.uniform(0.0, 3.0);
         let w: Vec<f64> = (0..40)
             .map(|i| match kind {
@@ -316,12 +318,12 @@ fn limited_slopes_create_no_new_extrema() {
             reached += usize::from(!within.contains(&wave(&plain)));
         }
     }
-    // Without the limiter many values lie outside.
+    // Without the limiter many updated values lie outside this interval.
     assert!(reached > 1000, "{reached}");
 }
 
-/// Verifies the decay of a grid-scale wave in first-order sweeps: the amplification factor of the right-going wave is
-/// 1 − C(1 − exp(−iθ)).
+/// Verifies the decay of a grid-scale wave in first-order sweeps. The amplification factor of the right-going wave is
+/// 1 − C(1 − exp(−iθ)), with the Courant number C and the phase θ per cell.
 #[test]
 fn grid_scale_wave_decays_by_the_amplification_factor() {
     for (waves, count, courant) in [(4, 16, 0.3), (7, 16, 0.7), (8, 16, 0.9)] {

@@ -46,8 +46,8 @@ fn fill_with_noise<T: SolverReal>(problem: &Problem<2>, mut set: impl FnMut(Soli
     }
 }
 
-/// Compares the fused solver, with decompositions and instruction sets, and the reference solver, on two media at
-/// random and a random state; verifies the ledger.
+/// Compares the fused solver, with several decompositions and instruction sets, with the reference solver, for two
+/// media distributed at random and a random initial state; verifies the ledger.
 fn compare_with_reference<T: SolverReal>(theory: Theory, is_polar: bool, slopes: Slopes) {
     let cells = [23, 17];
     let (grid, polar) = polar_grid(cells);
@@ -135,7 +135,8 @@ fn bessel(order: i32, x: f64) -> f64 {
     (0..QUADRATURE_POINTS).map(term).sum::<f64>() / QUADRATURE_POINTS as f64
 }
 
-/// Computes a standing P wave u = ∇φ sin(ωt)/ω, φ = J₂(kr) cos 2θ: v_θ, v_r, then the stresses σ_θθ, σ_rr, σ_rθ.
+/// Computes a standing P wave with the displacement u = ∇φ sin(ωt)/ω, φ = J₂(kr) cos 2θ, in polar coordinates (wave
+/// number k, frequency ω). Returns v_θ, v_r, then the stresses σ_θθ, σ_rr, σ_rθ.
 fn standing_wave(k: f64, [theta, r]: [f64; 2], time: f64) -> [f64; 5] {
     let m = 2.0;
     let speed = ((LAMBDA + 2.0 * MU) / DENSITY).sqrt();
@@ -163,7 +164,8 @@ const PLANE_STRAIN_FIELDS: [SolidField; 5] = [
     SolidField::Stress(0, 1),
 ];
 
-/// Computes a standing P wave in Cartesian coordinates, φ = cos 2x cos ly, k² = 4 + l²; fields as in [`standing_wave`].
+/// Computes a standing P wave in Cartesian coordinates, φ = cos 2x cos ly, k² = 4 + l²; returns fields in the order of
+/// [`standing_wave`].
 fn plane_standing_wave(k: f64, [x, y]: [f64; 2], time: f64) -> [f64; 5] {
     let l = (k * k - 4.0).sqrt();
     let speed = ((LAMBDA + 2.0 * MU) / DENSITY).sqrt();
@@ -236,8 +238,8 @@ fn standing_wave_errors(cells: [usize; 2], is_polar: bool) -> [f64; 2] {
     [0, 1].map(|which| f64::sqrt(error[which] / size[which]))
 }
 
-/// Verifies second order in the interior. At moving boundaries splitting reduces the order, no more in a polar block
-/// than in a plane one.
+/// Verifies second order in the interior. At moving boundaries splitting reduces the order, in a polar block no more
+/// than on a Cartesian grid.
 #[test]
 fn standing_waves_of_a_polar_block_are_second_order() {
     let grids = [[32, 16], [64, 32], [128, 64], [256, 128]];
@@ -378,7 +380,7 @@ fn solve_by_collocation(length: impl Fn(f64) -> f64, time: f64, at: &[f64]) -> L
     at.iter().map(interpolate).collect()
 }
 
-/// Initial fields: v₀ only.
+/// Initial fields at the position y: v₀ = sin²(πy), all others zero.
 fn initial_fields(y: f64) -> [f64; 5] {
     [(PI * y).sin().powi(2), 0.0, 0.0, 0.0, 0.0]
 }

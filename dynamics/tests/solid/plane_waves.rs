@@ -13,8 +13,9 @@ use wellposed_dynamics::line::Slopes;
 use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 
-/// Computes frequencies (rad/s, positive, ascending) and amplitudes of the plane waves with the wave vector κ:
-/// U = Re û exp(i(κ·x − ωt)), from i L⁻¹(iκB + Q)L⁻ᵀ y = ω y with A = LLᵀ.
+/// Computes frequencies ω (rad/s, positive, ascending) and amplitudes û of the plane waves U = Re û exp(i(κ·x − ωt))
+/// with the wave vector κ, from the symmetric form with the matrices A, B and Q: i L⁻¹(iκB + Q)L⁻ᵀ y = ω y, with
+/// A = LLᵀ and û = L⁻ᵀ y.
 fn plane_wave_modes<const D: usize>(
     form: &SymmetricForm<D>,
     wave: [f64; D],
@@ -100,7 +101,7 @@ fn plane_wave_errors<const D: usize>(
             .sum()
     };
     let fields = domain.fields().to_vec();
-    // Index among the unknowns of the rate equations.
+    // Index of a field among the unknowns of the rate equations.
     let place = |field: &SolidField| {
         let name = unknown_name(*field);
         let place = equations.unknowns.iter().position(|unknown| unknown.name == name);
@@ -120,7 +121,7 @@ fn plane_wave_errors<const D: usize>(
         SolidField::Stress(..) | SolidField::ViscousStrain(..) => 2,
         SolidField::Couple(..) => 3,
     };
-    // At several times, since at a single one errors of different kinds may cancel.
+    // Errors are evaluated at several times, since at a single one errors of different kinds may cancel.
     let mut greatest = vec![0.0f64; fields.len()];
     let mut greatest_of_kind = [0.0f64; 4];
     let mut done = 0;
@@ -133,7 +134,8 @@ fn plane_wave_errors<const D: usize>(
         let time = time / steps * until as f64;
         let mut squares = vec![[0.0f64; 4]; cells];
         for ((field, &place), greatest) in fields.iter().zip(&places).zip(&mut greatest) {
-            // In energy units; the wave has unit energy density, and some fields vanish in it.
+            // Errors are in units of the square root of energy: the wave has unit energy density, and some fields
+            // vanish in it.
             let weight = form.a[(place, place)].sqrt();
             let values = domain.values(*field).expect("a field");
             let mut sum = 0.0;
@@ -157,7 +159,7 @@ fn plane_wave_errors<const D: usize>(
 
 const FIELD_KINDS: [&str; 4] = ["velocity", "spin", "stress", "couple stress"];
 
-/// PlaneWaveErrors of components and of fields, by name.
+/// Errors of a plane wave by component, and by field (velocity, spin, stress, couple stress), with their names.
 struct PlaneWaveErrors {
     component_errors: Vec<(String, f64)>,
     field_errors: Vec<(&'static str, f64)>,
@@ -233,7 +235,7 @@ fn plane_waves_converge_in_the_plane_without_limiter() {
 
 #[test]
 fn plane_waves_converge_in_the_plane() {
-    // On 64 cells the limiter still clips a considerable part of each crest.
+    // On 64 cells the limiter still clips a considerable fraction of each crest.
     check_orders::<2>(&[128, 256], Slopes::Limited, [1.85, 1.85]);
 }
 
@@ -250,7 +252,7 @@ fn fine_grids_in_the_plane_show_the_asymptotic_orders() {
     check_orders::<2>(&[64, 128, 256, 512], Slopes::FourthOrder, [1.9; 2]);
 }
 
-/// Verifies the orders in space; a period is 74 cells of the finest grid.
+/// Verifies the orders in space; a wavelength is 74 cells of the finest grid.
 #[test]
 #[ignore = "half an hour"]
 fn fine_grids_in_space_show_the_asymptotic_orders() {

@@ -178,8 +178,8 @@ fn run_slip_wave(count: usize, plastic_step: PlasticStep, strength: f64) -> Vec<
         Scheme::new(Slopes::FourthOrder, plastic_step),
     ))
     .expect("a sound domain");
-    // Layers of high strength slip everywhere at all times: the shear stress is at yield, increased further by the
-    // spin, under pressure waves.
+    // At high strength the layers slip everywhere at all times: the initial shear stress is at yield and is increased
+    // further by the spin, while pressure waves pass.
     let mean = |f: &dyn Fn(f64) -> f64, i: usize| {
         let at = |x: f64| f(h * (i as f64 + x));
         let (low, high) = (0.5 - 0.15f64.sqrt(), 0.5 + 0.15f64.sqrt());
@@ -221,8 +221,8 @@ fn convergence_orders(plastic_step: PlasticStep, strength: f64) -> Vec<f64> {
     orders
 }
 
-/// Verifies the orders of both plastic steps, 1 and 2 where all layers slip at all times (high strength), and at least
-/// 0.8 where slip starts and stops (low strength).
+/// Verifies the orders of convergence of both plastic steps: 1 for return mapping and 2 for midpoint reflection where
+/// all layers slip at all times (high strength), and at least 0.8 for both where slip starts and stops (low strength).
 #[test]
 fn plastic_steps_converge_at_their_orders() {
     let steady = [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection]
@@ -270,8 +270,8 @@ fn transverse_stress_error(count: usize, plastic_step: PlasticStep) -> f64 {
     (0..behind).map(error).sum::<f64>() / behind as f64
 }
 
-/// Verifies why return mapping is the default: behind a shock the midpoint reflection leaves the plastic strain of a
-/// step, an error in the cells of the front that does not vanish on finer grids.
+/// Verifies why return mapping is the default: behind a shock the midpoint reflection leaves an error of the order of
+/// the plastic strain of one step in the cells of the front, which does not vanish on finer grids.
 #[test]
 fn only_return_mapping_converges_behind_plastic_fronts() {
     let counts = [100, 200, 400];

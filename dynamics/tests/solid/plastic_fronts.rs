@@ -34,14 +34,14 @@ fn mises_medium() -> Medium {
 struct PlaneWaveCase {
     name: &'static str,
     duration: f64,
-    /// Boundary conditions by end.
+    /// Boundary conditions at the lower and the upper end, by pair of fields.
     boundary_conditions: [Vec<Condition>; 2],
     /// Time, s, and change of the condition of the first pair at the lower end from that time on.
     condition_change: Option<(f64, f64)>,
-    /// Initial and final v₁, v₂, σ₁₁, σ₁₂, σ₂₂: means over an interval of x₁.
+    /// Initial and final v₁, v₂ (m/s), σ₁₁, σ₁₂, σ₂₂ (Pa): means over an interval of x₁ given by its ends (m).
     initial_means: Box<dyn Fn(f64, f64) -> [f64; 5]>,
     final_means: Box<dyn Fn(f64, f64) -> [f64; 5]>,
-    /// Positions of jumps and kinks of the exact solution at the final time.
+    /// Positions of jumps and kinks of the exact solution at the final time, m.
     front_positions: Vec<f64>,
 }
 
@@ -226,8 +226,8 @@ fn default_scheme(plastic_step: PlasticStep) -> Scheme {
 
 const CELL_COUNTS: [usize; 4] = [100, 200, 400, 800];
 
-/// Prints the table of BENCHMARKS.md: errors in % of the range, mean (maximum away from fronts), and the order of the
-/// mean from 100 to 800 cells.
+/// Prints the table of BENCHMARKS.md: errors in % of the range of each field, as mean (and maximum away from fronts),
+/// and the order of the mean error from 100 to 800 cells; verifies bounds on them.
 #[test]
 fn errors_of_both_plastic_steps_are_bounded() {
     for case in exact_cases() {
@@ -291,7 +291,7 @@ fn fronts_obey_their_jump_conditions() {
                     assert!(close(stress_difference, ratio * stress), "{pair:?}");
                 } else {
                     plastic_fronts += 1;
-                    // The yield surface is reached on both sides, and loading continues.
+                    // The yield surface is reached ahead of the front and behind it, and loading continues.
                     assert!(close(stress_difference, 0.0), "{pair:?}");
                     assert!(close(pair[0].stress_difference.abs(), bar.yield_stress), "{pair:?}");
                     let behind = stress * -front.speed.signum();
@@ -347,8 +347,8 @@ fn pressure_shear_impact(initial_shear_stress: f64, final_angle: f64) -> Pressur
     }
 }
 
-/// Verifies both simple waves: the stress follows from the strain −∂v/ξ by the return mapping of the solver, momentum
-/// is balanced, and speeds decrease along the waves.
+/// Verifies both simple waves: the stress increment follows from the strain increment −dv/ξ, ξ = x₁/t, by the return
+/// mapping of the solver, momentum is balanced, and speeds decrease along the waves.
 #[test]
 fn simple_waves_satisfy_momentum_balance_and_return_mapping() {
     let (solid, medium) = (elastic_solid(), mises_medium());
@@ -405,7 +405,8 @@ fn simple_waves_satisfy_momentum_balance_and_return_mapping() {
     }
 }
 
-/// Verifies limits of pressure–shear impact: Wood's waves without shear, and zero speed of the slow wave at ψ = π/2.
+/// Verifies limits of pressure–shear impact: Wood's uniaxial waves if there is no shear, and zero speed of the slow
+/// wave at the angle ψ = π/2 of the yield surface.
 #[test]
 fn impact_without_shear_has_uniaxial_waves() {
     let bar = exact_bar();

@@ -27,7 +27,7 @@ use wellposed_dynamics::simulation::{Simulation, SolidSimulation, SolverChoice, 
 const LAMBDA: f64 = 1.4;
 /// Relaxed shear modulus μ_R, Pa.
 const MU: f64 = 0.9;
-/// Shear modulus of the branch μ₁, Pa.
+/// Shear modulus μ₁ of the relaxing branch (spring and dashpot in series), Pa.
 const BRANCH_MODULUS: f64 = 0.5;
 const DENSITY: f64 = 1.2;
 
@@ -55,7 +55,8 @@ fn fill_with_noise<T: SolverReal, const D: usize>(split: &mut DecomposedDomain<T
     }
 }
 
-/// Computes μ(ς) from the rate equations of spring and dashpot: for e ∝ exp(ςt) the viscous strain is e/(1 + ςτ).
+/// Computes the complex shear modulus μ(ς), Pa, from the rate equations of spring and dashpot: for a strain e ∝ exp(ςt)
+/// the viscous strain is e/(1 + ςτ), with the relaxation time τ.
 fn shear_modulus(rate: Complex, time: f64) -> Complex {
     let viscous = (rate * time + 1.0).inv();
     MU + BRANCH_MODULUS * (1.0 - viscous)
@@ -75,7 +76,8 @@ fn find_root(f: impl Fn(Complex) -> Complex, start: Complex) -> Complex {
     b
 }
 
-/// A plane wave exp(ςt + ik·x) with `mode_numbers` periods along each axis of the unit box and the damping −Re ς.
+/// A damped plane wave exp(ςt + ik·x) with the complex rate ς and `mode_numbers` periods along each axis of the unit
+/// box; the damping rate is −Re ς.
 struct DampedPlaneWave<const D: usize> {
     mode_numbers: [usize; D],
     /// Direction of the velocity.
@@ -86,8 +88,8 @@ struct DampedPlaneWave<const D: usize> {
 }
 
 impl<const D: usize> DampedPlaneWave<D> {
-    /// Creates a P wave, or an S wave polarised in the plane of the first two axes. τ is of the order of the period
-    /// over 2π.
+    /// Creates a P wave, or an S wave polarised in the plane of the first two axes. The relaxation time τ is of the
+    /// order of the period over 2π.
     fn new(wave: [usize; D], is_longitudinal: bool, theory: Theory) -> Self {
         let mut n = [0.0; 3];
         wave.iter().enumerate().for_each(|(axis, own)| n[axis] = *own as f64);
@@ -109,7 +111,7 @@ impl<const D: usize> DampedPlaneWave<D> {
             match (is_longitudinal, own) {
                 (true, _) => bulk + 4.0 / 3.0 * shear,
                 (false, [0.0, _]) => shear,
-                // Spin amplitude ω of the velocity amplitude v: jς²ω + 4αω = 2αik v.
+                // Spin amplitude ω for the velocity amplitude v, from jς²ω + 4αω = 2αik v.
                 (false, [alpha, inertia]) => {
                     let kinetic = rate * rate * inertia;
                     shear + alpha * kinetic / (kinetic + 4.0 * alpha)
@@ -136,7 +138,8 @@ impl<const D: usize> DampedPlaneWave<D> {
             (gradient(i, j) + gradient(j, i)) * 0.5 - volume * (kronecker(i, j) / 3.0)
         };
         let m = isotropic(*theory, 1.0).microrotation;
-        // About the third axis, for waves in the plane: (curl v)₃ is twice the rotation rate of the material.
+        // Components about the third axis, for waves in the plane: (curl v)₃ is twice the rotation rate of the
+        // material.
         let curl = Complex::i() * (p[1] * k[0] - p[0] * k[1]);
         let spin = m.map_or(Complex::ZERO, |m| {
             curl * (2.0 * m.alpha) / (rate * rate * m.inertia + 4.0 * m.alpha)
@@ -160,14 +163,14 @@ impl<const D: usize> DampedPlaneWave<D> {
         }
     }
 
-    /// Computes the relative error of ς over the time in which the amplitude halves, with `cells` cells along each
-    /// axis.
+    /// Computes the relative error of the rate ς over the time in which the amplitude halves, with `cells` cells along
+    /// each axis.
     fn rate_error(&self, cells: usize, splitting: Splitting) -> f64 {
         let medium = relaxing_medium(self.theory, self.relaxation_time, D);
         let grid = Grid { cells: [cells; D], spacing: [1.0 / cells as f64; D] };
         let duration = 0.7 / -self.complex_rate.re;
         let longest = 0.9 * 2.0 / (8.0 * medium.max_speed());
-        // The same Courant number on all grids; the number of steps is a multiple of four.
+        // The Courant number is the same on all grids; the number of steps is a multiple of four.
         let steps = 4 * (0.25 * duration / longest).ceil() as usize * cells / 8;
         let (step, count) = (duration / steps as f64, grid.count());
         let scheme = return_mapping_scheme(Slopes::FourthOrder, splitting);
@@ -199,7 +202,8 @@ impl<const D: usize> DampedPlaneWave<D> {
             }
             sum
         };
-        // Between two times, since initial values and output change the amplitude once, which is not part of the rate.
+        // The rate is measured between two times, since initial values and output change the amplitude once, which is
+        // not part of the rate.
         split.advance(steps / 4);
         let first = amplitude(&split);
         split.advance(steps - steps / 4);
@@ -209,7 +213,7 @@ impl<const D: usize> DampedPlaneWave<D> {
         (ratio.ln() / duration).norm() / self.complex_rate.norm()
     }
 
-    /// Verifies second order between two grids, fine enough for the asymptotic order.
+    /// Verifies second order of the error of ς between two grids that are fine enough for the asymptotic order.
     fn check_second_order(&self, cells: [usize; 2], max_error: f64) {
         for splitting in SPLITTINGS {
             let errors = cells.map(|cells| self.rate_error(cells, splitting));
@@ -244,7 +248,8 @@ fn shear_waves_with_spin_are_second_order() {
     }
 }
 
-/// Verifies exact relaxation at rest: deviatoric stresses are multiplied by (μ_R + μ₁e^(−t/τ))/μ_U.
+/// Verifies exact relaxation at rest: in the time t deviatoric stresses are multiplied by (μ_R + μ₁e^(−t/τ))/μ_U, with
+/// the relaxed modulus μ_R, the branch modulus μ₁, the unrelaxed modulus μ_U = μ_R + μ₁ and the relaxation time τ.
 #[test]
 fn uniform_strain_relaxes_exactly() {
     for splitting in SPLITTINGS {
@@ -325,8 +330,8 @@ fn mixed_problem<const D: usize>(cells: [usize; D], theory: Theory, scheme: Sche
     Problem::new(grid, four_media(theory, step, D), cell_media, sides, step, scheme)
 }
 
-/// Verifies that energy never grows from random states, viscous strains included, with steps far shorter and longer
-/// than τ.
+/// Verifies that energy never grows from random states, viscous strains included, with steps far shorter and far longer
+/// than the relaxation time.
 #[test]
 fn energy_never_grows() {
     for splitting in SPLITTINGS {
@@ -410,7 +415,8 @@ fn the_ledger_closes() {
     }
 }
 
-/// Verifies the stored energy of a domain against that of the springs, from the state of each cell.
+/// Verifies the stored energy of a domain against the energy of the springs of the relaxing solid, computed from the
+/// state of each cell.
 #[test]
 fn stored_energy_is_that_of_the_springs() {
     let theory = Theory::Cosserat;
@@ -439,14 +445,15 @@ fn stored_energy_is_that_of_the_springs() {
     assert!((found - stored).abs() < 1e-13 * stored, "{found} {stored}");
 }
 
-/// Returns the bits of the fields and of the sums by cell.
+/// Returns the bits of the fields and of the cell sums of a snapshot.
 fn snapshot_bits<T: SolverReal>(own: &Snapshot<T>) -> (Vec<Vec<u64>>, Vec<Vec<u64>>) {
     let of = |values: &Vec<T>| values.iter().map(|value| value.to_f64().to_bits()).collect();
     let sums = own.cell_sums.iter().map(|own| own.iter().map(|value| value.to_bits()).collect());
     (own.fields.iter().map(of).collect(), sums.collect())
 }
 
-/// Compares the bits of runs with decompositions, instruction sets, the reference solver, and resumed from a snapshot.
+/// Compares bit by bit runs with several decompositions and instruction sets, runs resumed from a snapshot, and the
+/// reference solver.
 fn compare_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
     for splitting in SPLITTINGS {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
@@ -532,7 +539,7 @@ fn unused_relaxing_media_change_nothing() {
                 assert_eq!(value != 0.0, relaxes, "{field:?} in cell {cell}");
             }
         }
-        // Media in the list that no cell has must not change the results.
+        // Media of the list that occur in no cell must not change the results.
         let mut without = problem.clone();
         without.cell_media.iter_mut().for_each(|own| *own = [0, 3, 3, 3][usize::from(*own)]);
         let mut plain = without.clone();

@@ -1,5 +1,5 @@
-//! Vectorised return mapping of total stresses: bits of the scalar projection, and the closest stress of the yield set
-//! as computed by a conic solver.
+//! Vectorised return mapping of total stresses: bit-identical to the scalar projection, and equal to the closest stress
+//! of the yield set as computed by a conic solver.
 
 use crate::support::media::{isotropic, scaled_isotropic};
 use crate::support::noise;
@@ -22,7 +22,8 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::simd::InstructionSet;
 
-/// Returns a medium with a yield set of a kind, or without one (kind 0).
+/// Returns a medium with a yield set given by `kind`: 0 none, 1 a Drucker–Prager cone, 2 a Mises-type cone that depends
+/// on antisymmetric and couple stresses where the theory has them, otherwise an interlayer set.
 fn random_medium<const D: usize>(
     random: &mut NoiseSequence,
     theory: Theory,
@@ -56,7 +57,7 @@ fn random_medium<const D: usize>(
     })
 }
 
-/// Returns a random problem in which total stresses are mapped.
+/// Returns a random problem with yielding media; three of four problems have an initial stress.
 fn random_problem<const D: usize>(random: &mut NoiseSequence) -> Problem<D> {
     let theory = random.choose(&[Theory::Classical, Theory::Reduced, Theory::Cosserat]);
     let kinds: &[usize] = match (D, random.uniform_index(3)) {
@@ -179,7 +180,8 @@ fn vectorised_return_mapping_equals_the_scalar_one_in_single_precision() {
 /// Stress components σ₁₁, σ₂₂, σ₃₃, σ₁₂, Pa.
 type PlaneStrainStress = [f64; 4];
 
-/// Computes the compliance of an isotropic solid, 1/Pa: the energy density ½s·Cs is (σ:σ − λ/(3λ + 2μ) tr²)/4μ.
+/// Computes the compliance C of an isotropic solid, 1/Pa. The energy density of the stress s is
+/// ½s·Cs = (σ:σ − λ/(3λ + 2μ) (tr σ)²)/4μ.
 fn compliance(solid: &Isotropic) -> [PlaneStrainStress; 4] {
     let share = solid.lambda / (3.0 * solid.lambda + 2.0 * solid.mu);
     std::array::from_fn(|i| {
@@ -198,7 +200,7 @@ fn energy_density(compliance: &[PlaneStrainStress; 4], stress: &PlaneStrainStres
         .sum::<f64>()
 }
 
-/// Computes the stress of a cone closest to a trial stress in the energy norm, with a conic solver.
+/// Computes the stress of a yield cone closest to a trial stress in the energy norm, with a conic solver.
 fn find_closest_stress(
     solid: &Isotropic,
     set: &Mises,
@@ -214,7 +216,8 @@ fn find_closest_stress(
         .collect();
     let q: Vec<f64> =
         own.iter().map(|row| -row.iter().zip(trial).map(|(c, s)| c * s).sum::<f64>()).collect();
-    // b − A s = (k − κσ_m, terms of τ̄) in the second-order cone.
+    // b − A s = (k − κσ_m, components of the shear intensity τ̄) lies in the second-order cone: τ̄ ≤ k − κσ_m, with the
+    // strength k, the friction κ and the mean stress σ_m.
     let (third, sixth) = (set.friction / 3.0, (1.0f64 / 6.0).sqrt());
     let a = CscMatrix::from(&[
         [third, third, third, 0.0],
@@ -284,7 +287,8 @@ fn mapped_total_stresses_are_the_closest_by_a_conic_solver() {
             };
             let theirs = find_closest_stress(&solid, &set, &trial);
             let scale = energy_density(&compliance, &trial);
-            // As close as the solution of the conic solver, and in the set: the closest stress is unique.
+            // The mapped stress is as close as that of the conic solver, and in the yield set: the closest stress is
+            // unique.
             let excess = (distance(&own) - distance(&theirs)) / scale;
             assert!(excess <= 1e-9, "{excess:e} at {trial:?}");
             let mean = (own[0] + own[1] + own[2]) / 3.0;

@@ -24,7 +24,7 @@ use models::solid::parameters::Isotropic;
 /// Number of integration steps of each simple wave.
 const STEPS_PER_WAVE: usize = 4000;
 
-/// State at a point.
+/// State of the half-space at a point and a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WaveState {
     /// Velocities v₁ and v₂, m/s.
@@ -89,13 +89,13 @@ impl PressureShearImpact {
         (d, [mean + half, (d[0] * d[2] - d[1] * d[1]) / (mean + half)])
     }
 
-    /// Computes dσ₁₂/dσ₁₁ in the fast wave.
+    /// Computes dσ₁₂/dσ₁₁ in the fast wave at the angle ψ, rad.
     fn fast_slope(&self, angle: f64) -> f64 {
         let (d, [fast, _]) = self.moduli(angle);
         d[1] / (fast - d[2])
     }
 
-    /// Computes dσ₁₁/dσ₁₂ in the slow wave.
+    /// Computes dσ₁₁/dσ₁₂ in the slow wave at the angle ψ, rad.
     fn slow_slope(&self, angle: f64) -> f64 {
         let (d, [_, slow]) = self.moduli(angle);
         d[1] / (slow - d[0])
@@ -146,7 +146,7 @@ impl PressureShearImpact {
         }
         let second = points.len();
         points.push((wave_speed(angle, 1), points[second - 1].1));
-        // Derivatives of ψ, σ₁₁ and the velocities with respect to ψ, the integration variable.
+        // Derivatives of ψ, σ₁₁ and both velocities with respect to ψ, the integration variable.
         let rate = |angle: f64| {
             let shear = k * angle.cos();
             let inverse = -shear / (density * wave_speed(angle, 1));
@@ -197,7 +197,7 @@ impl SelfSimilarSolution {
         ahead.interpolate(behind, (faster - speed) / (faster - slower))
     }
 
-    /// Computes the mean state over an interval of x₁ at a time.
+    /// Computes the mean state over an interval of x₁ (m) at a time (s) from samples.
     pub fn mean_state(&self, from: f64, to: f64, time: f64) -> WaveState {
         const SAMPLE_COUNT: usize = 32;
         let mut sum = [0.0; 5];

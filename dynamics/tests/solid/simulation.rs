@@ -82,7 +82,8 @@ impl<S: Simulation<Account: Debug, Fields: Debug>> Observer<S> for OutputLog {
     }
 }
 
-/// Runs a simulation, interrupting and resuming it after every `interruption_interval` calls; returns its log, end and state.
+/// Runs a simulation, interrupting it after every `interruption_interval` calls of `on_steps_done` and resuming it;
+/// returns its log, its outcome and its final state.
 fn run_with_interruptions<S: Simulation<Account: Debug, Fields: Debug>>(
     create: impl Fn() -> S,
     output: &OutputTimes,
@@ -124,7 +125,7 @@ const RUN_DURATION: f64 = 4.0;
 const SOLVER_CHOICES: [SolverChoice; 2] =
     [SolverChoice::Fused { threads: 2 }, SolverChoice::Reference];
 
-/// Creates a simulation of a pulse in plane blocks with interlayers, and a source with the time function `signal`.
+/// Creates a simulation of a plane solid in blocks with interlayers and a source with the time function `signal`.
 fn pulse_simulation(signal: fn(f64) -> f64, solver: SolverChoice) -> SolidSimulation<f64, 2> {
     pulse_simulation_with_duration(signal, solver, RUN_DURATION)
 }
@@ -170,7 +171,8 @@ fn output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
     }
 }
 
-/// Verifies solids: snapshots are taken between steps, records in every step.
+/// Verifies that resumed runs of solids deliver the same bits: snapshots are taken between steps, records in every
+/// step.
 #[test]
 fn resumed_solid_runs_deliver_the_same_bits() {
     let mut logs = Vec::new();
@@ -183,7 +185,8 @@ fn resumed_solid_runs_deliver_the_same_bits() {
         assert_eq!((log.records.len(), state.steps), (steps.count + 1, steps.count));
         assert_eq!(log.accounts.len(), steps.count.div_ceil(7) + 1);
         assert_eq!(log.snapshots.len(), 14);
-        // The residual is rounding in the full ledger, and the numerical dissipation in the other one.
+        // The residual of the energy balance is rounding in the full ledger of the reference solver, and the numerical
+        // dissipation in the ledger of the fused solver.
         let (balance, energy) = (end.last_account.balance().abs(), end.last_account.energy.total());
         match solver {
             SolverChoice::Reference => assert!(balance < 1e-13 * energy, "{balance:e}"),
@@ -214,7 +217,7 @@ fn check_fault(solver: SolverChoice) {
     assert_eq!(state.time, end.last_account.time);
     assert_eq!(whole.records.len(), state.steps + 1);
     assert_eq!(whole.records, sound.records[..=state.steps]);
-    // Accounts that were due, and the account of the last state.
+    // The accounts that were due up to the fault, and the account of the last valid state.
     let due = state.steps / 7 + 1;
     assert!(!state.steps.is_multiple_of(7));
     assert_eq!(whole.accounts[..due], sound.accounts[..due]);
@@ -251,7 +254,7 @@ fn faults_are_located_from_the_last_saved_state() {
         assert_eq!(log.replay_count, replayed, "{save_after:?}");
         assert!(batch_count > 1, "{batch_count}");
         all.push((log.records, log.accounts, simulation.state()));
-        // Interrupted between two batches.
+        // The repetition can be interrupted between two batches.
         if replayed > 1 {
             let mut log = OutputLog { save_after, max_replays: Some(1), ..OutputLog::default() };
             assert!(run_simulation(&mut new(), &output, false, &mut log).is_err());
@@ -259,7 +262,7 @@ fn faults_are_located_from_the_last_saved_state() {
         }
     }
     assert!(all.windows(2).all(|pair| pair[0] == pair[1]));
-    // Starting from a restored state.
+    // After resuming from a saved state, only the steps since that state are repeated.
     let mut first = new();
     let mut log = OutputLog { interruption_interval: Some(1), ..OutputLog::default() };
     let state =
@@ -272,7 +275,7 @@ fn faults_are_located_from_the_last_saved_state() {
     assert_eq!(second.state(), all[0].2);
 }
 
-/// Verifies flows: accounts and snapshots are taken between steps.
+/// Verifies that resumed runs of flows deliver the same bits: accounts and snapshots are taken between steps.
 #[test]
 fn resumed_flow_runs_deliver_the_same_bits() {
     let problem = flow::FlowProblem {

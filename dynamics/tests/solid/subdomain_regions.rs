@@ -107,7 +107,7 @@ fn region_problem<const D: usize>(
     let mut sides: [[Boundary; 2]; D] =
         std::array::from_fn(|_| [Boundary::Free, Boundary::NonReflecting]);
     sides[1] = [Boundary::Periodic, Boundary::Periodic];
-    // A different condition on each face.
+    // Three kinds of conditions alternate from face to face and from pair to pair.
     let condition = |pair: usize, face: usize| match (pair + face) % 3 {
         0 => Condition::Velocity(0.1),
         1 => Condition::NonReflecting,
@@ -241,7 +241,8 @@ fn restricted_problem_equals_the_problem_built_from_coordinates() {
         let restricted = whole.restrict_to(region);
         assert_eq!(own.cell_media, restricted.cell_media);
         assert_eq!(own.boundaries, restricted.boundaries);
-        // Order of the whole grid, which differs from that of the region where a halo wraps around.
+        // The lists of the restricted problem are in the order of the whole grid, which differs from that of the region
+        // where a halo wraps around: sort them by the index in the region.
         let (mut faces, mut cells) =
             (restricted.loads[0].faces.clone(), restricted.sources[0].cells.clone());
         faces.sort_by_key(|own| own.0);

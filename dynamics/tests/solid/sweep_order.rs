@@ -146,7 +146,7 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
         let mut split =
             DecomposedDomain::<f64, 3>::with_first_axis(first, &problem, parts).expect("sound");
         let count: usize = BODY_CELLS.iter().product();
-        // In the order of the body's fields.
+        // Fields in the order of the solver in the frame of the body.
         let fields = DecomposedDomain::<f64, 3>::new(&self::problem_in_frame(BODY_FRAME), 1)
             .expect("sound")
             .fields()
@@ -160,7 +160,7 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
         let inner = split.fields().to_vec();
         let place_of =
             |own: SolidField| inner.iter().position(|to| *to == field_in_frame(own, frame));
-        // By field and cell of the body: output values, solver values, records, dissipated energy.
+        // Results by field and cell of the body: output values, solver values, records, dissipated energy.
         let cells: Vec<usize> =
             (0..count).map(|own| cell_in_frame(body_indices(own, BODY_FRAME), frame)).collect();
         let shown = split.output_fields();
@@ -181,7 +181,8 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
     let (rotated, energy, inflow) = run(ROTATED_FRAME, 0, 1);
     let (same, _, _) = run(BODY_FRAME, 2, 3);
     let (found, other_energy, other_inflow) = run(BODY_FRAME, 2, 1);
-    // Equal up to rounding only: the projection onto the yield set sums components in the order of the axes.
+    // Results are equal up to rounding only: the projection onto the yield set sums components in the order of the
+    // axes.
     let largest = rotated.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
     for (own, other) in rotated.iter().flatten().zip(found.iter().flatten()) {
         assert!((own - other).abs() < 1e-12 * largest, "{own} or {other}");
@@ -190,7 +191,7 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
     assert!((inflow - other_inflow).abs() < 1e-12 * energy);
     let bits = |all: &[Vec<f64>]| all.concat().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&same), bits(&found));
-    // The reference solver with the same first axis.
+    // The reference solver agrees if its sweeps start with the same axis.
     let problem = problem_in_frame(BODY_FRAME);
     let mut split = DecomposedDomain::<f64, 3>::with_first_axis(2, &problem, 1).expect("sound");
     let mut reference = Reference::<f64, 3>::with_first_axis(2, &problem).expect("sound");

@@ -92,9 +92,9 @@ impl ElasticPlasticBar {
         self.yield_stress * self.elastic_modulus / (2.0 * self.shear_modulus)
     }
 
-    /// Computes the waves that change a state to a stress, Pa: state behind the elastic front and speed of the front;
-    /// if the material yields, the same for the plastic front. Waves travel to larger x (direction 1) or to smaller x
-    /// (−1).
+    /// Computes the waves that change the stress of a state to `stress` (Pa): the state behind the elastic front and
+    /// the speed of the front; if the material yields, the same for the plastic front. Waves travel to larger x
+    /// (`direction` 1) or to smaller x (−1).
     fn waves_to_stress(
         &self,
         ahead: UniaxialState,
@@ -124,7 +124,7 @@ impl ElasticPlasticBar {
         fronts
     }
 
-    /// Computes the velocity behind the waves that change a state to a stress.
+    /// Computes the velocity behind the waves that change the stress of a state to `stress` (Pa).
     fn velocity_at_stress(&self, ahead: UniaxialState, stress: f64, direction: f64) -> f64 {
         self.waves_to_stress(ahead, stress, direction)
             .last()
@@ -144,7 +144,7 @@ impl ElasticPlasticBar {
         if at_a == at_b { a } else { a - at_a * (b - a) / (at_b - at_a) }
     }
 
-    /// Computes the stresses at which the response of a state has kinks.
+    /// Computes the stresses at which the velocity behind the waves, as a function of the stress, has kinks.
     fn response_kinks(&self, state: UniaxialState) -> [f64; 3] {
         let per_stress = 2.0 * self.shear_modulus / self.elastic_modulus;
         [-self.yield_stress, state.stress_difference, self.yield_stress].map(|stress_difference| {
@@ -161,7 +161,7 @@ impl ElasticPlasticBar {
         })
     }
 
-    /// Computes the stress at an end whose waves travel in `direction` into a state.
+    /// Computes the stress at an end of the bar, whose waves travel in `direction` into a state.
     fn stress_at_end(&self, end: EndCondition, state: UniaxialState, direction: f64) -> f64 {
         match end {
             EndCondition::Stress(stress) => stress,
@@ -172,8 +172,8 @@ impl ElasticPlasticBar {
         }
     }
 
-    /// Advances a profile to the time `until`, s. `ends`: by end, times from which a condition holds, in increasing
-    /// order, the first 0.
+    /// Advances a profile to the time `until`, s. `ends`: for each end of the bar, conditions with the times from which
+    /// they hold, in increasing order, the first 0.
     pub fn advance(
         &self,
         initial: &BarProfile,
@@ -186,7 +186,7 @@ impl ElasticPlasticBar {
             let own = ends[end].iter().rev().find(|(from, _)| *from <= time);
             own.map_or(EndCondition::Stress(0.0), |own| own.1)
         };
-        // Resolves all initial jumps, and both ends.
+        // Solve the Riemann problems of all initial jumps and of both ends.
         self.resolve_fronts(&mut profile, [0, 1].map(|end| Some(condition(end, 0.0))), close, true);
         loop {
             let now = profile.time;
@@ -231,7 +231,8 @@ impl ElasticPlasticBar {
         }
     }
 
-    /// Solves the Riemann problems where fronts meet (`all`: at every front), and at the ends with a given condition.
+    /// Solves the Riemann problems where fronts meet (with `all`: at every front), and at the ends of the bar whose
+    /// condition is given.
     fn resolve_fronts(
         &self,
         profile: &mut BarProfile,
@@ -256,7 +257,7 @@ impl ElasticPlasticBar {
             let ahead = profile.states[first];
             let wave = self.waves_to_stress(ahead, self.stress_at_end(end, ahead, 1.0), 1.0);
             states.push(wave.last().map_or(ahead, |own| own.0));
-            // From the plastic front to the elastic one, each with the state ahead of it.
+            // Fronts in the order of x, from the plastic to the elastic one, each with the state ahead of it.
             for index in (0..wave.len()).rev() {
                 let state = if index > 0 { wave[index - 1].0 } else { ahead };
                 add(&mut states, &mut fronts, 0.0, (wave[index].1, state));
@@ -351,7 +352,7 @@ impl BarProfile {
         }
     }
 
-    /// Computes the mean state over an interval of x.
+    /// Computes the mean state over an interval of x, m.
     pub fn mean_state(&self, from: f64, to: f64) -> UniaxialState {
         let mut sum = [0.0; 3];
         for (index, state) in self.states.iter().enumerate() {

@@ -45,7 +45,7 @@ fn pulse(time: f64) -> f64 {
     }
 }
 
-/// Computes ∫₀ᵗ cos(ν(t − τ)) pulse(τ) dτ as a sum of integrals of cosines.
+/// Computes ∫₀ᵗ cos(ν(t − τ)) p(τ) dτ, with the pulse p, as a sum of integrals of cosines.
 fn pulse_response(nu: f64, time: f64) -> f64 {
     let end = time.clamp(0.0, PULSE_DURATION);
     let q = 2.0 * PI / PULSE_DURATION;
@@ -62,11 +62,13 @@ fn pulse_response(nu: f64, time: f64) -> f64 {
 /// Width a of the sources exp(−r²/2a²)/2πa², whose Fourier transform is exp(−½a²k²).
 const SOURCE_WIDTH: f64 = 0.1;
 
-/// Computes the velocity at (x, y) due to a pulse at the origin of an infinite plane: a force (1, 0) per unit length,
-/// or with `is_explosion` an isotropic moment of 1. The integral over wavenumbers is evaluated in `count` panels.
+/// Computes the velocity v at (x, y) due to a pulse p(t) at the origin of an infinite plane: a force f = (1, 0) per
+/// unit length, or with `is_explosion` an isotropic moment M = 1. The integral over wave numbers is evaluated in
+/// `count` panels.
 ///
-/// ρv = (2π)⁻² ∫ eⁱᵏˣ Ŵ [κκᵀ Iₚ + (1 − κκᵀ) Iₛ] f d²k with I = ∫ cos(ck(t − τ)) pulse dτ; integration over the angle
-/// turns κκᵀ into ½(J₀ − J₂ (2r̂r̂ᵀ − 1)). For the moment f = −∇Mδ, so that ρv = (2π)⁻¹ ∫ k² J₁ Ŵ Iₚ r̂ dk.
+/// ρv = (2π)⁻² ∫ eⁱᵏˣ Ŵ [κκᵀ Iₚ + (1 − κκᵀ) Iₛ] f d²k, with κ = k/|k|, the transform Ŵ of the source density, and
+/// I = ∫ cos(ck(t − τ)) p(τ) dτ for both wave speeds c. Integration over the angle turns κκᵀ into
+/// ½(J₀ − J₂ (2r̂r̂ᵀ − 1)), with r̂ = x/r. For the moment f = −∇Mδ, so that ρv = (2π)⁻¹ ∫ k² J₁ Ŵ Iₚ r̂ dk.
 fn exact_velocity(
     solid: &Isotropic,
     at: [f64; 2],
@@ -103,7 +105,8 @@ fn exact_velocity(
     sum
 }
 
-/// Computes the maximum error of the seismogram at an oblique receiver, relative to its maximum.
+/// Computes the maximum error of the seismogram at a receiver in an oblique direction from the source, relative to the
+/// maximum of the exact seismogram.
 fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -> f64 {
     let solid = classical_solid();
     let medium = Medium::new(solid, 2);
@@ -150,7 +153,7 @@ fn seismogram_error(cells_per_unit: usize, slopes: Slopes, is_explosion: bool) -
     let (mut error, mut greatest) = (0.0f64, 0.0f64);
     for index in 1..=steps {
         domain.advance();
-        // Receiver at the common corner of four cells.
+        // The receiver is at the common corner of four cells.
         let around = [0, 1, count, count + 1].map(|k| (place[1] - 1) * count + place[0] - 1 + k);
         if index % (steps / 40).max(1) != 0 {
             continue;
@@ -227,7 +230,7 @@ fn spin_pulse(
     let most = (8.0 / spread / (2.0 * PI)).ceil() as i32;
     let span = (2 * most + 1) as usize;
     let unknowns = equations.unknowns.len();
-    // Sums over the wavenumbers along x₂ first, then along x₁.
+    // Sums over the wave numbers along x₂ first, then along x₁.
     let mut rows = vec![vec![DVector::<Complex64>::zeros(unknowns); span]; count];
     for m in -most..=most {
         for n in -most..=most {
@@ -272,8 +275,8 @@ fn spin_pulse(
     values
 }
 
-/// Verifies error and order for a spin pulse in a Cosserat solid, whose branches are dispersive: 20 and 40 cells per
-/// wavelength of the cutoff e^(−a²k²) = 0.01, below which lies 99 % of the energy.
+/// Verifies error and order for a spin pulse exp(−r²/2a²) in a Cosserat solid, whose branches are dispersive: with 20
+/// and 40 cells per wavelength 2π/k of the cutoff e^(−a²k²) = 0.01, below which lies 99 % of the energy.
 #[test]
 fn spin_pulse_in_a_cosserat_solid_converges_at_second_order() {
     let solid = cosserat_solid();
@@ -311,7 +314,7 @@ fn spin_pulse_in_a_cosserat_solid_converges_at_second_order() {
         let exact = spin_pulse(&equations, spread, end, count, &fields);
         let root =
             |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
-        // In energy norm, relative to the total energy.
+        // Errors in the energy norm, relative to the total energy.
         let form = equations.symmetric_form().expect("elastic");
         let mut errors = Vec::new();
         let mut all = 0.0;
@@ -391,7 +394,8 @@ fn reflected_and_transmitted_waves_converge() {
     }
 }
 
-/// Verifies a half-space under a time-dependent traction against v = −s(t − x/c)/z: second order in the step.
+/// Verifies a half-space under a time-dependent traction s(t) against v = −s(t − x/c)/z, with the speed c and the
+/// impedance z: second order in the step.
 #[test]
 fn time_dependent_traction_converges_at_second_order() {
     let solid = classical_solid();
@@ -498,8 +502,8 @@ fn conditions_by_face_hold_on_each_face() {
     assert!(domain.ledger().boundary_work > 0.0);
 }
 
-/// Verifies moments with step time functions: after two steps a moment of 1 has changed the mean stress by −1, a moment
-/// that acts during the first half step only by 0.
+/// Verifies moments M with step time functions: after two steps a moment of 1 has changed the integral of the stress by
+/// −1; a moment that acts only during the first half step has not changed it.
 #[test]
 fn step_moments_change_the_mean_stress() {
     let solid = classical_solid();

@@ -48,8 +48,8 @@ pub fn build_seismogram([panels, receivers]: [usize; 2], samples: usize) -> Seis
     }
 }
 
-/// Builds the energy ledger of a shot in a yielding solid, with a balance of a few percent if `is_coarse`, otherwise
-/// with a residual of the order of rounding.
+/// Builds the energy ledger of a shot in a yielding solid, with a residual of a few percent of the largest energy if
+/// `is_coarse`, otherwise of the order of rounding.
 pub fn build_ledger(is_coarse: bool) -> LedgerFigure {
     let times = sample_interval(0.0, 0.5, 2_000);
     let term = |name: &str, value: &dyn Fn(f64) -> f64| LedgerTerm {

@@ -9,7 +9,8 @@ fn build_categories<const N: usize>(entries: [(&str, FillStyle); N]) -> Vec<Verd
     categories.to_vec()
 }
 
-/// Builds a map with bounds at ±45°, towards which the growth increases.
+/// Builds a map over non-coaxiality and friction angle that is ill-posed beyond the bounds ±45° of the non-coaxiality,
+/// towards which the growth coefficient increases.
 pub fn build_noncoaxiality_map() -> VerdictMap {
     let (x, y) = (sample_interval(-90.0, 90.0, 361), sample_interval(1.0, 60.0, 237));
     let (mut cells, mut level) = (Vec::new(), Vec::new());
@@ -46,7 +47,8 @@ pub fn build_noncoaxiality_map() -> VerdictMap {
     }
 }
 
-/// Builds a map with all fill styles, two orders of growth and levels over many decades.
+/// Builds a map with all fill styles, two ill-posed categories of different growth order, and growth levels over many
+/// decades.
 pub fn build_all_verdicts_map() -> VerdictMap {
     let (x, y) = (sample_interval(-90.0, 90.0, 241), sample_interval(0.0, 40.0, 161));
     let (mut cells, mut level) = (Vec::new(), Vec::new());

@@ -6,8 +6,8 @@ use wellposed_figures::{
     SpeedsFigure, SphereFigure, SphereMark, ZeroSpeedNormal,
 };
 
-/// Builds the dispersion relation of an elastic Cosserat medium; with `has_growth` on logarithmic axes and with synthetic
-/// growth of the transverse waves.
+/// Builds the dispersion relation of an elastic Cosserat medium; with `has_growth` on logarithmic axes and with
+/// synthetic growth of the transverse waves.
 pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
     let [rho, lambda, mu, alpha] = [2700.0, 8.1e9, 8.1e9, 1.005e9_f64];
     let [j, beta, gamma, eta] = [2700.0, 7.75e8, 1.5e8, 3e8_f64];
@@ -19,7 +19,8 @@ pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
         let half = 0.5 * (rho * (bending + 4.0 * alpha) + j * shear) / (rho * j);
         let product = (shear * bending + 4.0 * alpha * mu * k * k) / (rho * j);
         let root = (half * half - product).max(0.0).sqrt();
-        // The second form avoids cancellation for long waves.
+        // The lower branch is the quotient product/(half + root), which avoids the cancellation in half − root for long
+        // waves.
         if upper { (half + root).sqrt() } else { (product / (half + root)).sqrt() }
     };
     let numbers: Vec<f64> = if has_growth {

@@ -29,8 +29,8 @@ impl AxisScale {
         }
     }
 
-    /// Computes the range of the finite positions of `values`, extended at the lower and upper end by the fractions `margins`
-    /// of its length.
+    /// Computes the range of the finite positions of `values`, extended at the lower and upper end by the fractions
+    /// `margins` of its length.
     pub(super) fn from_values(
         kind: ScaleKind,
         values: impl Iterator<Item = f64>,

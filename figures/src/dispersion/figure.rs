@@ -30,7 +30,7 @@ pub struct FrequencyBand {
     pub high: f64,
 }
 
-/// A marked value on a vertical axis, drawn as a thin horizontal line with a label.
+/// A marked value on the frequency or speed axis, drawn as a thin horizontal line with a label.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceLevel {
     /// Label: a few words, or a symbol with its value.
@@ -43,8 +43,8 @@ pub struct ReferenceLevel {
 /// group speeds.
 ///
 /// The speed axis is linear; its range covers the group speeds, the marked speeds and the phase speeds of the shortest
-/// waves only, since phase speeds are unbounded near a cut-off. The growth-rate axis is linear if the wave-number axis
-/// is linear, and symmetric logarithmic if it is logarithmic.
+/// wave of each branch only, since phase speeds are unbounded near a cut-off. The growth-rate axis is linear if the
+/// wave-number axis is linear, and symmetric logarithmic if it is logarithmic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DispersionFigure {
     /// Title of the figure.

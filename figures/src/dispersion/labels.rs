@@ -4,7 +4,7 @@ use super::tags::{TAG_RADIUS, tag_area};
 use crate::page::{self};
 use crate::picture::{Anchor, Point, Rectangle, Text, clip_polyline, polyline_length, text_width};
 
-/// Font size of the labels of levels and bands, pixels.
+/// Font size of the labels of reference levels and frequency bands, pixels.
 pub(super) const LABEL_SIZE: f64 = 22.0;
 
 /// Subdivides a line so that neighbouring points are at most 6 pixels apart.
@@ -21,7 +21,7 @@ pub(super) fn densify(line: &[Point]) -> Vec<Point> {
 }
 
 /// Places a text in a frame at one of the `baselines`, clear of the areas `occupied` and with the least length of lines
-/// behind it. Returns that length (pixels) and the text; `None` if there is not enough space.
+/// behind it. Returns the length of the covered lines (pixels) and the text; `None` if there is not enough space.
 pub(super) fn place_text(
     text: &str,
     baselines: &[f64],
@@ -64,8 +64,8 @@ pub(super) fn place_text(
     best
 }
 
-/// Finds the position of a branch number on a line: inside the frame, clear of the areas `occupied` and, if possible, far
-/// from the points of other lines. `None` if there is no such position.
+/// Finds the position of a branch number on a line: inside the frame, clear of the areas `occupied` and, if possible,
+/// far from the points of other lines. `None` if there is no such position.
 pub(super) fn place_tag(
     parts: &[Vec<Point>],
     others: &[Point],

@@ -207,7 +207,7 @@ impl DispersionPanel<'_> {
             if area.height() < 1.2 * LABEL_SIZE {
                 continue;
             }
-            // Omitted if it would cover lines, since the legend has the label as well.
+            // The label of a band is omitted if it would cover lines, since the legend has it as well.
             let text = place_text(&band.label, &[middle], frame, &lines, &occupied);
             if let Some((_, text)) = text.filter(|(covered_length, _)| *covered_length == 0.0) {
                 occupied.push(text.bounds());

@@ -135,7 +135,8 @@ impl ColourScale {
         if self.is_signed { 0.5 + 0.5 * (value / self.limit) } else { value / self.limit }
     }
 
-    /// Computes the ticks of a colour bar of `length` pixels. At limits with values beyond the labels are ≥ and ≤.
+    /// Computes the ticks of a colour bar of `length` pixels. The label of an upper limit with values beyond it begins
+    /// with ≥, of a lower limit with ≤.
     pub(super) fn ticks(&self, length: f64, is_vertical: bool, is_angle: bool) -> Vec<Tick> {
         if self.limit == 0.0 {
             return Vec::new();

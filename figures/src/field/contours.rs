@@ -12,7 +12,7 @@ use crate::picture::{INK, Picture, Point, Rectangle, WHITE, polyline_length, spl
 const DEFAULT_LEVELS: [f64; 4] = [-0.5, -0.25, 0.25, 0.5];
 const CONTOUR_WIDTH: f64 = 1.4;
 const NEGATIVE_DASHES: [f64; 2] = [7.0, 5.0];
-/// Share of the colour scale above which contour lines are drawn in white.
+/// Magnitude of a contour level, as a fraction of the limit of the colour scale, above which its lines are white.
 const WHITE_LINE_THRESHOLD: f64 = 0.6;
 
 /// Maximum number of contour points, counting 10 extra points per line; above it no contour lines are drawn.
@@ -26,7 +26,7 @@ pub(super) enum Contours {
     Lines(Vec<(f64, Vec<Point>)>),
     /// Hatching of large negative values, since there would be too many contour lines.
     Hatching,
-    /// Neither: there would be too many of the requested contour lines of an unsigned quantity.
+    /// Neither lines nor hatching: there would be too many of the requested contour lines of an unsigned quantity.
     TooMany,
     None,
 }

@@ -18,7 +18,8 @@ pub(super) struct FieldLegendEntry {
     pub(super) swatch: page::Swatch,
 }
 
-/// Widest text of a share of cells; in figures with a fixed scale the entries of varying text are short.
+/// Widest text of a percentage of cells; in figures with a fixed scale, entries whose text varies between frames have
+/// only this percentage.
 const WIDEST_SHARE_TEXT: &str = ">99.9 %";
 
 impl FieldFigure {
@@ -244,7 +245,7 @@ impl FieldFigure {
     }
 }
 
-/// Returns the reference of a share of cells; empty with a fixed scale, for lack of space.
+/// Returns the text that follows a percentage of cells; empty with a fixed scale, for lack of space.
 fn cells_suffix(scale: &ColourScale) -> &'static str {
     if scale.is_fixed { "" } else { " of the cells" }
 }

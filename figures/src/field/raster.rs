@@ -4,12 +4,12 @@ use super::figure::FieldFigure;
 use crate::picture::Rectangle;
 use crate::scale::FINITE_LIMIT;
 
-/// Maximum number of raster cells along an axis, in SVG files and in the grid of contour lines.
+/// Maximum number of raster cells along an axis, in SVG files and in the grid on which contour lines are computed.
 pub(super) const MAX_COARSE_CELLS: usize = 400;
 
 /// Raster of a field: each raster cell is a block of cells.
 pub(super) struct FieldRaster {
-    /// Along each axis the first cell of each raster cell, followed by the number of cells.
+    /// Along each axis the index of the first cell of each raster cell, followed by the number of cells.
     pub(super) edges: [Vec<usize>; 2],
     pub(super) frame: Rectangle,
 }

@@ -89,7 +89,8 @@ impl RenderedField {
         [0, 1, 2].map(|channel| self.pixels[start + channel])
     }
 
-    /// Returns the colour at shares of the frame's width and height from its lower left corner.
+    /// Returns the colour at the fractions `right` of the width and `up` of the height of the frame from its lower left
+    /// corner.
     fn colour_at(&self, right: f64, up: f64) -> [u8; 3] {
         let frame = self.frame;
         self.pixel(frame.left + right * frame.width(), frame.bottom - up * frame.height())

@@ -47,7 +47,7 @@ impl PolarFigure {
             .iter()
             .flat_map(|style| self.finite_spokes().filter(move |spoke| spoke.style == *style))
         {
-            // From the rim inwards, so that the dashes are symmetric.
+            // Each half is drawn from the rim inwards, so that the dashes are symmetric about the centre.
             for end in [spoke.angle_deg, spoke.angle_deg + 180.0] {
                 let points = [
                     polar_to_point(centre, end, radius),

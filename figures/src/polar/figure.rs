@@ -11,7 +11,8 @@ use crate::scale::format_number;
 pub enum SpokeStyle {
     /// Normal to a characteristic of the steady equations: drawn as a wide pale band.
     CharacteristicNormal,
-    /// Direction in which a leading coefficient vanishes: thin dashes, visible also on a band.
+    /// Degenerate direction, in which a leading coefficient of the dispersion relation at large wave numbers vanishes:
+    /// thin dashes, visible also on a band.
     DegenerateDirection,
 }
 

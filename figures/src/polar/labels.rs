@@ -100,7 +100,7 @@ pub(crate) fn draw_spoke_labels(
 ) -> Vec<[Point; 2]> {
     let mut leaders = Vec::new();
     let sign = if is_right { 1.0 } else { -1.0 };
-    // Labels are outside the angles around the rim.
+    // Labels of spokes lie outside the angles written around the rim.
     let away = radius + 2.0 * ANGLE_LABEL_DISTANCE + 12.0;
     let preferred_heights: Vec<f64> =
         labels.iter().map(|label| polar_to_point(centre, label.angle_deg, away)[1]).collect();

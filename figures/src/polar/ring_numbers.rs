@@ -5,8 +5,8 @@ use crate::page::{self};
 use crate::picture::{Anchor, Point, Rectangle, Text, circle_points, clip_polyline};
 use crate::scale::Tick;
 
-/// Places the numbers of the rings, given by their radii, where a ray at the angle `ray_angle` (degrees) crosses them; the
-/// unit follows the outermost number.
+/// Places the numbers of the rings, given by their radii, where a ray at the angle `ray_angle` (degrees) crosses them;
+/// the unit follows the outermost number.
 pub(super) fn place_ring_numbers(
     rings: &[Tick],
     unit: &str,
@@ -27,8 +27,8 @@ pub(super) fn place_ring_numbers(
     labelled().map(number).collect()
 }
 
-/// Places the numbers of the rings on the steep ray in the lower half with the least cost: covered numbers count 1, and
-/// spokes (angles in degrees) near the ray count as well.
+/// Places the numbers of the rings on the steep ray in the lower half with the least cost: each number crossed by a
+/// line costs 1, and a spoke near the ray (`spoke_angles` in degrees) costs up to 1 for each number.
 pub(crate) fn choose_ring_numbers(
     rings: &[Tick],
     unit: &str,
@@ -62,13 +62,13 @@ pub(crate) fn choose_ring_numbers(
     best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, numbers)| numbers)
 }
 
-/// Returns the maximum number of numbers on a steep ray of `length` pixels.
+/// Returns how many ring numbers fit on a steep ray of `length` pixels.
 pub(crate) fn max_ring_numbers(length: f64) -> usize {
     (length * RAY_ANGLE_RANGE[0].to_radians().sin().abs() / (1.3 * RING_LABEL_SIZE)) as usize
 }
 
-/// Range of the angles of the ray of numbers, degrees: steep, so that numbers do not overlap. Angular distance to
-/// spokes, degrees, above which spokes cost nothing.
+/// Range of the angle of the ray on which the ring numbers are placed, degrees: steep, so that numbers do not overlap;
+/// and angle between ray and spoke, degrees, above which a spoke costs nothing.
 const RAY_ANGLE_RANGE: [f64; 2] = [242.0, 298.0];
 const SPOKE_CLEARANCE: f64 = 12.0;
 

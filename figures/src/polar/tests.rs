@@ -107,7 +107,7 @@ fn the_angle_is_anticlockwise_and_the_circle_is_full() {
 
 #[test]
 fn ring_numbers_avoid_lines_and_spokes() {
-    // A curve along the ray at 270°, and spokes beside it.
+    // The growth rate jumps at 90°, so that the curve runs along the ray at 270°; spokes lie on both sides of this ray.
     let mut figure = sample_figure(&constant_growth_points(-2.0), &[60.0, 75.0, 105.0]);
     for [angle, growth] in &mut figure.curves[0].points {
         if *angle >= 90.0 {

@@ -1,11 +1,12 @@
-//! Axes of the map: whole cells around uniformly spaced points.
+//! Axes of the map: one cell, centred at its point, for each of the uniformly spaced points.
 
 use super::figure::VerdictMapAxis;
 use crate::error::FigureError;
 use crate::page::{self};
 use crate::scale::{self, Tick};
 
-/// Extent of an axis: whole cells around its points.
+/// Extent of an axis: from the lower edge of the first cell to the upper edge of the last, with each cell centred at
+/// its point.
 pub(super) struct AxisExtent {
     pub(super) low: f64,
     pub(super) high: f64,

@@ -1,4 +1,4 @@
-//! Legend of a verdict map: categories with their shares, and curves.
+//! Legend of a verdict map: categories with their percentage of the area, and curves.
 
 use super::colour_map::{MISSING_LEVEL_COLOUR, draw_shades};
 use super::curves::draw_curve;

@@ -1,6 +1,6 @@
-//! Formatting of area shares.
+//! Formatting of percentages.
 
-/// Formats a share in percent; 0 % and 100 % are written only if exact.
+/// Formats the ratio `part`/`whole` in percent; 0 % and 100 % are written only if exact.
 pub(crate) fn format_percent(part: usize, whole: usize) -> String {
     let share = 100.0 * part as f64 / whole.max(1) as f64;
     if part == whole {

@@ -48,7 +48,7 @@ fn plain_values_are_read_back() {
     assert_eq!(read_plain_values(&bytes, "second [m/s]").unwrap()[..3], [1.0, 2.0, 0.0]);
     assert_eq!(read_plain_values(&bytes, "third"), None);
     for end in 0..bytes.len() - 60 {
-        // Truncated files are not completed.
+        // A truncated file gives either all values of the array or none.
         let found = read_plain_values(&bytes[..end], "second [m/s]");
         assert!(found.is_none_or(|values| values.len() == 18), "{end}");
     }

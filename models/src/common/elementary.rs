@@ -12,8 +12,8 @@
 
 use nalgebra::Complex;
 
-/// Elementary functions of a double with platform-independent bits. Functions named `cr_` are correctly rounded.
-/// Angles in rad.
+/// Elementary functions of a double with platform-independent bits. Functions whose names start with `cr_` are
+/// correctly rounded. Angles are in rad; x is `self`, except in [`cr_atan2`](Self::cr_atan2).
 pub trait Elementary: Sized {
     /// sin x.
     fn cr_sin(self) -> Self;
@@ -29,7 +29,7 @@ pub trait Elementary: Sized {
     fn cr_acos(self) -> Self;
     /// arctan x in (−π/2, π/2).
     fn cr_atan(self) -> Self;
-    /// The angle in (−π, π] of the point (x, self).
+    /// The polar angle in [−π, π] of the point (x, y), where y is `self`.
     fn cr_atan2(self, x: Self) -> Self;
     /// sinh x.
     fn cr_sinh(self) -> Self;
@@ -39,13 +39,13 @@ pub trait Elementary: Sized {
     fn cr_exp(self) -> Self;
     /// 2ˣ.
     fn cr_exp2(self) -> Self;
-    /// The natural logarithm.
+    /// Natural logarithm ln x.
     fn cr_ln(self) -> Self;
-    /// The logarithm to the base 2.
+    /// Logarithm to the base 2, log₂ x.
     fn cr_log2(self) -> Self;
-    /// The logarithm to the base 10.
+    /// Logarithm to the base 10, log₁₀ x.
     fn cr_log10(self) -> Self;
-    /// selfᵖ.
+    /// Power xᵖ with the exponent p = `power`.
     fn cr_powf(self, power: Self) -> Self;
     /// Euclidean norm √(self² + other²) (`hypot`), within one unit in the last place, without intermediate overflow or
     /// underflow.
@@ -117,11 +117,12 @@ impl Elementary for f64 {
         pxfm::f_pow(self, power)
     }
 
-    // `pxfm::f_hypot` (0.1.30) is not correctly rounded.
+    // Computed from products and a square root, since `pxfm::f_hypot` (0.1.30) is not correctly rounded.
     fn root_sum_square(self, other: Self) -> Self {
-        /// Range in which squares and their sum are normal numbers.
+        /// Magnitudes of the larger argument for which the sum of both squares neither overflows nor underflows.
         const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-140..1e140;
-        /// 2⁶⁰⁰: an exact scale factor that brings every number outside [`SAFE_MAGNITUDES`] into it.
+        /// Scale factor 2⁶⁰⁰, exact, by which arguments outside [`SAFE_MAGNITUDES`] are multiplied or divided before
+        /// they are squared.
         const SCALE_FACTOR: f64 = f64::from_bits((1023 + 600) << 52);
         let largest = self.abs().max(other.abs());
         let norm = |x: f64, y: f64| (x * x + y * y).sqrt();
@@ -143,7 +144,7 @@ pub fn cr_cis(angle: f64) -> Complex<f64> {
     Complex::new(cos, sin)
 }
 
-/// Argument (phase) of a complex number, rad, in (−π, π].
+/// Argument (phase) of a complex number, rad, in [−π, π].
 pub fn cr_arg(z: Complex<f64>) -> f64 {
     z.im.cr_atan2(z.re)
 }

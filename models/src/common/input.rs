@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{input}: found {rejected_value}; {allowed_values}")]
 pub struct InputError {
-    /// Name of the input: a parameter of the model or of its yield set, or a number of the state.
+    /// Name of the input: a parameter of a model or of a yield set, or a quantity of the state.
     pub input: &'static str,
     /// The rejected value; angles in degrees.
     pub rejected_value: String,

@@ -16,15 +16,15 @@ pub trait Number:
     + Neg<Output = Self>
     + 'static
 {
-    /// 0.
+    /// The number 0.
     const ZERO: Self;
-    /// 1.
+    /// The number 1.
     const ONE: Self;
-    /// ½.
+    /// The number ½.
     const HALF: Self;
-    /// ⅓.
+    /// The number nearest to ⅓.
     const THIRD: Self;
-    /// ¼.
+    /// The number ¼.
     const QUARTER: Self;
     /// The smallest positive normal number; smaller numbers are subnormal.
     const MIN_POSITIVE: Self;
@@ -46,7 +46,8 @@ pub trait Number:
     /// Square root.
     fn sqrt(self) -> Self;
 
-    /// Minmod limiter of three arguments: the one of smallest magnitude, or zero if `one` and `other` differ in sign.
+    /// Minmod limiter of three arguments: the argument of smallest magnitude, or zero if `one` and `other` differ in
+    /// sign.
     /// `self` must be a mean of `one` and `other`, so that it has their sign where the two signs agree.
     fn minmod3(self, one: Self, other: Self) -> Self;
 

@@ -1,5 +1,5 @@
-//! Metadata of model constants: name, unit, meaning, default and range, for readers of case files, templates and
-//! parameter sweeps.
+//! Metadata of model constants: name, unit, meaning, default and range, from which case files are read and templates
+//! and parameter sweeps are built.
 
 use crate::common::input::{InputError, ensure, to_rounded_degrees};
 use crate::common::range::AllowedRange;
@@ -16,7 +16,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Meaning of the quantity and its allowed values, in one line.
     pub meaning: &'static str,
-    /// Whether a value is required, and the default if it is not.
+    /// Whether a value is required, has a default, or is optional.
     pub presence: Presence,
     /// Allowed range, independent of the other constants.
     pub range: AllowedRange,

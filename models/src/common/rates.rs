@@ -1,14 +1,15 @@
 //! Rate equations of a solid as data, and their symmetric-hyperbolic form.
 //!
-//! Valid for elastic and elastoplastic solids: with generalised velocities v (translations, spins) and
-//! the stresses s that are work-conjugate to their gradients,
+//! Valid for elastic and elastoplastic solids: with generalised velocities v (translational velocities, spins) and the
+//! stresses s that are work-conjugate to their gradients,
 //!
 //! ```text
 //! M v̇ = Σ ∂ᵢ(Gⁱᵀ s) − Zᵀ s,    ṡ = D (Σ Gⁱ ∂ᵢv + Z v − R s).
 //! ```
 //!
-//! Gⁱ and Z are the strain operators; the balance of momentum has their transposes, which conserves energy. D is the
-//! tangent stiffness. R is the relaxation due to plastic flow of the background: on a curved yield surface a
+//! M is the diagonal mass matrix. Gⁱ and Z are the strain operators; the balances of momentum and spin have their
+//! transposes, which conserves energy. D is the tangent stiffness (not the constant `D` of the types, the number of
+//! space dimensions). R is the relaxation due to plastic flow of the background: on a curved yield surface a
 //! perturbation of the stress rotates the flow direction.
 
 use crate::common::product::triple_product;
@@ -25,26 +26,28 @@ pub struct RateEquations<const D: usize> {
     pub equations: &'static [&'static str],
     /// Diagonal of the mass matrix M, one entry per velocity: kg/m³ for translations, kg/m for spins.
     pub inertia: Vec<Rounded>,
-    /// Tangent stiffness D: stresses × stresses, Pa or N.
+    /// Tangent stiffness, matrix D (rows and columns: stresses), Pa or N.
     pub stiffness: RoundedMatrix,
-    /// Gradient operators Gⁱ: stresses × velocities, dimensionless.
+    /// Gradient operators Gⁱ (rows: stresses, columns: velocities), dimensionless.
     pub gradient: [DMatrix<f64>; D],
-    /// Operator Z of the strain rates due to spins without gradients: stresses × velocities, dimensionless.
+    /// Operator Z of the strain rates due to the spins themselves, not their gradients (rows: stresses, columns:
+    /// velocities), dimensionless.
     pub rotation: DMatrix<f64>,
-    /// Relaxation R: stresses × stresses, 1/(Pa·s); zero unless the background flows plastically.
+    /// Relaxation R (rows and columns: stresses), 1/(Pa·s); zero unless the background flows plastically.
     pub relaxation: RoundedMatrix,
 }
 
 /// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U` in the notation of Sadovskii & Sadovskaya (2019, "Elastic
-/// Cosserat continuum"): A symmetric positive definite, Bⁱ symmetric, Q antisymmetric.
+/// Cosserat continuum"): A symmetric positive definite, Bⁱ symmetric, Q antisymmetric
+/// without plastic flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricForm<const D: usize> {
     /// Matrix A; ½ U·AU is the energy density.
     pub a: DMatrix<f64>,
     /// Symmetric flux matrices Bⁱ.
     pub b: [DMatrix<f64>; D],
-    /// Source matrix Q. With plastic flow of the background Q is an antisymmetric matrix minus R; for associated flow R
-    /// is positive semidefinite and damps perturbations.
+    /// Source matrix Q: antisymmetric, minus the relaxation R if the background flows plastically; for associated flow
+    /// R is positive semidefinite and damps perturbations.
     pub q: DMatrix<f64>,
 }
 

@@ -2,12 +2,12 @@
 //!
 //! Verdicts depend on signs. A sign is certain only if the value exceeds a bound on its error, so the linearised
 //! equations are written in [`Rounded`]: a double with a running error bound (Wilkinson's running error analysis). A
-//! value with a zero bound is exact. Products and sums propagate structural zeros exactly.
+//! value with a zero bound is exact. Products and sums propagate structural zeros (value and bound zero) exactly.
 
 use crate::common::elementary::Elementary;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-/// Half a unit in the last place of 1: the relative error of one rounding.
+/// Unit roundoff u, half a unit in the last place of 1: the largest relative error of one rounding to nearest.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
 /// Factor by which bounds, themselves rounded to nearest, are inflated to stay upper bounds.
@@ -19,9 +19,9 @@ const MIN_SUBNORMAL: f64 = f64::from_bits(1);
 /// A double `value` within `bound` of the exact number that it approximates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rounded {
-    /// The double.
+    /// Computed value.
     pub value: f64,
-    /// |value − exact| ≤ bound.
+    /// Bound on the error: |value − exact| ≤ bound.
     pub bound: f64,
 }
 
@@ -63,7 +63,7 @@ impl Rounded {
         }
     }
 
-    /// Sine, with an assumed error of at most one unit in the last place.
+    /// Sine, with an assumed error of the computed sine of at most one unit in the last place.
     pub fn sin(self) -> Self {
         if self.is_structural_zero() {
             return Self::ZERO;
@@ -72,7 +72,7 @@ impl Rounded {
         Self::with_rounding_error(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
-    /// Cosine, with an assumed error of at most one unit in the last place.
+    /// Cosine, with an assumed error of the computed cosine of at most one unit in the last place.
     pub fn cos(self) -> Self {
         let value = self.value.cr_cos();
         Self::with_rounding_error(value, self.bound + UNIT_ROUNDOFF * value.abs())
@@ -88,7 +88,8 @@ impl Rounded {
         Self::with_rounding_error(value, spread + 3.0 * UNIT_ROUNDOFF * value.abs())
     }
 
-    /// Square root of a number that is not negative: |√x − √v| ≤ |x − v|/√v.
+    /// Square root of a number that is not negative. Its error is at most |√x − √v| ≤ |x − v|/√v, with the exact number
+    /// x and the value v, plus one rounding.
     pub fn sqrt(self) -> Self {
         if self.is_structural_zero() {
             return Self::ZERO;
@@ -170,7 +171,7 @@ impl Div for Rounded {
     }
 }
 
-/// A literal factor such as the 2 of `2 sin φ`: exact.
+/// Product with a literal factor, such as the 2 of `2 sin φ`, which is exact.
 impl Mul<Rounded> for f64 {
     type Output = Rounded;
     fn mul(self, other: Rounded) -> Rounded {

@@ -17,7 +17,7 @@ pub type RoundedMatrix = DMatrix<Rounded>;
 /// growth rate Re ς unchanged; storing V separately keeps Galilean invariance exact in floating point.
 ///
 /// Rows are equations, columns are unknowns; a system may have fewer rows than columns. Fill with
-/// [`reset`](Self::reset) and index assignments; refilling a system allocates nothing.
+/// [`reset`](Self::reset) and index assignments; refilling a system of the same size allocates nothing.
 #[derive(Clone, Debug)]
 pub struct LinearisedSystem<const D: usize> {
     /// Names of the unknowns z, one per column.
@@ -58,7 +58,7 @@ impl<const D: usize> Default for LinearisedSystem<D> {
 }
 
 impl<const D: usize> LinearisedSystem<D> {
-    /// Sets unknowns, equations and frame velocity, and all coefficients to zero.
+    /// Sets unknowns, equations and frame velocity to the given ones and all coefficients to zero.
     pub fn reset(
         &mut self,
         unknowns: &'static [Unknown],

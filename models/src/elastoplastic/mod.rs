@@ -23,7 +23,8 @@ pub struct Solid {
 }
 
 impl Solid {
-    /// Creates a solid in 2 (plane strain) or 3 `dimensions`; a law defined in plane strain only always gets 2.
+    /// Creates a solid in 2 (plane strain) or 3 `dimensions`; if the elastic law is defined in plane strain only,
+    /// always in 2.
     pub fn new(elastic: ElasticLaw, dimensions: usize, plastic: Option<PlasticState>) -> Self {
         let dimensions = if elastic.is_plane() { 2 } else { dimensions };
         Self { elastic_law: elastic, dimensions, plastic_state: plastic }
@@ -37,7 +38,7 @@ impl Solid {
     /// Rate equations in `D` dimensions with the tangent stiffness: plastic loading of all active conditions.
     ///
     /// # Errors
-    /// H + n·Dm is not positive for an active condition; see [`NoResponse`].
+    /// The plastic denominator H + n·Dm of an active condition is not positive; see [`NoResponse`].
     pub fn rates<const D: usize>(&self) -> Result<RateEquations<D>, NoResponse> {
         let Some(plastic) = &self.plastic_state else { return Ok(self.elastic_rates()) };
         let (layout, stiffness) = self.elastic_law.layout_and_stiffness::<D>();
@@ -50,7 +51,7 @@ impl Solid {
     /// stresses among the unknowns; `None` if R is zero.
     ///
     /// # Errors
-    /// H + n·Dm is not positive for an active condition; see [`NoResponse`].
+    /// The plastic denominator H + n·Dm of an active condition is not positive; see [`NoResponse`].
     pub fn damped_rates<const D: usize>(&self) -> Result<Option<RateEquations<D>>, NoResponse> {
         let Some(PlasticState {
             set,
@@ -72,12 +73,12 @@ impl Solid {
         Ok(Some(RateEquations { relaxation, ..rates }))
     }
 
-    /// Stress components of [`ElasticLaw::rates_with_out_of_plane`] in `D` dimensions.
+    /// Stress components among the unknowns of [`ElasticLaw::rates_with_out_of_plane`] in `D` dimensions.
     pub fn all_stresses<const D: usize>(&self) -> Vec<StressComponent> {
         self.elastic_law.layout_and_stiffness::<D>().0.all_stresses().collect()
     }
 
-    /// Stress components among the unknowns of the rate equations in `D` dimensions.
+    /// Stress components among the unknowns of [`rates`](Self::rates) in `D` dimensions, without out-of-plane stresses.
     pub fn stresses<const D: usize>(&self) -> &'static [StressComponent] {
         self.elastic_law.layout_and_stiffness::<D>().0.stresses
     }

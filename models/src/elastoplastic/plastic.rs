@@ -18,7 +18,8 @@ pub struct PlasticState {
     pub stress: Option<Stress>,
     /// Active conditions (f = 0); at least one.
     pub active_conditions: Vec<ActiveCondition>,
-    /// Plastic multiplier rate Λ of the background flow, 1/s; 0 for interlayers, whose conditions are linear.
+    /// Plastic multiplier rate Λ of the background flow, 1/s; 0 if the active conditions are given. It has no effect on
+    /// interlayer sets, whose conditions are linear.
     pub multiplier_rate: f64,
 }
 
@@ -26,8 +27,9 @@ impl PlasticState {
     /// Allowed range of [`PlasticState::multiplier_rate`].
     pub const RATE_RANGE: AllowedRange = AllowedRange::NotNegative;
 
-    /// Creates the plastic state at the stress −p δ + s·`direction` with the largest admissible s, for a background
-    /// that flows plastically at the rate Λ (1/s).
+    /// Creates the plastic state at the stress −p δ + s·`direction` with the largest admissible s, where p is
+    /// `pressure` (Pa) and δ the unit tensor, for a background that flows plastically at the multiplier rate Λ = `rate`
+    /// (1/s).
     ///
     /// # Errors
     /// No multiple of the direction yields (see [`scale_onto_yield`]), or the rate is negative.
@@ -72,7 +74,8 @@ impl PlasticState {
     }
 }
 
-/// Scales a stress onto yield: −p δ + s·`direction` with the largest s ≥ 0 in the yield set; p in Pa.
+/// Computes the stress −p δ + s·`direction` on yield, with the largest s ≥ 0 for which it is in the yield set; p is
+/// `pressure` (Pa) and δ the unit tensor.
 ///
 /// # Errors
 /// The hydrostatic stress −p δ is outside the set or has no strength, or no multiple of the direction yields.

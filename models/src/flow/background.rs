@@ -25,7 +25,7 @@ pub(super) fn complete_background(
     let noncoaxiality = compute_noncoaxiality(rule, state)?;
 
     // Relative rotation ω − s₂₁ from the second line of the flow rule, where
-    // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ.
+    // (d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ = −2 Q_D sin 2Δ with the shear rate Q_D and the non-coaxiality Δ.
     let twice = 2.0 * noncoaxiality;
     let shear_rate = Rounded::from_rounded(state.shear_rate);
     let relative_rotation = if rotation == MaterialRotation::None {
@@ -70,7 +70,7 @@ pub(super) fn complete_background(
         internal_power: 0.0,
     };
     if let MaterialRotation::IntrinsicSpin { moment_of_inertia, .. } = rotation {
-        // Body moment from the balance of spin (Harris & Grekova 2005, eq. 9) with uniform r.
+        // Body moment from the balance of spin (Harris & Grekova 2005, eq. 9) with a uniform rotational stress r.
         let spin = flow.spin.unwrap_or_default().value;
         flow.body_moment = Some(
             moment_of_inertia * state.spin_acceleration + state.inertia_rate * spin
@@ -82,7 +82,7 @@ pub(super) fn complete_background(
     Ok(Background::FullyDeforming(flow))
 }
 
-/// Iterates over all given numbers of a state with their input keys.
+/// Iterates over all given numbers of a state, each with its input key.
 fn keyed_quantities(state: &MaterialState) -> impl Iterator<Item = (&'static str, f64)> {
     let pairs = [
         ("velocity", Some(state.velocity)),
@@ -216,8 +216,9 @@ fn compute_noncoaxiality(rule: &FlowRule, state: &MaterialState) -> Result<Round
     Ok(0.5 * sine.asin())
 }
 
-/// Completes the stress by default values of q and r and finds its position relative to the yield conditions. Values
-/// within [`YIELD_TOLERANCE`] of yield are replaced by the yield values.
+/// Completes the stress by default values of the deviatoric stress q and the rotational stress r, and finds its
+/// position relative to the yield conditions. Values within [`YIELD_TOLERANCE`] of yield are replaced by the values on
+/// yield.
 fn compute_stress_and_region(
     coulomb: &MohrCoulomb,
     rotation: MaterialRotation,
@@ -280,8 +281,8 @@ fn compute_stress_and_region(
     Ok((stress, region))
 }
 
-/// Computes the velocity gradient ∂ⱼVᵢ, 1/s, from the deviatoric rate (Q_D, Ψ_D), the dilatation tr d of the flow rule
-/// and the half vorticity s₂₁.
+/// Computes the velocity gradient ∂ⱼVᵢ, 1/s, from the magnitude Q_D and the angle Ψ_D = Ψ_Σ + Δ of the deviatoric
+/// deformation rate, the dilatation tr d of the flow rule and the half vorticity s₂₁; `delta` is Δ, rad.
 fn compute_velocity_gradient(
     rule: &FlowRule,
     state: &MaterialState,
@@ -319,7 +320,8 @@ fn compute_acceleration(
     force.map(|f| -(f / Rounded::from_rounded(state.density)))
 }
 
-/// Internal power `2 Q_D cos 2Δ (q − p tr d/(2 Q_D cos 2Δ)) − 2 r (ω − s₂₁)`, W/m³.
+/// Internal power `2 Q_D cos 2Δ (q − p tr d/(2 Q_D cos 2Δ)) − 2 r (ω − s₂₁)`, W/m³; symbols as in [`MaterialState`] and
+/// [`FlowRule`].
 fn compute_internal_power(rule: &FlowRule, flow: &DeformingFlow) -> f64 {
     let cosine = (2.0 * flow.rounded_noncoaxiality()).cos().value;
     let dilatation = if rule.is_dilatant { rule.dilatation().value } else { 0.0 };
@@ -329,7 +331,8 @@ fn compute_internal_power(rule: &FlowRule, flow: &DeformingFlow) -> f64 {
         - 2.0 * flow.stress.rotational_stress * flow.relative_rotation.value
 }
 
-/// Checks redundant inputs (velocity gradient, acceleration, body moment, ...) against the derived background.
+/// Checks redundant inputs (velocity gradient, acceleration, body moment, rate of the stress angle) against the derived
+/// background.
 fn check_redundant_inputs(
     rotation: MaterialRotation,
     state: &MaterialState,

@@ -1,8 +1,8 @@
 //! Linearised balance equations and flow rule shared by the granular-flow models.
 //!
 //! Harris & Grekova (2005), eqs (16)–(18), (41), (42), linearised about a background as in section 5 of the paper, with
-//! the printed errors of eqs (83) and (86) corrected. For ν > 0 the density is an unknown. Lower-case symbols are
-//! perturbations, capitals the background.
+//! the printed errors of eqs (83) and (86) corrected. For a dilatancy angle ν > 0 the density is an unknown. Lower-case
+//! symbols are perturbations, capitals the background.
 
 use super::state::{DeformingFlow, FlowRule, MohrCoulomb};
 use crate::common::rounding::Rounded;
@@ -27,19 +27,20 @@ pub const SPIN_COLUMN: usize = 2;
 /// Columns of the unknowns other than the spin.
 #[derive(Clone, Copy, Debug)]
 pub struct UnknownColumns {
-    /// Velocity v₁, v₂.
+    /// Columns of the velocity components v₁ and v₂.
     pub velocity: [usize; 2],
-    /// Pressure p.
+    /// Column of the pressure p.
     pub pressure: usize,
-    /// Stress angle ψ.
+    /// Column of the stress angle ψ.
     pub angle: usize,
-    /// Density ρ; `None` for ν = 0, where the density is constant.
+    /// Column of the density ρ; `None` for ν = 0, where the density is constant.
     pub density: Option<usize>,
 }
 
 impl UnknownColumns {
     /// Resets `system` to the unknowns of a model with or without intrinsic spin and to `equations`, whose last entry
-    /// is the balance of mass. Without dilatancy the density and the balance of mass are omitted.
+    /// is the balance of mass, and returns the columns. Without dilatancy the density and the balance of mass are
+    /// omitted.
     pub fn reset_system(
         system: &mut LinearisedSystem<2>,
         with_spin: bool,
@@ -67,13 +68,13 @@ fn sin_cos_twice_stress_angle(flow: &DeformingFlow) -> [Rounded; 2] {
     [angle.sin(), angle.cos()]
 }
 
-/// Writes the linearised balance of momentum into rows 0 and 1:
+/// Writes the linearisation of the balance of momentum into rows 0 and 1:
 ///
 /// ```text
 /// ρ Dv₁/Dt + (1 − sin φ cos 2ψ) ∂₁p − sin φ sin 2ψ ∂₂p + 2q (sin 2ψ ∂₁ψ − cos 2ψ ∂₂ψ) = ρF₁
 /// ρ Dv₂/Dt − sin φ sin 2ψ ∂₁p + (1 + sin φ cos 2ψ) ∂₂p − 2q (cos 2ψ ∂₁ψ + sin 2ψ ∂₂ψ) = ρF₂
 /// ```
-/// with `q = p sin φ + c cos φ`. The uniform rotational stress has zero divergence.
+/// with `q = p sin φ + c cos φ` and the body force F per unit mass. The uniform rotational stress has zero divergence.
 pub fn write_momentum(
     system: &mut LinearisedSystem<2>,
     columns: &UnknownColumns,
@@ -116,7 +117,7 @@ pub fn write_momentum(
     }
 }
 
-/// Writes the linearised balance of mass, `Dρ/Dt + ρ ∇·v = 0`, into `row`; writes nothing for ν = 0.
+/// Writes the linearisation of the balance of mass, `Dρ/Dt + ρ ∇·v = 0`, into `row`; writes nothing for ν = 0.
 pub fn write_mass(
     system: &mut LinearisedSystem<2>,
     row: usize,
@@ -132,8 +133,8 @@ pub fn write_mass(
     }
 }
 
-/// Writes both linearised equations of [`FlowRule`] into the rows `row` (volume) and `row + 1` (rotation), without the
-/// term 2 e_r ω of the material rotation, which the caller adds:
+/// Writes the linearisation of both equations of [`FlowRule`] into the rows `row` (volume) and `row + 1` (rotation),
+/// without the term 2 e_r ω of the material rotation, which the caller adds:
 ///
 /// ```text
 /// e_v tr d − s_v [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ] = 0
@@ -160,8 +161,8 @@ pub fn write_flow_rule(
     system.b[0][(rotation, v2)] = -rule.rotation_coefficient + rule.shear_coefficient * c2;
     system.b[1][(rotation, v2)] = rule.shear_coefficient * s2;
 
-    // With D₁₁ − D₂₂ = 2 Q_D cos 2Ψ_D and 2 D₁₂ = 2 Q_D sin 2Ψ_D the derivatives of the square brackets
-    // with respect to ψ are −4 Q_D sin 2(Ψ_Σ − Ψ_D) and 4 Q_D cos 2(Ψ_Σ − Ψ_D).
+    // With D₁₁ − D₂₂ = 2 Q_D cos 2Ψ_D, 2 D₁₂ = 2 Q_D sin 2Ψ_D and Δ = Ψ_D − Ψ_Σ the derivatives of the square brackets
+    // with respect to ψ are 4 Q_D sin 2Δ and 4 Q_D cos 2Δ.
     let twice_delta = 2.0 * flow.rounded_noncoaxiality();
     let rate = 4.0 * Rounded::from_rounded(flow.shear_rate);
     system.c[(volume, columns.angle)] = -(rule.dilatancy_coefficient * rate * twice_delta.sin());

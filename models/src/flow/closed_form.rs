@@ -1,9 +1,10 @@
 //! Closed-form verdicts on well-posedness.
 //!
-//! For some models and backgrounds the growth rate of short waves is known in closed form. A formula decides only if
-//! its result is certain: the rounding bound of every quantity must be far below the quantity itself, and all numbers
-//! must be far from overflow and underflow. Otherwise the formula returns `None` and the linearised equations are
-//! analysed numerically. So a formula never returns *marginal* and never decides near a stability boundary.
+//! For some models and backgrounds the growth rate Re ς of short waves exp(ςt + ik·x) is known in closed form. A
+//! formula decides only if its result is certain: the rounding bound of every quantity must be far below the quantity
+//! itself, and all numbers must be far from overflow and underflow. Otherwise the formula returns `None` and the
+//! linearised equations are analysed numerically. So a formula never returns *marginal* and never decides near a
+//! stability boundary.
 
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
@@ -15,7 +16,7 @@ use std::f64::consts::PI;
 pub enum ClosedFormVerdict {
     /// Well-posed: the growth rate is bounded uniformly over all wave vectors.
     WellPosed,
-    /// Ill-posed: Re ς ≈ `coefficient` k^`order` in the worst direction.
+    /// Ill-posed: the growth rate is Re ς ≈ `coefficient` k^`order` in the direction of fastest growth.
     PowerLawGrowth {
         /// Exponent of the wave number k.
         order: u8,
@@ -24,15 +25,15 @@ pub enum ClosedFormVerdict {
         /// Angle of the wave vector with the largest growth, rad, in [0, π); one of them if several grow equally.
         direction: f64,
     },
-    /// The coefficient of the highest power of ς changes sign with the direction, so the growth rate is unbounded at
-    /// finite wave numbers.
+    /// Ill-posed: the coefficient of the highest power of ς in the dispersion polynomial changes sign with the
+    /// direction, so the growth rate is unbounded at finite wave numbers.
     UnboundedAtFiniteWaveNumber {
         /// Angle of a wave vector with unbounded growth, rad, in [0, π); one of them if there are several.
         direction: f64,
     },
-    /// The pencil is singular: the equations do not determine their unknowns.
+    /// The matrix pencil ςA + i k·B + C of the linearised equations is singular: they do not determine their unknowns.
     Indeterminate {
-        /// Generic rank of the pencil.
+        /// Rank of the pencil for generic ς and k.
         rank: usize,
         /// Number of unknowns.
         unknowns: usize,
@@ -48,13 +49,14 @@ const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-30..1e30;
 
 /// Smallest cosine of a friction or dilatancy angle at which a formula decides: 0.57° from a right angle. As φ → 90°
 /// the degenerate directions β = ±(90° − φ) merge with each other and with the direction in which the coefficient of
-/// the highest power of ς is smallest, at most (1 − sin φ)²: the numerical analysis no longer separates them to ten
-/// digits.
+/// the highest power of ς has its minimum, which is at most (1 − sin φ)²: the numerical analysis no longer separates
+/// these directions to ten digits.
 const MIN_COSINE: f64 = 1e-2;
 
 impl ClosedFormVerdict {
     /// Growth of order `order` with `coefficient` (m^order/s); `None` unless ten digits of the coefficient are certain.
-    /// `beta` is β = 2(Ψ_Σ − ψ_K) in the direction of largest growth, rad.
+    /// `beta` is β = 2(Ψ_Σ − ψ_K), rad, in the direction of largest growth, with the stress angle Ψ_Σ and the angle ψ_K
+    /// of the wave vector.
     pub(crate) fn from_growth(
         order: u8,
         coefficient: Rounded,
@@ -70,13 +72,14 @@ impl ClosedFormVerdict {
         })
     }
 
-    /// Unbounded growth at finite wave numbers in the direction with β = `beta`, rad.
+    /// Unbounded growth at finite wave numbers in the direction with β = 2(Ψ_Σ − ψ_K) = `beta`, rad.
     pub(crate) fn from_unbounded_growth(flow: &DeformingFlow, beta: f64) -> Self {
         Self::UnboundedAtFiniteWaveNumber { direction: wave_vector_angle(flow, beta) }
     }
 }
 
-/// Computes the angle ψ_K of the wave vector, rad, in [0, π), from β = 2(Ψ_Σ − ψ_K).
+/// Computes the angle ψ_K of the wave vector, rad, in [0, π), from β = 2(Ψ_Σ − ψ_K) = `beta` with the stress angle Ψ_Σ
+/// of `flow`.
 fn wave_vector_angle(flow: &DeformingFlow, beta: f64) -> f64 {
     let angle = (flow.stress.angle - 0.5 * beta).rem_euclid(PI);
     // rem_euclid rounds a tiny negative angle up to π itself.

@@ -18,7 +18,7 @@ pub struct FlowModel {
     pub name: &'static str,
     /// Name in titles and legends.
     pub title: &'static str,
-    /// Constants of the model. Constants of the same name in different flow models must have the same unit.
+    /// Constants of the model. Constants of the same name in different flow models and solids must have the same unit.
     pub parameters: &'static [Parameter],
     /// Kind of material rotation in the flow rule.
     pub rotation: RotationKind,
@@ -50,7 +50,7 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     /// A constant is out of range; the model is unchanged.
     fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError>;
 
-    /// Yield condition of the model.
+    /// Mohr–Coulomb yield condition of the model.
     fn coulomb(&self) -> &MohrCoulomb;
 
     /// Coefficients of the flow rule.
@@ -187,8 +187,8 @@ impl Model {
     }
 
     /// Computes the wave number of the variation of the background, 1/m: the maximum of |∇p| sin φ/q, |∇Ψ_Σ|, |∇ρ|/ρ,
-    /// |∇Ω|/Q_D and |∇I|/I; 0 for a uniform background. The frozen-coefficient analysis is valid for much larger wave
-    /// numbers.
+    /// |∇Ω|/Q_D and |∇I|/I (symbols as in [`MaterialState`]); 0 for a uniform background. The frozen-coefficient
+    /// analysis is valid for wave numbers much larger than this one.
     pub fn gradient_wave_number(&self, flow: &DeformingFlow) -> f64 {
         let size = |g: [f64; 2]| g[0].root_sum_square(g[1]);
         let inertia = match self.rotation() {

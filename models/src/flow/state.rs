@@ -6,7 +6,8 @@ use crate::common::range::AllowedRange;
 use crate::common::rounding::Rounded;
 use crate::flow::parameters::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE};
 
-/// The Mohr–Coulomb yield condition `q ≤ p sin φ + c cos φ` (Harris & Grekova 2005, eq. 13).
+/// The Mohr–Coulomb yield condition `q ≤ p sin φ + c cos φ` for deviatoric stress q and pressure p (Harris & Grekova
+/// 2005, eq. 13).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulomb {
     /// Angle of internal friction φ, rad.
@@ -37,7 +38,7 @@ impl MohrCoulomb {
     }
 }
 
-/// Checks that 0 ≤ ν < φ; `nu` ν in rad.
+/// Checks the dilatancy angle: 0 ≤ ν < φ, with ν = `nu` and the friction angle φ in rad.
 pub(crate) fn check_dilatancy(coulomb: &MohrCoulomb, nu: f64) -> Result<(), InputError> {
     let allowed = "the dilatancy angle must be at least 0 and below the friction angle";
     DILATANCY_ANGLE.check(nu, allowed)?;
@@ -51,17 +52,17 @@ pub(crate) fn check_dilatancy(coulomb: &MohrCoulomb, nu: f64) -> Result<(), Inpu
 /// 2 e_r (ω − s₂₁) = c_r [(d₁₁ − d₂₂) sin 2ψ − 2 d₁₂ cos 2ψ]
 /// ```
 ///
-/// where ω is the material rotation of the model, 1/s (Harris & Grekova 2005,
-/// eqs 41, 42, multiplied out; with e_r = 0 the second line states coaxiality).
+/// with the deformation rate d, the stress angle ψ, the half vorticity s₂₁ and the material rotation ω of the model,
+/// 1/s (Harris & Grekova 2005, eqs 41, 42, multiplied out; with e_r = 0 the second line states coaxiality).
 #[derive(Clone, Copy, Debug)]
 pub struct FlowRule {
-    /// e_v: cos(φ − ν), or 1 for the plastic potential.
+    /// Coefficient e_v of tr d: cos(φ − ν), or 1 for the plastic potential.
     pub volume_coefficient: Rounded,
-    /// s_v: sin ν.
+    /// Coefficient s_v of the shear rate in the volume equation: sin ν.
     pub dilatancy_coefficient: Rounded,
-    /// e_r: sin(φ − ν), or 0 for a coaxial model.
+    /// Coefficient e_r of the relative rotation ω − s₂₁: sin(φ − ν), or 0 for a coaxial model.
     pub rotation_coefficient: Rounded,
-    /// c_r: cos ν, or 1 for the plastic potential.
+    /// Coefficient c_r of the shear rate in the rotation equation: cos ν, or 1 for the plastic potential.
     pub shear_coefficient: Rounded,
     /// Whether ν > 0, so that the density evolves.
     pub is_dilatant: bool,
@@ -82,12 +83,13 @@ impl FlowRule {
         }
     }
 
-    /// Ratio e_r/c_r, so that sin 2(ψ − ψ_D) = (e_r/c_r) (ω − s₂₁)/Q_D.
+    /// Ratio e_r/c_r, so that sin 2(ψ − ψ_D) = (e_r/c_r) (ω − s₂₁)/Q_D with the angle ψ_D and the magnitude Q_D of the
+    /// deviatoric deformation rate.
     pub fn rotation_ratio(&self) -> f64 {
         (self.rotation_coefficient / self.shear_coefficient).value
     }
 
-    /// Dilatation ratio tr d / (2 Q_D cos 2Δ) = s_v/e_v.
+    /// Dilatation ratio tr d / (2 Q_D cos 2Δ) = s_v/e_v, with the shear rate Q_D and the non-coaxiality Δ.
     pub fn dilatation(&self) -> Rounded {
         self.dilatancy_coefficient / self.volume_coefficient
     }
@@ -118,7 +120,7 @@ pub struct MaterialState {
     pub density: f64,
     /// Pressure p, Pa, compression-positive; > −c cot φ.
     pub pressure: f64,
-    /// Deviatoric stress q, Pa; absent: on yield.
+    /// Deviatoric stress q, Pa; absent: its value on yield.
     pub deviatoric_stress: Option<f64>,
     /// Rotational stress r = ½(σ₁₂ − σ₂₁) in the index order of Harris & Grekova, Pa; absent:
     /// −m sign(ω − s₂₁), for which the rotational power is never negative.
@@ -173,7 +175,7 @@ impl MaterialState {
 pub enum YieldRegion {
     /// On both yield conditions: q = p sin φ + c cos φ and r ∈ {0, ±m}.
     FullyDeforming,
-    /// Inside a yield condition: rigid, or deformation not determined.
+    /// Inside a yield condition and outside none: rigid, or deformation not determined.
     RigidOrIndeterminate,
     /// Outside a yield condition: not admissible.
     OutsideYield,
@@ -199,7 +201,7 @@ pub struct PlanarStress {
     pub deviator: Rounded,
     /// Rotational stress r, Pa (sign as in [`MaterialState::rotational_stress`]).
     pub rotational_stress: f64,
-    /// Angle ψ_σ of the greater principal stress of the symmetric part, rad.
+    /// Angle Ψ_Σ from x₁ of the greater principal stress of the symmetric part, rad.
     pub angle: f64,
 }
 
@@ -239,7 +241,7 @@ impl Background {
         }
     }
 
-    /// The stress.
+    /// Stress of the state, whether fully deforming or not.
     pub fn stress(&self) -> &PlanarStress {
         match self {
             Self::FullyDeforming(flow) => &flow.stress,
@@ -261,7 +263,7 @@ impl Background {
 pub struct DeformingFlow {
     /// Density ρ, kg/m³.
     pub density: f64,
-    /// Stress.
+    /// Stress of the flow, on yield.
     pub stress: PlanarStress,
     /// Magnitude Q_D of the deviatoric deformation rate, 1/s.
     pub shear_rate: f64,

@@ -76,7 +76,8 @@ impl<N: Number> FaceLaw<N> for ElasticInterlayer<N> {
     type History = [N; 2];
     const REST_HISTORY: [N; 2] = [N::ZERO; 2];
 
-    /// Midpoint rule: S_mid = (2CS/Δt + d₀)/(2C/Δt + g), then V ← 2V_mid − V and S ← 2S_mid − S.
+    /// Midpoint rule: S_mid = (2CS/Δt + d₀)/(2C/Δt + g) with d₀ and g of [`OpeningLine`], then V ← 2V_mid − V and
+    /// S ← 2S_mid − S.
     #[inline(always)]
     fn advance(&self, incoming: &RiemannData<N>, step: N, memory: &mut [N; 2]) -> FaceStep<N> {
         let [velocity, stress] = *memory;

@@ -8,8 +8,9 @@
 //!
 //! and the material of the layer relates the mean traction S = ½(σ⁺ + σ⁻) to the opening rate d = v⁺ − v⁻. This is the
 //! box scheme (Preissmann 1961): averages over both faces, dispersive but without numerical dissipation. It is valid
-//! for ωδ/c′ ≲ 1 in a layer of thickness δ and wave speed c′; higher frequencies are transmitted with reversed sign,
-//! and an incident velocity step v₀ is first transmitted as −v₀ for a time of about m/2z.
+//! for ωδ/c′ ≲ 1 at the angular frequency ω in a layer of thickness δ and wave speed c′; higher frequencies are
+//! transmitted with reversed sign, and an incident velocity step v₀ is first transmitted as −v₀ for a time of about
+//! m/2z with the impedance z of the cells.
 //!
 //! With V and S at the midpoint of the step, z̄ = ½(z⁺ + z⁻) and ζ = (z⁺ − z⁻)/(z⁺ + z⁻), the Riemann invariants R± of
 //! both sides and the momentum balance give
@@ -25,19 +26,20 @@
 use super::{FaceState, RiemannData};
 use crate::common::number::Number;
 
-/// Admissible states of the layer in a step: the line d = d₀ − gS of opening rate against mean traction.
+/// Admissible states of the layer in a step: the line d = d₀ − gS of opening rate d against mean traction S, as derived
+/// in the [module](self).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpeningLine<N> {
     incoming: RiemannData<N>,
-    /// Coefficient a, kg/(m²s).
+    /// Coefficient a = 2m/Δt + 2z⁺z⁻/z̄, kg/(m²s).
     inertia: N,
-    /// Coefficient b, Pa.
+    /// Coefficient b = 2mV/Δt + R⁺ + R⁻ − ζ(R⁺ − R⁻), Pa, with V at the beginning of the step.
     impulse: N,
     /// Impedance contrast ζ = (z⁺ − z⁻)/(z⁺ + z⁻).
     contrast: N,
     /// Opening rate d₀ at zero traction, m/s.
     pub free_rate: N,
-    /// Admittance g > 0, m/(s Pa).
+    /// Admittance g = 2/z̄ + 4ζ²/a > 0, m/(s Pa).
     pub admittance: N,
 }
 

@@ -139,13 +139,14 @@ impl StandardLinearSolid {
         self.shear_modulus(rate) * (4.0 / 3.0) + bulk
     }
 
-    /// Coefficient μ₁μ_R/μ_U, Pa, of |a|² in the stored energy; the other term is the elastic energy of the stress with
-    /// the unrelaxed moduli.
+    /// Coefficient μ₁μ_R/μ_U, Pa, of |a|² in the stored energy, with the viscous strain a; the other term is the
+    /// elastic energy of the stress with the unrelaxed moduli.
     pub fn viscous_strain_modulus(&self) -> f64 {
         self.branch_modulus * (self.relaxed_shear_modulus() / self.unrelaxed.mu)
     }
 
-    /// Elastic energy stored in all springs, including the spring of the Maxwell branch, J/m³; `viscous_strain` is a.
+    /// Elastic energy stored in all springs, including the spring of the Maxwell branch, J/m³; `viscous_strain` is the
+    /// viscous strain a.
     pub fn stored_energy(&self, stress: &Stress, viscous_strain: &[[f64; 3]; 3]) -> f64 {
         self.unrelaxed.stored_energy(stress)
             + self.viscous_strain_modulus() * squared_norm(viscous_strain)
@@ -229,12 +230,12 @@ impl<N: Number, const SHEARS: usize> SymmetricTensor<N, SHEARS> {
     }
 }
 
-/// Coefficients of the relaxation over a fixed time at constant strain.
+/// Coefficients of the relaxation over a fixed time t at constant strain; symbols as in the [module](self).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation<N> {
-    /// Coefficient 1/(2μ_U) of s in d, 1/Pa.
+    /// Coefficient 1/(2μ_U) of the deviatoric stress s in d = e − a, 1/Pa.
     pub strain_per_stress: N,
-    /// Coefficient μ_R/μ_U of −a in d.
+    /// Coefficient μ_R/μ_U of the negative viscous strain −a in d = e − a.
     pub strain_per_strain: N,
     /// Relaxed fraction κ = 1 − exp(−t/τ).
     pub relaxed_fraction: N,

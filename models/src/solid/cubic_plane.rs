@@ -69,7 +69,7 @@ impl Elasticity for PlaneCompliances {
 
     fn characteristic_wave_number(&self) -> Option<f64> {
         let Self { a2, b2, density, inertia, .. } = *self;
-        // 4α = 2/(a₂ + b₂), μ + α = a₂/(a₂² − b₂²).
+        // Frequency √(4α/j) and shear wave speed √((μ + α)/ρ), with 4α = 2/(a₂ + b₂) and μ + α = a₂/(a₂² − b₂²).
         let frequency = (2.0 / ((a2 + b2) * inertia)).sqrt();
         let speed = (a2 / ((a2 - b2) * (a2 + b2) * density)).sqrt();
         Some(frequency / speed)

@@ -34,8 +34,8 @@ pub trait Elasticity: DynEq + Debug + Send + Sync {
         0.0
     }
 
-    /// Wave number at which shear waves have the natural frequency of the rotation, 1/m: the inverse internal length.
-    /// `None` in classical solids.
+    /// Natural frequency of the microrotation divided by the shear wave speed in the short-wave limit, 1/m: the inverse
+    /// internal length. `None` in classical solids.
     fn characteristic_wave_number(&self) -> Option<f64> {
         None
     }
@@ -46,7 +46,8 @@ pub trait Elasticity: DynEq + Debug + Send + Sync {
     /// Velocity–stress pairs of the one-dimensional waves along `axis`, in 2 (plane strain) or 3 dimensions.
     fn pairs(&self, dimensions: usize, axis: usize) -> Vec<VelocityStressPair>;
 
-    /// Coupling of spins and antisymmetric stress without gradients, a rotation; `None` in classical solids.
+    /// Coupling of spins and antisymmetric stress without gradients, which rotates the vector of both; `None` in
+    /// classical solids.
     fn rotation(&self) -> Option<SpinRotation> {
         None
     }
@@ -86,7 +87,8 @@ impl ElasticLaw {
         self.0.as_any().downcast_ref()
     }
 
-    /// Layout of the unknowns in `D` dimensions, and the stiffness matrix of all its stresses, out-of-plane stresses last.
+    /// Layout of the unknowns in `D` dimensions, and the stiffness matrix of all its stress components, of which the
+    /// out-of-plane stresses are last.
     pub fn layout_and_stiffness<const D: usize>(&self) -> (UnknownLayout, RoundedMatrix) {
         const { assert!(D == 2 || D == 3) };
         let layout = if D == 2 { plane_layout(self.theory()) } else { space_layout(self.theory()) };

@@ -12,7 +12,7 @@ use crate::solid::parameters::{
 use crate::solid::stress::{Stress, StressComponent};
 use crate::solid::waves::{SpinRotation, VelocityStressPair};
 
-/// Classical elasticity: λ, μ.
+/// Registry entry of the classical solid with the Lamé moduli λ and μ.
 pub static CLASSICAL: SolidModel = SolidModel {
     name: "classical",
     title: "classical solid",
@@ -25,7 +25,7 @@ pub static CLASSICAL: SolidModel = SolidModel {
     },
 };
 
-/// Reduced Cosserat: λ, μ, α and rotation without couple stress.
+/// Registry entry of the reduced Cosserat solid with the moduli λ, μ, α: microrotation without couple stress.
 pub static REDUCED_COSSERAT: SolidModel = SolidModel {
     name: "reduced-cosserat",
     title: "reduced Cosserat solid",
@@ -38,7 +38,7 @@ pub static REDUCED_COSSERAT: SolidModel = SolidModel {
     },
 };
 
-/// Cosserat: λ, μ, α, β, γ, η.
+/// Registry entry of the Cosserat solid with the moduli λ, μ, α and the couple moduli β, γ, η.
 pub static COSSERAT: SolidModel = SolidModel {
     name: "cosserat",
     title: "Cosserat solid",

@@ -12,7 +12,7 @@ pub struct SolidModel {
     pub name: &'static str,
     /// Name in titles and legends.
     pub title: &'static str,
-    /// Constants of the solid. Constants of the same name in different solids must have the same unit.
+    /// Constants of the solid. Constants of the same name in different solids and flow models must have the same unit.
     pub parameters: &'static [Parameter],
     /// Theory: whether the solid has microrotation and couple stress.
     pub theory: Theory,
@@ -32,7 +32,8 @@ impl SolidKind {
         Self(model)
     }
 
-    /// Builds the law with the example or default constants, by which a yield set decides whether it admits the solid.
+    /// Builds the elastic law with the example or default constants; whether a yield set admits the solid is decided by
+    /// this law.
     ///
     /// # Errors
     /// A constant is out of range.
@@ -41,7 +42,7 @@ impl SolidKind {
         self.law(&constants)
     }
 
-    /// Builds the law with the given constants, in the order of the kind's parameters, in SI units.
+    /// Builds the elastic law with the given constants, in the order of the kind's parameters, in SI units.
     ///
     /// # Errors
     /// A constant is out of range.

@@ -1,7 +1,7 @@
 //! Moduli of elastic solids, their checks, and wave speeds in closed form.
 //!
-//! Energy densities, with Λ̇ᵢⱼ = ∂ⱼvᵢ + εᵢⱼₖωₖ and Ṁᵢⱼ = ∂ⱼωᵢ (Frobenius norms, s and a for the
-//! symmetric and antisymmetric parts):
+//! The elastic energy density in terms of the strain Λ and the curvature M, with the rates Λ̇ᵢⱼ = ∂ⱼvᵢ + εᵢⱼₖωₖ and
+//! Ṁᵢⱼ = ∂ⱼωᵢ of velocity v and spin ω, is (Frobenius norms, s and a for the symmetric and antisymmetric parts)
 //!
 //! ```text
 //! ½λ (tr Λ)² + μ|Λˢ|² + α|Λᵃ|² + ½β (tr M)² + γ|Mˢ|² + η|Mᵃ|².
@@ -48,7 +48,7 @@ pub(super) const ETA: Parameter =
 pub(super) const DENSITY: Parameter =
     Parameter::new_required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2700.0)
         .with_range(AllowedRange::Positive);
-/// Parameter: moment of inertia per unit volume, kg/m, shared by all solids with microrotation.
+/// Parameter: moment of inertia per unit volume j, kg/m, shared by all solids with microrotation.
 pub(super) const INERTIA: Parameter = Parameter::new_required(
     ["inertia", "moment of inertia j", "kg/m"],
     "moment of inertia per unit volume j; > 0",
@@ -60,8 +60,8 @@ pub(super) const ALPHA2: Parameter =
     Parameter::new_required(["alpha2", "couple modulus α₂", "N"], "couple modulus α₂; > 0", 4.5e8)
         .with_range(AllowedRange::Positive);
 
-/// An isotropic elastic solid: classical without `microrotation`, reduced Cosserat without couple
-/// stress, else Cosserat. The three theories have different unknowns; none is a singular limit of another.
+/// An isotropic elastic solid: classical without `microrotation`, reduced Cosserat with microrotation but without
+/// couple stress, else Cosserat. The three theories have different unknowns; none is a singular limit of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Isotropic {
     /// Lamé modulus λ, Pa; 3λ + 2μ > 0.
@@ -165,13 +165,13 @@ impl Isotropic {
         self.microrotation.and_then(|m| m.couple)
     }
 
-    /// Elastic energy of a stress, J/m³: ½σ·C·σ + ½m·C·m with the compliance C. Stress parts without a modulus store no
-    /// energy.
+    /// Elastic energy of a stress, J/m³: ½σ·C·σ + ½m·C·m with the compliance C. Parts of the stress for which the solid
+    /// has no modulus store no energy.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
         stored_energy(StressShape::GENERAL, &stress.force, &stress.couple, &self.energy_moduli())
     }
 
-    /// Moduli of the elastic energy by stress part: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part
+    /// Moduli of the elastic energy: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part
     /// and mean of the force stress; γ, η and 3β + 2γ (N) for the same parts of the couple stress. Infinite if the
     /// solid has no such modulus.
     pub fn energy_moduli(&self) -> [[f64; 3]; 2] {
@@ -199,21 +199,21 @@ impl Isotropic {
 }
 
 impl Microrotation {
-    /// Natural frequency of the rotation without displacement, ω* = √(4α/j), rad/s.
+    /// Natural frequency of the microrotation without displacement, ω* = √(4α/j), rad/s.
     pub fn natural_frequency(&self) -> f64 {
         (4.0 * self.alpha / self.inertia).sqrt()
     }
 }
 
-/// A Cosserat solid in plane strain by its compliances (Sadovskii & Sadovskaya 2019, "Plane strain
-/// state"):
+/// A Cosserat solid in plane strain by its compliances (Sadovskii & Sadovskaya 2019, "Plane strain state"), with
+/// velocity v, spin ω, force stress σ and couple stress m:
 ///
 /// ```text
-/// a₁σ̇₁₁ − b₁σ̇₂₂ = v₁,₁    a₂σ̇₂₁ − b₂σ̇₁₂ = v₂,₁ − ω₃    μ̇₃₁ = α₂ω₃,₁
-/// a₁σ̇₂₂ − b₁σ̇₁₁ = v₂,₂    a₂σ̇₁₂ − b₂σ̇₂₁ = v₁,₂ + ω₃    μ̇₃₂ = α₂ω₃,₂
+/// a₁σ̇₁₁ − b₁σ̇₂₂ = v₁,₁    a₂σ̇₂₁ − b₂σ̇₁₂ = v₂,₁ − ω₃    ṁ₃₁ = α₂ω₃,₁
+/// a₁σ̇₂₂ − b₁σ̇₁₁ = v₂,₂    a₂σ̇₁₂ − b₂σ̇₂₁ = v₁,₂ + ω₃    ṁ₃₂ = α₂ω₃,₂
 /// ```
 ///
-/// Isotropic exactly if a₁ + b₁ = a₂ − b₂ (= 1/2μ), else cubic: speeds depend on direction.
+/// The solid is isotropic exactly if a₁ + b₁ = a₂ − b₂ (= 1/2μ), else cubic: wave speeds depend on direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneCompliances {
     /// Compliance a₁, 1/Pa; > |b₁|.
@@ -290,7 +290,7 @@ impl PlaneCompliances {
     /// Moduli λ, μ and α (Pa) of the isotropic solid with these compliances in plane strain.
     ///
     /// # Errors
-    /// The compliances are cubic by more than rounding, not isotropic.
+    /// The solid is cubic, not isotropic: |anisotropy| > 1e-12.
     pub fn isotropic_moduli(&self) -> Result<[f64; 3], InputError> {
         let Self { a1, b1, a2, b2, .. } = *self;
         ensure(
@@ -320,7 +320,8 @@ pub fn stored_energy<N: Number>(
     }
 }
 
-/// Elastic energy of the force stress (`tensor_index` = 0) or couple stress (1), J/m³, with the moduli of its three parts.
+/// Elastic energy of the force stress (`tensor_index` = 0) or couple stress (1), J/m³, with the moduli of its symmetric
+/// deviator, antisymmetric part and mean.
 #[inline(always)]
 fn stored_tensor_energy<N: Number>(
     shape: StressShape,

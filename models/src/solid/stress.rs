@@ -39,7 +39,7 @@ impl StressComponent {
         }
     }
 
-    /// Sets the component in `stress`.
+    /// Sets the component in `stress` to `value`; of a symmetric stress both σᵢⱼ and σⱼᵢ.
     pub fn set(self, stress: &mut Stress, value: f64) {
         match self {
             Self::Force(i, j) => stress.force[i][j] = value,

@@ -27,7 +27,7 @@ use Velocity::{Spin, Translation};
 /// Unknowns and equations of a theory in space or in plane strain.
 #[derive(Debug)]
 pub struct UnknownLayout {
-    /// Names of the unknowns: velocities, then all stresses.
+    /// Names of the velocities, then of all stresses; a layout without out-of-plane stresses uses the first of them.
     unknowns: &'static [Unknown],
     /// Names of the equations: balances, then constitutive laws.
     equations: &'static [&'static str],
@@ -35,8 +35,8 @@ pub struct UnknownLayout {
     pub velocities: &'static [Velocity],
     /// Stress components among the unknowns.
     pub stresses: &'static [StressComponent],
-    /// `stresses`, followed by the out-of-plane stresses of plane strain, which do not enter the
-    /// balances and have zero conjugate strain, but enter yield conditions and energies.
+    /// `stresses`, followed by the out-of-plane stresses of plane strain. These do not enter the balances and have zero
+    /// conjugate strain, but enter yield conditions and energies.
     all_components: &'static [StressComponent],
 }
 
@@ -223,8 +223,8 @@ fn permutation_symbol(i: usize, j: usize, k: usize) -> f64 {
 }
 
 impl UnknownLayout {
-    /// Creates the layout of which the first `stress_count` of `all_components` are unknowns. `names` may be longer than
-    /// the layout.
+    /// Creates the layout whose stress unknowns are the first `stress_count` of `all_components`. The lists in `names`
+    /// may be longer than the layout.
     fn new(
         names: SystemNames,
         velocities: &'static [Velocity],
@@ -240,8 +240,8 @@ impl UnknownLayout {
         self.all_components.iter().copied()
     }
 
-    /// This layout with the out-of-plane stresses among the unknowns, needed if plastic flow couples them to the in-plane
-    /// stresses.
+    /// This layout with the out-of-plane stresses among the unknowns, needed if plastic flow couples them to the
+    /// in-plane stresses.
     pub fn with_out_of_plane(self) -> Self {
         Self { stresses: self.all_components, ..self }
     }
@@ -274,7 +274,7 @@ impl UnknownLayout {
         })
     }
 
-    /// Operator Z of the strain rates due to spins without gradients.
+    /// Operator Z of the strain rates due to the spins themselves, not their gradients.
     pub fn rotation(&self) -> DMatrix<f64> {
         DMatrix::from_fn(self.stresses.len(), self.velocities.len(), |s, v| {
             match (self.stresses[s], self.velocities[v]) {
@@ -284,8 +284,8 @@ impl UnknownLayout {
         })
     }
 
-    /// Rate equations with `stiffness` in the order of [`all_stresses`](Self::all_stresses); rows and columns of
-    /// out-of-plane stresses are ignored.
+    /// Rate equations with `stiffness` (Pa or N) in the order of [`all_stresses`](Self::all_stresses), `density` in
+    /// kg/m³ and `inertia` in kg/m. Rows and columns of stresses that are not among the unknowns are ignored.
     pub fn rates<const D: usize>(
         &self,
         stiffness: &RoundedMatrix,

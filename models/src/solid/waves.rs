@@ -6,11 +6,12 @@
 //! m v̇ = ∂ₐs,    ṡ = M ∂ₐv,    c = √(M/m),    z = √(mM),
 //! ```
 //!
-//! and passive stresses s′ follow s in a fixed ratio r: s′ − r s is a Riemann invariant of speed zero
-//! (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Without gradients, spins and antisymmetric
-//! stress oscillate with the natural frequency 2√(α/j).
+//! with inertia m and modulus M, and passive stresses s′ follow s in a fixed ratio r: s′ − r s is a Riemann invariant
+//! of speed zero (Sadovskii & Sadovskaya 2019, "Elastic Cosserat continuum"). Without gradients, spins and
+//! antisymmetric stress oscillate with the natural frequency 2√(α/j).
 //!
-//! Independent of [`symbol`](super::symbol), which states the same equations as matrices; a test compares both.
+//! These formulas are independent of [`symbol`](super::symbol), which states the same equations as matrices; a test
+//! compares both.
 
 use super::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::common::elementary::Elementary;
@@ -32,8 +33,8 @@ pub enum SolidField {
 }
 use SolidField::{Couple, Spin, Stress, Velocity, ViscousStrain};
 
-/// Name of the component, as among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`, `σ12`,
-/// `m31`; history variables `a12`.
+/// Writes the name of the component, as among the unknowns of the [rate equations](crate::common::rates): `v1`, `ω3`,
+/// `σ12`, `m31`; for viscous strains `a12`.
 impl fmt::Display for SolidField {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -74,7 +75,8 @@ impl VelocityStressPair {
     }
 }
 
-/// Rotation between spins and antisymmetric stress, the source term of Cosserat solids: with aₖ = ½εₖᵢⱼσᵢⱼ
+/// Rotation between spins and antisymmetric stress, the source term of Cosserat solids: with the axial vector
+/// aₖ = ½εₖᵢⱼσᵢⱼ of the antisymmetric stress
 ///
 /// ```text
 /// j ω̇ₖ = −2 aₖ,    ȧₖ = 2α ωₖ.
@@ -129,8 +131,9 @@ pub fn state_fields(theory: Theory, dimensions: usize) -> Vec<SolidField> {
     fields
 }
 
-/// Coefficients (a, b, c) of an isotropic law t = a tr(T) δ + b T + c Tᵀ. They give the moduli of longitudinal
-/// (T(axis, axis)) and transverse (T(i, axis)) waves and the coupling ratios of their passive stresses.
+/// Coefficients of an isotropic law t = `trace` tr(T) δ + `direct` T + `transposed` Tᵀ between a stress t and a strain
+/// T. For waves along axis a they give the moduli of longitudinal waves (strain Tₐₐ) and of transverse waves (strain
+/// Tᵢₐ, i ≠ a), and the coupling ratios of the passive stresses.
 struct IsotropicLaw {
     trace: f64,
     direct: f64,

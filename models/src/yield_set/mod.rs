@@ -1,8 +1,8 @@
 //! Yield sets: the interface of a yield set, return mapping, tangent stiffness, and registry entries.
 //!
-//! To add a set, write a file here with a static [`YieldSetModel`] and a type that implements [`YieldConditions`], and list
-//! it in [`registry`](crate::registry). Solvers project stresses onto it cell by cell; cones and polyhedra have vectorised
-//! return mappings in crate `dynamics`.
+//! To add a set, write a file in this folder with a static [`YieldSetModel`] and a type that implements
+//! [`YieldConditions`], and list the model in [`registry`](crate::registry). Solvers project stresses onto a set cell
+//! by cell; cones and polyhedra have vectorised return mappings in crate `dynamics`.
 
 pub mod interlayer;
 pub mod mises;
@@ -25,7 +25,8 @@ use std::sync::Arc;
 
 /// A yield set with checked constants: a closed convex set of stresses given by conditions f ≤ 0.
 pub trait YieldConditions: DynEq + Debug + Send + Sync {
-    /// Yield function: maximum of f over all conditions, Pa (couple conditions: N/m over 1 m); ≤ 0 inside.
+    /// Yield function: maximum of f over all conditions; ≤ 0 inside. Values in Pa, and in N/m for conditions on the
+    /// couple stress, are compared as numbers.
     fn yield_function(&self, stress: &Stress) -> f64;
 
     /// Active or violated conditions: f ≥ 0 to within `tolerance`, relative to the size of the terms of f.
@@ -49,14 +50,15 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
 
     /// Hessian of the yield function with respect to `components`, 1/Pa; `None` if the condition is linear.
     ///
-    /// Multiplied by the plastic multiplier rate Λ (1/s) of the background, it is the relaxation R of perturbations
-    /// (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
+    /// Multiplied by the plastic multiplier rate Λ (1/s) of the background, it is the relaxation matrix R of
+    /// perturbations (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
     fn curvature(&self, stress: &Stress, components: &[StressComponent]) -> Option<DMatrix<f64>> {
         let _ = (stress, components);
         None
     }
 
-    /// Half-spaces n·s ≤ k with their strengths k; `None` if the set is not a polyhedron.
+    /// Half-spaces n·s ≤ k of a polyhedral set: conditions with the normals n, and the strengths k; `None` if the set
+    /// is not a polyhedron.
     fn half_spaces(&self) -> Option<Vec<(ActiveCondition, f64)>> {
         None
     }
@@ -65,9 +67,9 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
 /// Error of [`YieldConditions::ray_exit`]: the starting point is not an interior point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayStartError {
-    /// The set has no strength at the starting point.
+    /// A condition has no strength at the starting point: its strength and the value of n·s there are zero.
     NoStrength,
-    /// The starting point is outside the set.
+    /// The starting point is outside the set or on its boundary.
     Outside,
 }
 
@@ -145,12 +147,13 @@ pub struct YieldSetModel {
     /// Whether the yield surface is curved, so that plastic flow of the background damps waves.
     pub is_curved: bool,
     /// Names of the conditions in the order of the half-spaces, by which a case file selects active ones: a sign and
-    /// the limited stress. Empty if a case file cannot select conditions.
+    /// the limited stress, as in `+sigma21`. Empty if a case file cannot select conditions.
     pub conditions: &'static [(&'static str, SolidClass)],
     /// Whether the set can be combined with an elastic law; must return false for every law that
     /// [`YieldConditions::project`] does not support.
     pub is_compatible_law: fn(&ElasticLaw) -> bool,
-    /// Constructor from the constants that a solid of the theory needs, in the order of `parameters`, in SI units.
+    /// Constructor from the theory of the solid and the constants that a solid of this theory needs, in the order of
+    /// `parameters`, in SI units.
     pub constructor: fn(Theory, &[f64]) -> Result<YieldSet, InputError>,
 }
 
@@ -192,7 +195,7 @@ impl YieldSetKind {
         self.0.parameters.iter().filter(is_needed).map(|entry| &entry.0)
     }
 
-    /// Whether the set can be combined with `solid`, decided by the law of [`SolidKind::example_law`].
+    /// Whether the set can be combined with `solid`, decided by its example law ([`SolidKind::example`]).
     pub fn is_compatible(self, solid: SolidKind) -> bool {
         solid.example().is_ok_and(|law| (self.0.is_compatible_law)(&law))
     }

@@ -1,8 +1,9 @@
 //! Constants of yield sets, their checks, yield functions and normals. The sets are convex, closed and contain zero
 //! stress.
 //!
-//! A set is a list of conditions f(σ, m) ≤ 0 in Pa. The flow direction is the gradient of the plastic potential, f with
-//! the dilatancy in place of the friction. If both agree, flow is associated and obeys the variational inequality of
+//! A set is a list of conditions f(σ, m) ≤ 0 on the force stress σ and the couple stress m. The flow direction is the
+//! gradient of the plastic potential, which is f with the dilatancy in place of the friction. If dilatancy and friction
+//! are equal, flow is associated and obeys the variational inequality of
 //! Sadovskii & Sadovskaya (2019, "Elastic-plastic Cosserat continuum").
 
 use crate::common::input::{InputError, ensure};
@@ -99,7 +100,7 @@ pub struct InterlayerYieldSet {
     pub shear_strength: f64,
     /// Friction κ_τ; ≥ 0.
     pub shear_friction: f64,
-    /// Dilatancy κ̂_τ, in place of κ_τ in the flow rule; associated if equal.
+    /// Dilatancy κ̂_τ, in place of κ_τ in the flow rule; flow is associated if both are equal.
     pub shear_dilatancy: f64,
     /// Limits of the couple stress; `None` in solids without couple stress.
     pub couple: Option<InterlayerCoupleLimits>,
@@ -112,7 +113,7 @@ pub struct InterlayerCoupleLimits {
     pub strength: f64,
     /// Couple friction κ_μ, m; ≥ 0.
     pub friction: f64,
-    /// Couple dilatancy κ̂_μ, m, in place of κ_μ in the flow rule.
+    /// Couple dilatancy κ̂_μ, m, in place of κ_μ in the flow rule; flow is associated if both are equal.
     pub dilatancy: f64,
 }
 
@@ -122,16 +123,16 @@ pub struct InterlayerCoupleLimits {
 /// τ̄ ≤ k − κ σ_m,   τ̄² = ½|sˢ|² + ½ h |σᵃ|² + ½|mˢ|²/ℓ_s² + ½|mᵃ|²/ℓ_a²,
 /// ```
 ///
-/// with the mean stress σ_m = ⅓ tr σ and the deviator s of σ. The von Mises set has the constant k only; the
-/// Drucker–Prager set (1952; the Mises–Schleicher condition linear in σ_m) also κ; the Cosserat–Mises set also h and
-/// the internal lengths.
+/// with the mean stress σ_m = ⅓ tr σ, the deviator s of the force stress σ, the couple stress m, and superscripts s and
+/// a for symmetric and antisymmetric parts. The von Mises set has the constant k only; the Drucker–Prager set (1952;
+/// the Mises–Schleicher condition linear in σ_m) also κ; the Cosserat–Mises set also h and the internal lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mises {
     /// Strength in shear k, Pa; > 0.
     pub strength: f64,
     /// Friction κ; ≥ 0.
     pub friction: f64,
-    /// Dilatancy κ̂, in place of κ in the flow rule; associated if equal.
+    /// Dilatancy κ̂, in place of κ in the flow rule; flow is associated if both are equal.
     pub dilatancy: f64,
     /// Weight h of the antisymmetric stress; ≥ 0.
     pub antisymmetric_weight: f64,
@@ -139,7 +140,8 @@ pub struct Mises {
     pub symmetric_length: Option<f64>,
     /// Internal length ℓ_a of the antisymmetric couple stress, m; > 0, `None` for no limit.
     pub antisymmetric_length: Option<f64>,
-    /// Plastic modulus H = −df/dγᵖ, Pa; 0 for ideal plasticity, negative while softening.
+    /// Plastic modulus H, Pa: decrease of f per plastic multiplier at constant stress; 0 for ideal plasticity, negative
+    /// while softening.
     pub hardening: f64,
 }
 
@@ -148,19 +150,19 @@ pub struct Mises {
 pub struct ActiveCondition {
     /// Name of the condition.
     pub name: &'static str,
-    /// Yield normal n = ∂f/∂σ.
+    /// Yield normal n: gradient of f with respect to force and couple stress.
     pub normal: Stress,
-    /// Direction m of the plastic strain rate; equal to n for associated flow.
+    /// Direction m of the plastic strain rate; equal to the normal n for associated flow.
     pub flow_direction: Stress,
     /// Plastic modulus H, Pa.
     pub hardening: f64,
 }
 
 impl InterlayerYieldSet {
-    /// Checks the constants.
+    /// Checks that the constants are in range.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range; the error names it.
     pub fn check(self) -> Result<Self, InputError> {
         SHEAR_STRENGTH.check(self.shear_strength, "the shear strength must be τ₀ ≥ 0, in Pa")?;
         SHEAR_FRICTION.check(self.shear_friction, "the friction must be κ_τ ≥ 0")?;
@@ -234,7 +236,7 @@ impl InterlayerYieldSet {
 }
 
 impl Mises {
-    /// von Mises yield set (1913): √(½ s:s) ≤ k; `strength` k in Pa.
+    /// von Mises yield set (1913): √(½ s:s) ≤ k with the stress deviator s; `strength` k in Pa.
     pub const fn new_von_mises(strength: f64) -> Self {
         Self {
             strength,
@@ -247,15 +249,16 @@ impl Mises {
         }
     }
 
-    /// Drucker–Prager cone (1952): √(½ s:s) + κ σ_m ≤ k; `strength` k in Pa.
+    /// Drucker–Prager cone (1952): √(½ s:s) + κ σ_m ≤ k with the stress deviator s and the mean stress σ_m; `strength`
+    /// k in Pa, `friction` κ, and `dilatancy` κ̂ in place of κ in the flow rule.
     pub const fn new_drucker_prager(strength: f64, friction: f64, dilatancy: f64) -> Self {
         Self { friction, dilatancy, ..Self::new_von_mises(strength) }
     }
 
-    /// Checks the constants.
+    /// Checks that the constants are in range.
     ///
     /// # Errors
-    /// The constant that is out of range.
+    /// A constant is out of range; the error names it.
     pub fn check(self) -> Result<Self, InputError> {
         STRENGTH.check(self.strength, "the strength must be k > 0, in Pa")?;
         FRICTION.check(self.friction, "the friction must be κ ≥ 0")?;
@@ -275,7 +278,7 @@ impl Mises {
         Ok(self)
     }
 
-    /// Weights 1/ℓ_s² and 1/ℓ_a² of mˢ and mᵃ in τ̄², 1/m².
+    /// Weights 1/ℓ_s² and 1/ℓ_a² of the couple stresses mˢ and mᵃ in τ̄², 1/m²; 0 for no limit.
     pub(super) fn couple_weights(&self) -> [f64; 2] {
         [self.symmetric_length, self.antisymmetric_length]
             .map(|length| length.map_or(0.0, |l| 1.0 / (l * l)))
@@ -299,7 +302,7 @@ impl Mises {
         gradient
     }
 
-    /// Equivalent shear stress τ̄, Pa.
+    /// Equivalent shear stress τ̄, Pa, as defined at [`Mises`].
     pub fn equivalent_shear(&self, stress: &Stress) -> f64 {
         let [symmetric, antisymmetric] = self.couple_weights();
         let (_, deviator, antisymmetric_part) = split(&stress.force);
@@ -322,7 +325,8 @@ impl Mises {
         if shear <= 0.0 {
             return None;
         }
-        // With τ̄² = ½ s·Ws: ∇τ̄ = ½Ws/τ̄ and ∇²τ̄ = ½W/τ̄ − ∇τ̄ ∇τ̄ᵀ/τ̄.
+        // With τ̄² = ½ s·Ws, where s is the stress and W the matrix of weights: ∇τ̄ = ½Ws/τ̄ and
+        // ∇²τ̄ = ½W/τ̄ − ∇τ̄ ∇τ̄ᵀ/τ̄.
         let slope = self.half_gradient(stress);
         let slopes: Vec<f64> = components.iter().map(|c| c.derivative(&slope) / shear).collect();
         Some(DMatrix::from_fn(components.len(), components.len(), |i, j| {

@@ -1,13 +1,13 @@
-//! Return mapping: closest-point projection onto yield sets in the energy norm,
+//! Return mapping: closest-point projection onto a yield set F in the energy norm,
 //!
 //! ```text
 //! P(s̄) = argmin over s ∈ F of ½ (s − s̄)·D⁻¹(s − s̄):
 //! ```
 //!
-//! the implicit step of the variational inequality of associated flow from an elastic trial stress s̄ (Sadovskii
-//! & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). Dilatancies are not used.
+//! with the elastic stiffness D: the implicit step of the variational inequality of associated flow from an elastic
+//! trial stress s̄ (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). Dilatancies are not used.
 //!
-//! With multipliers λ ≥ 0 of the conditions f(s) = n·s − k ≤ 0 (for curved F, n is the gradient of f at s),
+//! With plastic multipliers λ ≥ 0 of the conditions f(s) = n·s − k ≤ 0 (for curved F, n is the gradient of f at s),
 //! s̄ − s = D Σ λn. The elastic energy decreases by
 //!
 //! ```text
@@ -26,7 +26,7 @@ use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::solid::stress::{Stress, StressShape, squared_norm};
 use crate::solid::symbol::plane_layout;
 
-/// Result of a projection: the stress in F and the elastic energy lost.
+/// Result of a projection: the projected stress, which is in the yield set, and the elastic energy lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection<S> {
     /// Projected stress P(s̄).
@@ -35,13 +35,13 @@ pub struct Projection<S> {
     pub energy_lost: f64,
 }
 
-/// Relative threshold below which a reorthogonalised vector counts as zero: ε² with a safety factor for nearly
-/// dependent normals.
+/// Relative threshold below which the excess of a condition or a stress component counts as zero: ε² (the error left by
+/// iterative refinement) with the safety factor 2¹⁶ for nearly dependent normals.
 const CANCELLATION_THRESHOLD: f64 = 65536.0 * f64::EPSILON * f64::EPSILON;
 
 impl Mises {
-    /// Weights p in τ̄² and stiffnesses D (Pa or N) of the eigenspaces of Hooke's law: deviator and antisymmetric part
-    /// of the force stress; deviator, mean and antisymmetric part of the couple stress.
+    /// Pairs [p, D] of the weight in τ̄² = ½ Σ p|s|² and the stiffness (Pa or N) of the eigenspaces of Hooke's law:
+    /// deviator and antisymmetric part of the force stress; deviator, mean and antisymmetric part of the couple stress.
     pub fn eigenspace_coefficients(&self, solid: &Isotropic) -> [[f64; 2]; EIGENSPACE_COUNT] {
         let [symmetric, antisymmetric] = self.couple_weights();
         let alpha = solid.microrotation.map_or(0.0, |m| m.alpha);
@@ -58,9 +58,10 @@ impl Mises {
 
     /// Closest-point projection of a trial stress in the energy norm of `solid`.
     ///
-    /// Eigenspaces of Hooke's law are the deviator (D = 2μ), mean (D = 3K, K = λ + ⅔μ) and antisymmetric part (2α) of
-    /// the force stress, and the symmetric deviator (2γ), mean (3β + 2γ) and antisymmetric part (2η) of the couple
-    /// stress. With p their weights in τ̄² = ½ Σ p|s|² and x = λ/2τ̄ ≥ 0,
+    /// Eigenspaces of Hooke's law are the deviator (stiffness D = 2μ), mean (D = 3K with the bulk modulus K) and
+    /// antisymmetric part (2α) of the force stress, and the symmetric deviator (2γ), mean (3β + 2γ) and antisymmetric
+    /// part (2η) of the couple stress. With p their weights in τ̄² = ½ Σ p|s|², the plastic multiplier λ and
+    /// x = λ/2τ̄ ≥ 0,
     ///
     /// ```text
     /// s = s̄/(1 + xDp),   σ_m = σ̄_m − κKλ,   h(x) = τ̄(x)(1 − ax) − r = 0,   a = 2κ²K,  r = k − κσ̄_m.
@@ -72,7 +73,8 @@ impl Mises {
     /// Newton's method for h/τ̄ needs no safeguard, since 1/τ̄(x) is a power mean with exponent −2 of the linear
     /// functions 1 + xDp and so concave: for r ≥ 0 the function 1 − ax − r/τ̄(x) is convex and decreasing; for r < 0
     /// and y = 1/x the function y − a + |r|/(xτ̄) is concave in y (a power mean of y + Dp) and increasing. Iterates
-    /// from zero increase monotonically to the root; if all active parts have the same Dp, they converge in one step.
+    /// from zero increase monotonically to the root; if all active eigenspaces have the same Dp, they converge in
+    /// one step.
     pub fn project(&self, solid: &Isotropic, trial: &Stress) -> Projection<Stress> {
         let inside = Projection { stress: *trial, energy_lost: 0.0 };
         let cone = Cone::new(self, solid);
@@ -84,7 +86,8 @@ impl Mises {
 
         let shear = sum_active(&squares, &active).sqrt();
         let shear_capacity = strength - friction * pressure;
-        // Rounding errors scale with the stress components, which may exceed the parts computed from them.
+        // Rounding errors scale with the stress components, which may exceed the deviators and antisymmetric parts
+        // computed from them.
         let [force, couple] = cone.rounding_weights;
         let rounded =
             (force * squared_norm(&trial.force) + couple * squared_norm(&trial.couple)).sqrt();
@@ -131,8 +134,8 @@ impl Mises {
     }
 }
 
-/// Return mapping of a stress with shear capacity r < 0, and the mean stress of the apex if the stress maps to the
-/// apex; see [`Mises::project`].
+/// Return mapping of a stress with shear capacity r = k − κσ̄_m < 0, and the mean stress of the apex if the stress maps
+/// to the apex; see [`Mises::project`].
 fn map_beyond_apex(
     cone: &Cone<f64>,
     squares: &[f64; EIGENSPACE_COUNT],
@@ -141,7 +144,7 @@ fn map_beyond_apex(
     shear_capacity: f64,
 ) -> (ReturnMappingResult<f64>, Option<f64>) {
     let Cone { strength, friction, mean_drop, a, weighted_stiffnesses: rates, .. } = *cone;
-    // 1/(xτ̄) at y = 1/x, and its derivative with respect to y.
+    // The function 1/(xτ̄(x)) of y = 1/x, and its derivative with respect to y.
     let reciprocal = |y: f64| {
         let (mut norm, mut slope) = (0.0, 0.0);
         for (square, rate) in squares.iter().zip(rates) {
@@ -190,8 +193,9 @@ fn map_beyond_apex(
 /// L = [p q; p −q],   p = √(½(D₁₁₁₁ + D₁₁₂₂)),   q = √(½(D₁₁₁₁ − D₁₁₂₂))
 /// ```
 ///
-/// for the normal stresses, the analogous block for the shear stresses, and √α₂ for the couple stresses. α = 0 is a
-/// solid without microrotation, α₂ = 0 a solid without couple stress.
+/// for the normal stresses, the analogous block for the shear stresses, and √α₂ for the couple stresses. The modulus α
+/// of the antisymmetric strain is 0 in a solid without microrotation, the couple modulus α₂ in a solid without couple
+/// stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneMetric {
     normal: [f64; 2],
@@ -233,7 +237,7 @@ fn dot_absolute(x: &PlaneVector, y: &PlaneVector) -> f64 {
 }
 
 impl PlaneMetric {
-    /// Product L z.
+    /// Product of the factor L with the vector `z`.
     fn apply(&self, z: &PlaneVector) -> PlaneVector {
         let ([p, q], [r, t]) = (self.normal, self.shear);
         [
@@ -246,7 +250,7 @@ impl PlaneMetric {
         ]
     }
 
-    /// √D of one stress component: the norm of its row of L.
+    /// Norm of the row of L of one stress component: the square root of its diagonal entry of D.
     fn row_norm(&self, component: usize) -> f64 {
         match component {
             0 | 1 => self.normal[0].root_sum_square(self.normal[1]),
@@ -255,7 +259,7 @@ impl PlaneMetric {
         }
     }
 
-    /// Product Lᵀ n.
+    /// Product of the transposed factor Lᵀ with the vector `n`.
     fn apply_transposed(&self, n: &PlaneVector) -> PlaneVector {
         [
             self.normal[0] * (n[0] + n[1]),
@@ -297,8 +301,8 @@ struct ActiveSet {
 }
 
 impl ActiveSet {
-    /// Splits a vector into its coordinates in the span Q of the active normals and the orthogonal rest, by
-    /// Gram–Schmidt with reorthogonalisation.
+    /// Splits a vector into its coordinates in the first `count` columns of Q, which span scaled normals of the active
+    /// half-spaces, and the orthogonal rest, by Gram–Schmidt with reorthogonalisation.
     fn orthogonalise(&self, vector: &PlaneVector, count: usize) -> ([f64; 6], PlaneVector) {
         let (mut coordinates, mut rest) = ([0.0; 6], *vector);
         for _ in 0..2 {
@@ -313,7 +317,7 @@ impl ActiveSet {
         (coordinates, rest)
     }
 
-    /// Computes Q and R of the active scaled normals anew.
+    /// Recomputes the factors Q and R of the scaled normals of the active half-spaces.
     fn factorise(&mut self, half_spaces: &[ScaledHalfSpace]) {
         for column in 0..self.count {
             let (coordinates, rest) =
@@ -366,8 +370,8 @@ impl InterlayerYieldSet {
     /// of zero strength) replaces one of them.
     ///
     /// The out-of-plane stress σ₃₃ enters no condition. It follows by Hooke's law from the same plastic strain,
-    /// Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) with ν = λ/2(λ + μ) in an isotropic solid; minimising the energy over all stresses
-    /// including σ₃₃ gives the same result.
+    /// Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) with Poisson's ratio ν = λ/2(λ + μ) (Lamé moduli λ, μ) in an isotropic solid; minimising
+    /// the energy over all stresses including σ₃₃ gives the same result.
     pub fn project(&self, metric: &PlaneMetric, trial: &[f64; 6]) -> Projection<[f64; 6]> {
         let components = plane_layout(Theory::Cosserat).stresses;
         let mut storage = [ScaledHalfSpace::default(); 8];
@@ -473,8 +477,8 @@ impl InterlayerYieldSet {
             }
             let (coordinates, _) = active.orthogonalise(&path, active.count);
             active.multipliers = active.solve(coordinates);
-            // Scale of the rounding errors of s, divided by the row norm of L: |z| for the component of L z, and the
-            // size of an active condition divided by |Lᵀn| for its correction.
+            // `reach`: scale of the rounding errors of s per row norm of L. It is |z| for the product L z, and the
+            // magnitude of the terms of an active condition divided by |Lᵀn| for the correction of its excess.
             reach = dot(&path, &path).sqrt();
             for &index in &active.indices[..active.count] {
                 reach = reach.max(

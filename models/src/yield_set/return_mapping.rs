@@ -9,14 +9,16 @@ use crate::common::number::Number;
 use crate::solid::parameters::Isotropic;
 use crate::solid::stress::{StressShape, Tensor};
 
-/// Number of eigenspaces of Hooke's law, the parts of a stress: deviator and antisymmetric part of the force stress; deviator,
-/// mean and antisymmetric part of the couple stress.
+/// Number of eigenspaces of Hooke's law that may enter the equivalent shear stress τ̄: deviator and antisymmetric part
+/// of the force stress; deviator, mean and antisymmetric part of the couple stress. Arrays of this length are in this
+/// order.
 pub const EIGENSPACE_COUNT: usize = 5;
 
 /// Rounding error of the value of a yield condition, relative to the magnitudes of its terms; a power of 2.
 pub const YIELD_ROUNDING: f64 = 32.0 * f64::EPSILON;
 
-/// Coefficients of the return mapping of a [`Mises`] cone in an isotropic solid.
+/// Coefficients of the return mapping of a [`Mises`] cone in an isotropic solid with the bulk modulus K. Eigenspaces
+/// with zero weight or zero stiffness are passive: the mapping leaves their stress unchanged; the others are active.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone<N> {
     /// Strength k, Pa.
@@ -27,12 +29,12 @@ pub struct Cone<N> {
     pub mean_drop: N,
     /// Coefficient a = 2κ²K, Pa.
     pub a: N,
-    /// Half weights ½p of the parts, in 1/m² for the couple stress; zero for a passive part, without weight or
-    /// stiffness, which the mapping leaves unchanged.
+    /// Half weights ½p of the eigenspaces in τ̄² = ½ Σ p|s|², in 1/m² for the couple stress; zero for passive
+    /// eigenspaces.
     pub half_weights: [N; EIGENSPACE_COUNT],
-    /// Stiffnesses D, Pa or N; 1 for passive parts.
+    /// Stiffnesses D of the eigenspaces, Pa or N; 1 for passive eigenspaces.
     pub stiffnesses: [N; EIGENSPACE_COUNT],
-    /// Products Dp, Pa.
+    /// Products Dp of stiffness and weight, Pa; zero for passive eigenspaces.
     pub weighted_stiffnesses: [N; EIGENSPACE_COUNT],
     /// Weights of the rounding errors of the stress components: max(h, 1) for the force stress, and the largest weight
     /// p for the couple stress, 1/m².
@@ -40,7 +42,7 @@ pub struct Cone<N> {
 }
 
 impl Cone<f64> {
-    /// Coefficients of the cone `set` in `solid`.
+    /// Computes the coefficients of the cone `set` in `solid`.
     pub fn new(set: &Mises, solid: &Isotropic) -> Self {
         let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
         let Mises { friction, strength, .. } = *set;
@@ -74,15 +76,15 @@ impl Cone<f64> {
         }
     }
 
-    /// Flags of the active parts, which the mapping changes.
+    /// Flags of the active eigenspaces.
     pub fn active_eigenspaces(&self) -> [bool; EIGENSPACE_COUNT] {
         self.half_weights.map(|weight| weight > 0.0)
     }
 }
 
 impl<N: Copy> Cone<N> {
-    /// Builds a cone whose coefficients are computed by `value` from the same coefficient of other cones, e.g. SIMD
-    /// lanes from single cones.
+    /// Builds a cone from other cones, e.g. one with SIMD lanes from single cones: `value` computes each coefficient,
+    /// given a function that reads this coefficient of a cone.
     pub fn from_coefficients<M>(mut value: impl FnMut(&dyn Fn(&Cone<M>) -> M) -> N) -> Self
     where
         M: Copy,
@@ -111,12 +113,12 @@ pub struct EigenspaceDecomposition<N> {
     pub force: (N, Tensor<N>, Tensor<N>),
     /// Mean, deviator and antisymmetric part of the couple stress.
     pub couple: (N, Tensor<N>, Tensor<N>),
-    /// Squared norms |s̄|² of the parts.
+    /// Squared Frobenius norms |s̄|² of the components in the eigenspaces, Pa² or (N/m)².
     pub squares: [N; EIGENSPACE_COUNT],
 }
 
 impl<N: Number> EigenspaceDecomposition<N> {
-    /// Decomposes force and couple stress.
+    /// Decomposes a force and a couple stress of the given `shape`.
     #[inline(always)]
     pub fn new(shape: StressShape, force: &Tensor<N>, couple: &Tensor<N>) -> Self {
         let force = shape.split(force);
@@ -139,7 +141,7 @@ impl<N: Number> EigenspaceDecomposition<N> {
         parts
     }
 
-    /// Weighted squares ½p|s̄|² of the active parts, Pa²; zero for passive parts.
+    /// Weighted squares ½p|s̄|² of the active eigenspaces, Pa²; zero for passive eigenspaces.
     #[inline(always)]
     pub fn weighted_squares(
         &self,
@@ -155,8 +157,8 @@ impl<N: Number> EigenspaceDecomposition<N> {
         weighted
     }
 
-    /// Force and couple stress with each part scaled by its factor in `scale_factors` and the mean of the force stress replaced
-    /// by `mean`.
+    /// Force and couple stress with the component in each eigenspace scaled by its factor in `scale_factors` and the
+    /// mean of the force stress replaced by `mean`.
     #[inline(always)]
     pub fn scale_parts(
         &self,
@@ -187,7 +189,7 @@ impl<N: Number> EigenspaceDecomposition<N> {
     }
 }
 
-/// Sum of `terms` over the active parts.
+/// Sum of `terms` over the active eigenspaces.
 #[inline(always)]
 pub fn sum_active<N: Number>(
     terms: &[N; EIGENSPACE_COUNT],
@@ -202,19 +204,19 @@ pub fn sum_active<N: Number>(
     sum
 }
 
-/// The equation h(x) = τ̄(x)(1 − ax) − r = 0 for x = λ/2τ̄, where r = k − κσ̄_m ≥ 0 and τ̄(x)² = Σ s/(1 + xDp)² over
-/// the active parts.
+/// The equation h(x) = τ̄(x)(1 − ax) − r = 0 for x = λ/2τ̄ with the plastic multiplier λ, where r = k − κσ̄_m ≥ 0 and
+/// τ̄(x)² = Σ s/(1 + xDp)² over the active eigenspaces.
 #[derive(Clone, Copy, Debug)]
 pub struct ConsistencyEquation<'a, N> {
-    /// Weighted squares s = ½p|s̄|² of the parts, Pa².
+    /// Weighted squares s = ½p|s̄|² of the eigenspaces, Pa².
     pub squares: [N; EIGENSPACE_COUNT],
-    /// Products Dp of the parts, Pa.
+    /// Products Dp of stiffness and weight of the eigenspaces, Pa.
     pub weighted_stiffnesses: [N; EIGENSPACE_COUNT],
-    /// Coefficient a = 2κ²K, Pa.
+    /// Coefficient a = 2κ²K, Pa, with the friction κ and the bulk modulus K.
     pub a: N,
-    /// Shear capacity r = k − κσ̄_m, Pa.
+    /// Shear capacity r = k − κσ̄_m, Pa, with the strength k and the mean stress σ̄_m of the trial stress.
     pub shear_capacity: N,
-    /// Flags of the active parts.
+    /// Flags of the active eigenspaces.
     pub active: &'a [bool; EIGENSPACE_COUNT],
 }
 
@@ -227,18 +229,18 @@ pub struct NewtonIterate<N> {
     pub shear: N,
     /// Reciprocal 1/τ̄(x), 1/Pa.
     pub reciprocal: N,
-    /// Factors 1/(1 + xDp) by which the parts are scaled.
+    /// Factors 1/(1 + xDp) by which the stresses of the eigenspaces are scaled.
     pub scale_factors: [N; EIGENSPACE_COUNT],
     /// Squared equivalent shear stress τ̄², Pa².
     pub shear_squared: N,
-    /// Slope term Σ s Dp/(1 + xDp)³, Pa³.
+    /// Slope term Σ s Dp/(1 + xDp)³ = −τ̄ dτ̄/dx, Pa³.
     pub slope: N,
     /// Residual h/τ̄ = 1 − ax − r/τ̄.
     pub residual: N,
 }
 
 impl<N: Number> NewtonIterate<N> {
-    /// Placeholder iterate of an elastic cell: x = 0, factors 1.
+    /// Placeholder iterate of a cell that does not yield: x = 0, scale factors 1.
     pub const ELASTIC: Self = Self {
         x: N::ZERO,
         shear: N::ONE,
@@ -313,9 +315,9 @@ impl<N: Number> ConsistencyEquation<'_, N> {
         iterate.x + (iterate.residual / (self.a + self.shear_capacity * slope)).max(N::ZERO)
     }
 
-    /// Next x by a Newton step with one division instead of two, bitwise equal to [`Self::newton_step`]: the increment is
-    /// computed with a relative error bound of 16 ε, and [`Self::newton_step`] is called if the bound could change the
-    /// rounded sum.
+    /// Next x by a Newton step with one division instead of two, bitwise equal to [`Self::newton_step`]: the increment
+    /// is computed with a relative error of at most 16 ε, and [`Self::newton_step`] is called if an error of this size
+    /// could change the rounded sum of x and increment.
     #[inline(always)]
     pub fn fast_newton_step(&self, iterate: &NewtonIterate<N>) -> N {
         let slope = self.a * iterate.shear_squared
@@ -351,16 +353,16 @@ impl<N: Number> ConsistencyEquation<'_, N> {
 }
 
 /// Result of the return mapping. The unknown x = v/u is given in homogeneous coordinates (u, v): (1, x), or (1/x, 1)
-/// beyond the apex.
+/// for trial stresses beyond the apex.
 #[derive(Clone, Copy, Debug)]
 pub struct ReturnMappingResult<N> {
-    /// Ratio s/s̄ of each part.
+    /// Ratio s/s̄ of projected stress to trial stress in each eigenspace.
     pub scale_factors: [N; EIGENSPACE_COUNT],
-    /// Lost fraction (s̄ − s)/s̄ of each part.
+    /// Lost fraction (s̄ − s)/s̄ of the trial stress in each eigenspace.
     pub lost_fractions: [N; EIGENSPACE_COUNT],
     /// Equivalent shear stress τ̄ of the projected stress, Pa.
     pub shear: N,
-    /// Decrease of the mean stress κKλ, Pa.
+    /// Decrease κKλ of the mean stress, Pa, with the plastic multiplier λ.
     pub mean_drop: N,
     /// Elastic energy lost, J/m³.
     pub energy_lost: N,
@@ -395,7 +397,8 @@ impl<N: Number> ReturnMappingResult<N> {
     }
 }
 
-/// Elastic energy lost by the projection, Σ λk + ½ (s̄ − s)·D⁻¹(s̄ − s), J/m³; `squares` are |s̄|².
+/// Elastic energy lost by the projection, λk + ½ (s̄ − s)·D⁻¹(s̄ − s), J/m³, where `multiplier` is the plastic
+/// multiplier λ and `squares` are the squared norms |s̄|² of the trial stress in the eigenspaces.
 #[inline(always)]
 pub fn compute_energy_lost<N: Number>(
     cone: &Cone<N>,

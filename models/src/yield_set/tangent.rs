@@ -1,27 +1,29 @@
-//! Elastoplastic tangent stiffness: with normals n and flow directions m of the active conditions,
+//! Elastoplastic tangent stiffness D_t: with the elastic stiffness D, and the normals n, flow directions m, plastic
+//! moduli H and plastic multiplier rates λ̇ of the active conditions,
 //!
 //! ```text
 //! σ̇ = D (ε̇ − Σ λ̇ₐ mₐ),  nₐ·σ̇ = Hₐ λ̇ₐ   ⇒   D_t = D − Σ over conditions (D m)(nᵀD)/(H + nᵀD m),
 //! ```
 //!
-//! The conditions are applied one after another: each updates the stiffness that results from the previous conditions.
+//! The conditions are applied one after another: each updates the stiffness that results from the previous conditions,
+//! and in its term of the sum D stands for this stiffness.
 
 use super::parameters::ActiveCondition;
 use crate::common::rounding::{Rounded, UNIT_ROUNDOFF};
 use crate::common::system::RoundedMatrix;
 use crate::solid::stress::StressComponent;
 
-/// Error of the tangent stiffness: the rate response of the solid is undefined, since H + nᵀD m is not positive for an
-/// active condition.
+/// Error of the tangent stiffness: the rate response of the solid is undefined, since the plastic denominator H + nᵀD m
+/// (plastic modulus H, yield normal n, stiffness D, flow direction m) is not positive for an active condition.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no response while yielding ({condition}): H + n·Dm = {value:e} Pa must be positive; less \
      difference between friction and dilatancy, or more hardening"
 )]
 pub struct NoResponse {
-    /// Name of the condition.
+    /// Name of the condition whose plastic denominator is not positive.
     pub condition: &'static str,
-    /// Value of H + nᵀD m, Pa.
+    /// Value of the plastic denominator H + nᵀD m, Pa.
     pub value: f64,
 }
 
@@ -30,7 +32,7 @@ pub struct NoResponse {
 /// A condition without hardening whose normal depends linearly on the normals of the previous conditions is skipped.
 ///
 /// # Errors
-/// H + nᵀD m is not positive; see [`NoResponse`].
+/// The plastic denominator H + nᵀD m of a condition is not positive; see [`NoResponse`].
 pub fn tangent(
     elastic_stiffness: &RoundedMatrix,
     stresses: &[StressComponent],
@@ -68,7 +70,7 @@ pub fn tangent(
             sum(&mut (0..size).map(|i| normal[i] * matrix[(i, j)]))
         };
         let stretch = sum(&mut (0..size).map(|i| normal[i] * image(&tangent, i)));
-        // The previous conditions reduce n·Dm of a linearly dependent normal to rounding errors.
+        // If n depends linearly on the normals of the previous conditions, these have reduced n·Dm to rounding errors.
         let initial_stretch = sum(&mut (0..size).map(|i| normal[i] * image(elastic_stiffness, i)));
         let is_dependent = stretch.value.abs() <= 1e-12 * initial_stretch.value.abs();
         if index > 0 && condition.hardening == 0.0 && is_dependent {

@@ -46,7 +46,8 @@ fn check_matrix_symmetry<const D: usize>(rates: &RateEquations<D>) {
     assert_eq!(form.q, -form.q.transpose());
 }
 
-/// Checks for U = (v, ω, De) that ½UᵀAU is the energy density and that De agrees with Hooke's law for tensors.
+/// Checks for U = (v, ω, De), with velocities v, spins ω, strains e and stiffness matrix D, that ½UᵀAU is the sum of
+/// kinetic and elastic energy density, and that De agrees with Hooke's law for tensors.
 fn check_energy<const D: usize>(random: &mut RandomNumbers, solid: &Isotropic) {
     let layout = solid.layout::<D>();
     let rates = solid.rates::<D>();
@@ -97,7 +98,7 @@ fn check_energy<const D: usize>(random: &mut RandomNumbers, solid: &Isotropic) {
     // Condition numbers of random moduli reach 100.
     assert!((own - energy).abs() <= 1e-13 * energy, "{own} {energy}");
 
-    // Carried (out-of-plane) stresses follow Hooke's law with zero out-of-plane strain.
+    // All stresses, including the out-of-plane stresses, follow Hooke's law with zero out-of-plane strain.
     let all: Vec<StressComponent> = layout.all_stresses().collect();
     let stiffness = solid.stiffness(layout.all_stresses());
     for (row, component) in all.iter().enumerate() {
@@ -114,7 +115,9 @@ fn check_energy<const D: usize>(random: &mut RandomNumbers, solid: &Isotropic) {
     }
 }
 
-/// Energy, Hooke's law, symmetry of the matrices and number of unknowns of random solids in 2 and 3 dimensions.
+/// For random solids in 2 and 3 dimensions the energy ½UᵀAU of the symmetric form is the kinetic and elastic energy,
+/// the stiffness matrix agrees with Hooke's law for tensors, A and Bⁱ are symmetric and Q antisymmetric, and the number
+/// of unknowns is correct.
 #[test]
 fn energy_of_the_symmetric_form_is_the_elastic_and_kinetic_energy() {
     let mut random = RandomNumbers::new(3);
@@ -132,7 +135,7 @@ fn energy_of_the_symmetric_form_is_the_elastic_and_kinetic_energy() {
     check_matrix_symmetry(&random_cubic_solid(&mut random).rates());
 }
 
-/// The stiffness of isotropic solids commutes with rotations: D(R e Rᵀ) = R (D e) Rᵀ.
+/// The stiffness D of isotropic solids commutes with rotations R: D(R e Rᵀ) = R (D e) Rᵀ for every strain e.
 #[test]
 fn isotropic_stiffness_commutes_with_rotations() {
     let mut random = RandomNumbers::new(5);

@@ -1,5 +1,5 @@
-//! Elastic solids against the published equations, written out by hand, and against the energy balance and rotational
-//! invariance.
+//! Elastic solids against the equations of Sadovskii & Sadovskaya (2019), written out by hand, and against the elastic
+//! energy density and rotational invariance.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors")]
 
 mod energy;

@@ -85,7 +85,8 @@ fn violated_inequalities_are_rejected() {
     assert_eq!(Isotropic::new(1.0, 1.0, 1.0, Some(foam)).unwrap_err().input, "beta");
 }
 
-/// Conversion of moduli to compliances and back, the published relations, and rejection of cubic compliances.
+/// Conversion of moduli to compliances and back returns the moduli; the compliances satisfy the published relations,
+/// and cubic compliances are rejected.
 #[test]
 fn moduli_are_recovered_from_compliances() {
     let mut random = RandomNumbers::new(9);
@@ -101,7 +102,7 @@ fn moduli_are_recovered_from_compliances() {
         assert_eq!(c.alpha2, couple.gamma + couple.eta);
         assert!(c.anisotropy().abs() <= 1e-12, "{:e}", c.anisotropy());
         let [lambda, mu, own_alpha] = c.isotropic_moduli().unwrap();
-        // Cancellation in a₂ ∓ b₂ amplifies rounding errors by α/μ or μ/α.
+        // Cancellation in a₂ ± b₂ amplifies rounding errors by α/μ or μ/α.
         let close = |own: f64, exact: f64, size: f64| {
             assert!((own - exact).abs() <= 1e-13 * size, "{own:e} {exact:e} of {solid:?}");
         };

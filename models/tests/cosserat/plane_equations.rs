@@ -8,7 +8,7 @@ use wellposed_models::common::rates::SymmetricForm;
 use wellposed_models::solid::parameters::{Isotropic, Microrotation, PlaneCompliances};
 
 /// Symmetric form written out by hand from Sadovskii & Sadovskaya (2019, "Plane strain state") for the unknowns
-/// (v₁, v₂, ω₃, σ₁₁, σ₂₂, σ₂₁, σ₁₂, μ₃₁, μ₃₂): the balances
+/// (v₁, v₂, ω₃, σ₁₁, σ₂₂, σ₂₁, σ₁₂, μ₃₁, μ₃₂) with the couple stresses μ₃₁ and μ₃₂: the balances
 /// ρ₀v̇₁ = σ₁₁,₁ + σ₁₂,₂; ρ₀v̇₂ = σ₂₁,₁ + σ₂₂,₂; J₀ω̇₃ = μ₃₁,₁ + μ₃₂,₂ + σ₂₁ − σ₁₂; then the constitutive laws.
 fn published_symmetric_form(c: &PlaneCompliances) -> SymmetricForm<2> {
     let PlaneCompliances { a1, b1, a2, b2, alpha2, density: r, inertia: i } = *c;
@@ -83,8 +83,8 @@ fn plane_equations_agree_with_the_published_equations() {
         assert_close(&own.a, &expected.a, 10.0 * INVERSION_TOLERANCE, "A");
         assert_eq!((&own.b, &own.q), (&expected.b, &expected.q));
 
-        // The linearised system is solved for the stress rates: A holds density, inertia and ones, and the rows of the
-        // constitutive laws are −A⁻¹B and −A⁻¹Q of the symmetric form.
+        // The linearised system is solved for the stress rates: its matrices are A′ = diag(ρ₀, ρ₀, J₀, 1, …), −A′A⁻¹Bⁱ
+        // and −A′A⁻¹Q with A, Bⁱ and Q of the symmetric form.
         let mut linear = LinearisedSystem::default();
         rates.linearise(&mut linear);
         let value =
@@ -103,7 +103,7 @@ fn plane_equations_agree_with_the_published_equations() {
     }
 }
 
-/// The plane-strain equations in terms of the moduli, written out by hand:
+/// The linearised plane-strain equations agree with the equations in terms of the moduli, written out by hand:
 /// σ̇₁₁ = (λ + 2μ)v₁,₁ + λv₂,₂, σ̇₂₁ = (μ + α)(v₂,₁ − ω₃) + (μ − α)(v₁,₂ + ω₃), …
 #[test]
 fn plane_equations_in_terms_of_moduli_agree_with_hookes_law() {
@@ -128,7 +128,7 @@ fn plane_equations_in_terms_of_moduli_agree_with_hookes_law() {
     (c[(5, 2)], c[(6, 2)]) = (2.0 * alpha, -2.0 * alpha);
     for axis in 0..2 {
         assert_close(&linear.b[axis].map(|x| x.value), &b[axis], 1e-15, "B");
-        // Structural zeros are exact; every other entry has a rounding bound.
+        // Coefficients that are zero in the equations are structural zeros, and no other entry is one.
         for (own, published) in linear.b[axis].iter().zip(b[axis].iter()) {
             assert_eq!(own.is_structural_zero(), *published == 0.0);
         }
@@ -136,7 +136,7 @@ fn plane_equations_in_terms_of_moduli_agree_with_hookes_law() {
     assert_close(&linear.c.map(|x| x.value), &c, 1e-15, "C");
     assert_eq!(linear.a[(2, 2)].value, inertia);
 
-    // Reduced Cosserat solid: the first seven unknowns; classical solid: no spin, one shear stress.
+    // The reduced Cosserat solid has the first seven unknowns; the classical solid has no spin and one shear stress.
     let reduced =
         Isotropic { microrotation: Some(Microrotation { alpha, inertia, couple: None }), ..solid };
     reduced.rates::<2>().linearise(&mut linear);

@@ -6,7 +6,7 @@ use nalgebra::{Complex, SymmetricEigen};
 use wellposed_models::common::rates::SymmetricForm;
 use wellposed_models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 
-/// Frequencies ω of plane waves exp(i(k·x − ωt)), ascending: eigenvalues of the Hermitian
+/// Frequencies ω of plane waves exp(i(k·x − ωt)) of a symmetric form, ascending: eigenvalues of the Hermitian matrix
 /// L⁻¹(−k·B + iQ)L⁻ᵀ with A = L Lᵀ.
 pub fn compute_frequencies<const D: usize>(form: &SymmetricForm<D>, wave: [f64; D]) -> Vec<f64> {
     let factor = form.a.clone().cholesky().unwrap().l();
@@ -57,7 +57,8 @@ fn wave_speeds_are_eigenvalues_of_the_principal_part() {
     }
 }
 
-/// Wave speeds of the homogeneous medium in the unit test of SPECFEM++ (Princeton) against the published values.
+/// The wave speeds of the homogeneous Cosserat medium of a unit test of SPECFEM++ (Princeton) agree with its published
+/// values.
 #[test]
 fn wave_speeds_agree_with_published_values() {
     let couple = CoupleModuli { beta: 7.75e8, gamma: 1.5e8, eta: 3e8 };
@@ -88,7 +89,7 @@ fn reduced_cosserat_waves_satisfy_the_dispersion_relation() {
         let direction: [f64; 2] = random_unit_vector(&mut random);
         let form = solid.rates::<2>().symmetric_form().unwrap();
         let own = compute_frequencies(&form, direction.map(|x| x * number));
-        // Seven frequencies: two transverse and one longitudinal pair ±ω, and one zero.
+        // Seven frequencies: two transverse pairs ±ω, one longitudinal pair ±ω, and one zero.
         let longitudinal = solid.speeds().longitudinal * number;
         let mut positive: Vec<f64> = own[4..].to_vec();
         let nearest = positive
@@ -103,7 +104,7 @@ fn reduced_cosserat_waves_satisfy_the_dispersion_relation() {
         assert!(positive[0] < edge && positive[1] > natural, "{positive:?} {edge} {natural}");
         for frequency in positive {
             let w = inertia * frequency * frequency;
-            // Multiplied by the denominator, which vanishes at ω₁.
+            // The dispersion relation is multiplied by its denominator, which vanishes at ω₁.
             let left = number * number * (4.0 * alpha * mu - (mu + alpha) * w);
             let right = solid.density * frequency * frequency * (4.0 * alpha - w);
             let size = number * number * (4.0 * alpha * mu + (mu + alpha) * w)
@@ -113,8 +114,9 @@ fn reduced_cosserat_waves_satisfy_the_dispersion_relation() {
     }
 }
 
-/// Limits and their convergence order. For j → 0 (or k → 0) the shear wave speed tends to √(μ/ρ) of the classical solid
-/// with an error of order jk²; for γ, η → 0 the Cosserat solid tends to the reduced one with an error of order γ + η.
+/// For j → 0 the shear wave speed of the reduced Cosserat solid tends to √(μ/ρ) of the classical solid with an error of
+/// order jk²; for β, γ, η → 0 the frequencies of the Cosserat solid tend to those of the reduced Cosserat solid with an
+/// error of first order in these moduli.
 #[test]
 fn classical_and_reduced_limits_converge_at_first_order() {
     let mut random = RandomNumbers::new(8);

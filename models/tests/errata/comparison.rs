@@ -4,11 +4,11 @@ use crate::support::Complex;
 
 /// Relative tolerance of calculations with 31 digits and sums of a few hundred products.
 pub const EXACT_TOLERANCE: f64 = 1e-22;
-/// Relative error beyond which a printed formula counts as wrong. The states are generic, so the error of a wrong
-/// formula is of order one in nearly all of them.
+/// Relative error beyond which a printed formula counts as wrong. The states are random, so the relative error of a
+/// wrong formula is of order one in nearly all of them.
 const MISPRINT_THRESHOLD: f64 = 1e-4;
 
-/// Counts the states in which a printed formula is wrong, and asserts that the corrected formula is right.
+/// Counts comparisons and those in which a printed formula is wrong, and asserts that the corrected formula is right.
 #[derive(Default)]
 pub struct Comparison {
     pub comparisons: usize,

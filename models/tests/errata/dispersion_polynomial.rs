@@ -1,4 +1,4 @@
-//! Errata of the dispersion polynomial: eqs (121), (131), (138).
+//! Errata of the dispersion polynomial in Harris & Grekova (2005): eqs (121), (131), (138).
 
 use crate::comparison::{Comparison, EXACT_TOLERANCE};
 use crate::elimination::Elimination;
@@ -9,8 +9,9 @@ use crate::support::{
 use crate::system::{IncompressibleFlow, STATE_COUNT, random_wave};
 use wellposed_models::registry;
 
-/// A₁/k⁸ of eq. (138) is printed with ē₅₂ in place of ē₄₂ in the first brace and ē₂₅ in place of ē₂₄ in the second.
-/// Reference: the coefficient of (ρς)³ of the expanded det F (110). Each misprint alone makes the formula wrong.
+/// The scaled coefficient A₁/k⁸ of eq. (138) is printed with ē₅₂ in place of ē₄₂ in the first brace and ē₂₅ in place of
+/// ē₂₄ in the second, where ē = e/k. Reference: the coefficient of (ρς)³ of the expanded determinant of F (eq. 110).
+/// Each misprint alone makes the formula wrong.
 #[test]
 fn eq_138_scaled_coefficient_has_two_misprints() {
     let mut random = RandomNumbers::new(10);
@@ -78,7 +79,7 @@ fn eq_121_elimination_introduces_a_spurious_factor() {
         let zero = Complex::default();
         let spurious = [zero, zero, own.f, own.g * own.density];
         let expected = multiply_polynomials(&spurious, &exact);
-        // Equal up to a constant factor (from the scaling of the momentum rows, ρ² and signs).
+        // Both polynomials are equal up to a constant factor (from the scaling of the momentum rows, ρ² and signs).
         let factor = quintic[5] / expected[5];
         for (degree, (&q, &x)) in quintic.iter().zip(&expected).enumerate() {
             let size = quintic.iter().map(|c| c.abs()).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! Errata of the eliminated equations: eqs (100)–(126).
+//! Errata of the eliminated equations in Harris & Grekova (2005): eqs (100)–(126).
 
 use crate::comparison::{Comparison, EXACT_TOLERANCE};
 use crate::elimination::Elimination;
@@ -81,16 +81,16 @@ fn eq_105_misprints_g43_as_g53() {
         let printed = e[4][2] * (e[3][0] * e[0][3] + e[3][1] * e[1][3]);
         first.add_case(p, printed * rs, own.inertia_numerators[0][2] * rs, 0.0);
         second.add_case(p, -(printed * rs), own.inertia_numerators[0][2] * rs, 0.0);
-        // The second printed line is g₅₃.
+        // The second printed line is a correct formula for g₅₃.
         assert!((psi + printed * rs).abs() <= EXACT_TOLERANCE * psi.abs());
     }
     first.assert_mostly_misprinted();
     second.assert_mostly_misprinted();
 }
 
-/// Eq. (107) is printed with columns 5 and 6 in place of columns 4 and 5 (p, ψ) of the 5×5 system. Reference: the
-/// reduced momentum rows by elimination at two frequencies. With any column in place of the missing sixth one the
-/// printed form is wrong. Eq. (108), i = 0, holds only with the correction.
+/// Eq. (107) for hᵢⱼ is printed with columns 5 and 6 in place of columns 4 and 5 (p, ψ) of the 5×5 system. Reference:
+/// the reduced momentum rows by elimination at two frequencies. With any column in place of the missing sixth column
+/// the printed form is wrong. Eq. (108), iᵢⱼ = 0, holds only with the correction.
 #[test]
 fn eq_107_misprints_the_columns() {
     let mut random = RandomNumbers::new(8);
@@ -101,7 +101,7 @@ fn eq_107_misprints_the_columns() {
         let own = Elimination::new(&system, random_wave(&mut random));
         for (number, comparison) in comparisons.iter_mut().enumerate() {
             let (row, column) = (number / 3, number % 3);
-            // The entry minus g ρ²ς² on the diagonal, divided by ρς, equals h + i/(ρς).
+            // The reduced entry, minus g ρ²ς² on the diagonal, is hᵢⱼ ρς + iᵢⱼ: linear in ρς.
             let [first, second] =
                 [random_complex(&mut random), random_complex(&mut random)].map(|frequency| {
                     let rs = own.density * frequency;
@@ -139,8 +139,8 @@ fn eq_107_misprints_the_columns() {
     vanishing.assert_mostly_misprinted();
 }
 
-/// Eqs (123)–(125) are correct as printed once (105) and (107) are corrected. Eq. (126) is printed with b₄ⱼ in place of
-/// e₄ⱼ, which also has the wrong power of k.
+/// Eqs (123)–(125) are correct as printed once eqs (105) and (107) are corrected. Eq. (126) is printed with b₄ⱼ in
+/// place of e₄ⱼ, which also has the wrong power of k. Reference: the sums of products of hᵢⱼ.
 #[test]
 fn eq_126_misprints_e4j() {
     let mut random = RandomNumbers::new(9);

@@ -1,9 +1,10 @@
-//! The elimination of pressure and stress angle, eqs (99)–(110).
+//! Elimination of pressure and stress angle by Harris & Grekova (2005), eqs (99)–(110).
 
 use crate::support::{Complex, DoubleDouble, Polynomial, complex};
 use crate::system::IncompressibleFlow;
 
-/// Coefficients of the paper's elimination, eqs (103)–(105), with printed errors corrected.
+/// Coefficients of the elimination in Harris & Grekova (2005), eqs (103)–(105), with printed errors corrected. The
+/// amplitudes p and ψ have the common denominator f + gρς.
 #[derive(Clone, Copy)]
 pub struct Elimination {
     pub e: [[Complex; 5]; 5],
@@ -88,7 +89,7 @@ impl Elimination {
         own * (self.f + self.g * rs) + self.e[row][3] * p + self.e[row][4] * psi
     }
 
-    /// Coefficient h_ij of eq. (107) with `p` and `psi` (zero-based) as columns of e.
+    /// Coefficient hᵢⱼ of eq. (107), i = `row`, j = `column`, with the columns `p` and `psi` of e (all counted from 0).
     pub fn reduced_coefficient(&self, row: usize, column: usize, p: usize, psi: usize) -> Complex {
         let mut h = self.e[row][p] * self.inertia_numerators[0][column]
             + self.e[row][psi] * self.inertia_numerators[1][column];
@@ -101,7 +102,7 @@ impl Elimination {
         h
     }
 
-    /// Matrix F of eq. (110) as polynomials in ς.
+    /// Matrix F of eq. (110), whose entries are polynomials in ς.
     pub fn reduced_matrix(&self, inertia: DoubleDouble) -> Vec<Vec<Polynomial>> {
         let rho = self.density;
         let mut matrix: Vec<Vec<Polynomial>> = (0..2)

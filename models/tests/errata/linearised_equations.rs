@@ -1,4 +1,4 @@
-//! Errata of the linearised equations: eqs (83), (86), (87).
+//! Errata of the linearised equations in Harris & Grekova (2005): eqs (83), (86), (87).
 
 use crate::comparison::Comparison;
 use crate::support::{DifferentiableReal, DoubleDouble, RandomNumbers, dd};
@@ -53,8 +53,8 @@ fn eq_86_misprints_b51() {
     comparison.assert_mostly_misprinted();
 }
 
-/// Eq. (87): Q_Σ is printed with 4Σ₁₂², which is valid only for a symmetric stress. Reference: the deviator from which
-/// a stress with r = ±m is constructed.
+/// Eq. (87): the deviatoric stress Q_Σ is printed with 4Σ₁₂² in place of (Σ₁₂ + Σ₂₁)², which is valid only for a
+/// symmetric stress. Reference: the deviator from which a stress with the rotational stress r = ±m is constructed.
 #[test]
 fn eq_87_misprints_the_deviatoric_stress() {
     let mut random = RandomNumbers::new(4);

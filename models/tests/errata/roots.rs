@@ -1,4 +1,4 @@
-//! Errata of the roots and degenerate directions: eqs (142)–(163).
+//! Errata of the roots and degenerate directions in Harris & Grekova (2005): eqs (142)–(163).
 
 use crate::comparison::Comparison;
 use crate::support::{
@@ -6,9 +6,9 @@ use crate::support::{
 };
 use crate::system::{IncompressibleFlow, STATE_COUNT};
 
-/// Eq. (149) is too large by a factor of two, since it uses the printed c₅₅ of (83). Reference: the larger root of the
-/// exact determinant at k = 1e9 1/m in a uniform background, where corrections are of relative size 1/k² (a few
-/// thousand over 1e18).
+/// Eq. (149) is too large by a factor of two, since it uses the printed c₅₅ of eq. (83). Reference: the larger root of
+/// the exact determinant at k = 1e9 1/m in a uniform background, where the corrections of Re ς/k² are of relative size
+/// 1/k² (a few thousand over 1e18).
 #[test]
 fn eq_149_leading_root_is_too_large_by_two() {
     let mut random = RandomNumbers::new(11);
@@ -28,7 +28,7 @@ fn eq_149_leading_root_is_too_large_by_two() {
             * (dd(1.0) - system.friction_angle().sin() * beta.cos());
         let printed = (-(system.yield_deviator * gap * gap / below)).to_f64();
         let off = |x: f64| (root - complex(x, 0.0)).abs() / root.abs();
-        // ς/k² has the imaginary part −k·V/k², below 1e-6 of the real part for |gap| ≥ 0.05.
+        // ς/k² has the imaginary part −k·V/k², below 1e-6 of the real part for |cos β − sin φ| ≥ 0.05.
         assert!(off(printed) > 0.9, "the printed (149) holds");
         assert!(off(printed / 2.0) < 1e-5, "off by {:e}", off(printed / 2.0));
         assert!((root.re.to_f64() / (printed / 2.0) - 1.0).abs() < 1e-12);
@@ -51,7 +51,7 @@ fn eq_150_misprints_the_product_of_sines() {
         let (first, second) = ((x + quarter - half).sin(), (x - quarter + half).sin());
         let (first, second) = (first * first, second * second);
         let corrected = first * second * dd(2.0);
-        // Printed form, and the printed form without the extra square but with the wrong factor.
+        // The printed form, and the form with the correct product of sines but the printed factor 4.
         let printed = [dd(4.0) * first * second * second, dd(4.0) * first * second];
         for (comparison, printed) in comparisons.iter_mut().zip(printed) {
             comparison.add_case(truth.into(), printed.into(), corrected.into(), 1e-3);
@@ -78,7 +78,7 @@ fn eq_160_misprints_the_degenerate_directions() {
                 [stress.to_f64().abs() / system.yield_deviator.to_f64(), velocity.to_f64().abs()]
             };
             assert!(factors([-s, c]).iter().all(|x| *x < 1e-28));
-            // For the printed direction both factors vanish only for special Ψ.
+            // For the printed direction the factors vanish only if the angle Ψ ± ε is near a multiple of 90°.
             let special = (s * c).to_f64().abs() < 1e-2;
             assert!(special || factors([s, c]).iter().all(|x| *x > 1e-3));
         }
@@ -103,7 +103,7 @@ fn eq_142_to_145_root_of_order_two_is_simple() {
         };
         let (near, far) = (roots_at(1e9), roots_at(1e10));
         let order = |n: usize| (far[n].abs() / near[n].abs()).log10();
-        // Corrections are of relative size (gradients)/(k gap²), below 1e-4.
+        // Corrections are of relative size (background gradients)/(k (cos β − sin φ)²), below 1e-4.
         assert!((order(0) - 2.0).abs() < 1e-3, "order {} in k", order(0));
         assert!(order(1) < 1.001, "order {} in k", order(1));
     }
@@ -115,7 +115,7 @@ fn eq_163_zero_is_not_a_root() {
     let mut random = RandomNumbers::new(17);
     for _ in 0..STATE_COUNT {
         let system = IncompressibleFlow::new_random(&mut random);
-        // cos β = sin φ
+        // The degenerate directions have cos β = sin φ.
         let beta = RIGHT_ANGLE - system.friction_angle();
         for beta in [beta, -beta] {
             let wave = system.wave_direction(beta).map(|x| x * dd(30.0));

@@ -1,4 +1,4 @@
-//! Linearised equations of a random incompressible flow, derived from the nonlinear equations.
+//! Linearised equations of a random incompressible (ν = 0) Harris–Grekova flow, derived from the nonlinear equations.
 
 use crate::support::equations::{SPIN_INDEX, linearise};
 use crate::support::states::{self, DilatancyKind};
@@ -17,7 +17,7 @@ pub struct IncompressibleFlow {
     pub parameters: FlowParameters,
     pub state: MaterialState,
     pub flow: DeformingFlow,
-    /// Matrix A; columns v₁, v₂, ω, p, ψ.
+    /// Matrix A; like B and C with the rows momentum 1, 2, spin, continuity, rotation and columns v₁, v₂, ω, p, ψ.
     pub a: [[DoubleDouble; 5]; 5],
     pub b: [[[DoubleDouble; 5]; 5]; 2],
     pub c: [[DoubleDouble; 5]; 5],
@@ -86,7 +86,7 @@ impl IncompressibleFlow {
         let delta = dd(self.flow.noncoaxiality);
         (delta + delta).cos()
     }
-    /// Direction (cos θ, sin θ) with β = 2(Ψ_Σ − θ).
+    /// Direction (cos θ, sin θ) of the wave vector with β = 2(Ψ_Σ − θ) = `beta`, where Ψ_Σ is the stress angle.
     pub fn wave_direction(&self, beta: DoubleDouble) -> [DoubleDouble; 2] {
         let (s, c) = (dd(self.state.stress_angle) - beta * dd(0.5)).sin_cos();
         [c, s]

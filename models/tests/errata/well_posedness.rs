@@ -1,4 +1,4 @@
-//! Errata of the verdicts derived from limits along rays: eqs (130), (136) and the abstract.
+//! Errata of the verdicts derived from limits along rays in Harris & Grekova (2005): eqs (130), (136) and the abstract.
 
 use crate::support::states::{self, DilatancyKind};
 use crate::support::{
@@ -41,7 +41,7 @@ fn eq_130_and_136_limits_along_rays_do_not_bound_the_growth() {
     let expected = 2.5f64 * 2.5 * 0.7 * 0.7 - 0.7f64.powi(6);
     assert!((dispersion([2.5, 0.7]) - expected).abs() < 1e-12);
 
-    // Along each of 181 rays the limit is −∞, or 0 along the first axis.
+    // Along each of 181 rays the growth rate tends to −∞, or is 0 along the first axis.
     for degree in 0..=180 {
         let (sine, cosine) = match degree {
             0 | 180 => (0.0, 1.0),
@@ -63,9 +63,9 @@ fn eq_130_and_136_limits_along_rays_do_not_bound_the_growth() {
     assert!(near > 0.0 && ((far / near).log10() - 3.0).abs() < 0.01, "{near:e} {far:e}");
 }
 
-/// Growth in a layer around a degenerate direction β₀ of the model: as k → ∞ with fixed s = (β − β₀)k, Re ς tends to a
-/// function of s that exceeds, somewhere in the layer, the limits along all rays including the degenerate one. So the
-/// limits of (130) do not give the bound on the growth rate.
+/// The growth rate in a layer around a degenerate direction β₀ of the model exceeds the limits along rays: as k → ∞
+/// with fixed s = (β − β₀)k, Re ς tends to a function of s that exceeds, somewhere in the layer, the limits along all
+/// rays including the degenerate direction. So the limits of eq. (130) do not give the bound on the growth rate.
 #[test]
 fn eq_130_and_136_growth_is_largest_in_layers_around_degenerate_directions() {
     let mut random = RandomNumbers::new(18);
@@ -83,7 +83,7 @@ fn eq_130_and_136_growth_is_largest_in_layers_around_degenerate_directions() {
             roots.map(|x| x.re.to_f64()).into_iter().fold(f64::MIN, f64::max)
         };
         let ends = [RIGHT_ANGLE - system.friction_angle(), system.friction_angle() - RIGHT_ANGLE];
-        // Limits along rays: the slow root, and the roots in the degenerate directions.
+        // Limits along rays: the slow root −c₃₃/(ρI) in general directions, and the roots in the degenerate directions.
         let slow = -(system.c[2][2] / (system.density() * system.inertia())).to_f64();
         let along_rays = ends.map(growth).into_iter().fold(slow, f64::max);
         let in_layers = (-100..=100)
@@ -95,9 +95,9 @@ fn eq_130_and_136_growth_is_largest_in_layers_around_degenerate_directions() {
     assert!(found >= 10, "the layers never exceed the rays: found {found}");
 }
 
-/// Abstract and section 8: "incompressible flows are well-posed" holds only for |Ψ_D − Ψ_Σ| < π/4. For larger
-/// non-coaxiality a root of the exact determinant grows like k² with half the coefficient of (149); for smaller
-/// non-coaxiality the growth rate tends to a constant.
+/// The claim of abstract and section 8 that incompressible flows are well-posed holds only for the non-coaxiality
+/// |Ψ_D − Ψ_Σ| < π/4. For larger non-coaxiality a root of the exact determinant grows like k² with half the coefficient
+/// of eq. (149); for smaller non-coaxiality the growth rate tends to a constant.
 #[test]
 fn abstract_claim_holds_only_below_45_degrees_noncoaxiality() {
     let mut random = RandomNumbers::new(19);
@@ -136,11 +136,11 @@ fn abstract_claim_holds_only_below_45_degrees_noncoaxiality() {
                 beta.to_f64(),
             );
             assert!(coefficient > 0.0);
-            // Corrections of relative size (gradients)/k: below 1e-6/gap² at k = 1e10.
+            // Corrections are of relative size (background gradients)/k, below 1e-6/(cos β − sin φ)² at k = 1e10.
             assert!((growth(1e10) / 1e20 / coefficient - 1.0).abs() < 1e-4);
         } else {
             within += 1;
-            // The slow root is −c₃₃/(ρI) + O(1/(k gap²)); the other has a large negative real part.
+            // The slow root is −c₃₃/(ρI) + O(1/(k (cos β − sin φ)²)); the other has a large negative real part.
             let slow = -(system.c[2][2] / (system.density() * system.inertia())).to_f64();
             assert!((growth(1e10) - slow).abs() < 1e-3 * (1.0 + slow.abs()));
         }

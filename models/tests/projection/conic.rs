@@ -16,7 +16,8 @@ use clarabel::solver::{
 };
 use wellposed_models::solid::stress::Stress;
 
-/// Solves min ½|w − w̄|² subject to Aw + t = b with t in the cones; `center` is w̄, `rows` is A.
+/// Solves min ½|w − w̄|² subject to Aw + t = b with t in the product of `cones`; `center` is w̄, `rows` holds the rows
+/// of A.
 fn solve_conic_program(
     center: &[f64],
     rows: &[Vec<f64>],
@@ -48,7 +49,7 @@ fn half_squared_distance(a: &[f64], b: &[f64]) -> f64 {
     0.5 * a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>()
 }
 
-/// Relative excess of the objective of `own` over that of the solver, and the distance of both solutions.
+/// Relative excess of the objective at `own` over the objective at `solver_solution`, and the distance of both.
 fn compare_solutions(own: &[f64], solver_solution: &[f64], center: &[f64]) -> (f64, f64) {
     let (objective, reference) =
         (half_squared_distance(own, center), half_squared_distance(solver_solution, center));
@@ -58,7 +59,8 @@ fn compare_solutions(own: &[f64], solver_solution: &[f64], center: &[f64]) -> (f
     )
 }
 
-/// Orthonormal basis of 3×3 matrices: five symmetric deviators, three antisymmetric matrices, δ/√3.
+/// Orthonormal basis of 3×3 matrices: five symmetric deviators, three antisymmetric matrices, and δ/√3 with
+/// the unit matrix δ.
 fn matrix_basis() -> [[[f64; 3]; 3]; 9] {
     let mut basis = [[[0.0; 3]; 3]; 9];
     let half = 0.5f64.sqrt();
@@ -94,7 +96,7 @@ fn mises_projections_agree_with_a_conic_solver() {
         }
         let scale = twice_elastic_energy(&solid, &trial).sqrt();
         let (d, p) = (eigenspace_stiffnesses(&solid), eigenspace_weights(&set));
-        // Coordinates w in which the energy is ½|w|²: s = √D w for each part.
+        // Coordinates w in which the energy is ½|w|²: s = √D w in each eigenspace with the stiffness D.
         let eigenspace = |number: usize| match number {
             0..5 => Some(0),
             5..8 => Some(1),
@@ -120,7 +122,8 @@ fn mises_projections_agree_with_a_conic_solver() {
             .iter()
             .filter_map(|&n| eigenspace(n).map(|part| (0.5 * p[part] * d[part]).sqrt()))
             .fold(0.0, f64::max);
-        // (k − κσ_m, √(½p) s, …) is in the second-order cone; divided by the largest coefficient.
+        // The vector (k − κσ_m, √(½p) s, …) must be in the second-order cone; its rows are divided by the largest
+        // coefficient.
         let mut rows = vec![vec![0.0; used.len()]; 1 + used.len()];
         let mut b = vec![0.0; 1 + used.len()];
         b[0] = strength / size;
@@ -143,7 +146,7 @@ fn mises_projections_agree_with_a_conic_solver() {
     println!("Mises: objective at most {max_objective:e} above, stresses {max_distance:e} apart");
 }
 
-/// Projections onto interlayer sets agree with the solution of the quadratic program.
+/// Projections onto interlayer sets agree with the solution of the quadratic program by the conic solver.
 #[test]
 fn interlayer_projections_agree_with_a_conic_solver() {
     let (mut max_objective, mut max_distance) = (f64::NEG_INFINITY, 0.0f64);
@@ -169,7 +172,8 @@ fn interlayer_projections_agree_with_a_conic_solver() {
         if solid.energy_norm(&std::array::from_fn(|i| trial[i] - stress[i])) < 0.1 * scale {
             continue;
         }
-        // Orthonormal coordinates in the energy norm: sums and differences of stresses times roots of compliances.
+        // Orthonormal coordinates in the energy norm: sums and differences of stresses times square roots of
+        // compliances.
         let roots = |[a, b]: [f64; 2]| [(0.5 * (a - b)).sqrt(), (0.5 * (a + b)).sqrt()];
         let ([ns, nd], [ss, sd]) =
             (roots(solid.normal_compliances), roots(solid.shear_compliances));
@@ -184,7 +188,7 @@ fn interlayer_projections_agree_with_a_conic_solver() {
             }
             all.iter().map(|x| x / scale).collect()
         };
-        // Rows of the conditions in these coordinates, from the stresses of unit coordinates.
+        // Rows of the conditions in these coordinates, from the stresses that correspond to the unit vectors.
         let n = coordinates(&trial).len();
         let stress_of = |coordinate: usize| -> [f64; 6] {
             let mut s = [0.0; 6];

@@ -1,4 +1,4 @@
-//! Projection onto interlayer yield sets: optimality, and the out-of-plane stress.
+//! Projection onto interlayer yield sets: optimality conditions, and the out-of-plane stress.
 
 use crate::random_solids::random_solid;
 use crate::residuals::{OPTIMALITY_TOLERANCE, OptimalityResiduals};
@@ -11,7 +11,7 @@ use wellposed_models::yield_set::projection::PlaneMetric;
 #[derive(Clone, Copy, Debug)]
 pub struct PlaneSolid {
     pub normal_compliances: [f64; 2],
-    /// Compliances a₂, b₂, 1/Pa; in classical solids 1/(2μ) and 0.
+    /// Compliances a₂ and b₂ of the shear stresses, 1/Pa; in classical solids 1/(2μ) and 0.
     pub shear_compliances: [f64; 2],
     pub couple_modulus: Option<f64>,
     pub is_classical: bool,
@@ -54,14 +54,15 @@ impl PlaneSolid {
     }
 }
 
-/// Strength and friction [k, κ] of the shear and couple conditions.
+/// Strength and friction [k, κ] of the shear conditions, then of the couple conditions.
 pub fn strengths_and_frictions(set: &InterlayerYieldSet) -> [[f64; 2]; 2] {
     let couple = set.couple.map_or([0.0, 0.0], |c| [c.strength, c.friction]);
     [[set.shear_strength, set.shear_friction], couple]
 }
 
-/// For the strain e = (`normal`, `shear`, `couple`) of one face: the excess e_n − κ_τ|e_s| − κ_μ|e_c|, zero for plastic
-/// strains off the apex and ≥ 0 at it, and the support function sup e·w over the admissible stresses w.
+/// Returns for the strain e = (e_n, e_s, e_c) = (`normal`, `shear`, `couple`) on one face the excess
+/// e_n − κ_τ|e_s| − κ_μ|e_c|, zero for plastic strains off the apex and ≥ 0 at the apex, and the support function
+/// sup e·w over the admissible stresses w.
 fn face_support_function(
     set: &InterlayerYieldSet,
     [normal, shear, couple]: [f64; 3],
@@ -128,13 +129,14 @@ fn compute_interlayer_residuals(
             support += face_support;
         }
         let work: f64 = stress.iter().zip(strain).map(|(s, e)| s * e).sum();
-        // Σ λ × distance from the conditions, a sum of non-negative terms.
+        // The difference of support function and work is the complementarity Σ λ (k − n·s), a sum of non-negative
+        // terms.
         let complementarity = (work - support).abs() / work_scale;
         (normality, complementarity)
     };
     let (normality, complementarity) = if solid.is_classical {
-        // Only the sum of the two shear strains does work on σ₁₂ = σ₂₁: the conditions must hold for some division of
-        // the sum between the faces.
+        // σ₁₂ = σ₂₁ does work on the sum of the two shear strains only: the conditions must hold for some division of
+        // the sum between the two faces.
         let sum = strain[2] + strain[3];
         let mut candidates = vec![sum, 0.0, 0.5 * sum];
         if kappa_tau > 0.0 {
@@ -178,7 +180,7 @@ pub fn random_interlayer_set(
 ) -> InterlayerYieldSet {
     let shear_strength = draw_log_uniform(random, 3.0, 7.0);
     let shear_friction = draw_log_uniform(random, -2.0, 0.7);
-    // Length of the order of a block, m, by which couple and force constants differ.
+    // Block size, m: order of magnitude of the ratio of couple constants to force constants.
     let length = draw_log_uniform(random, -3.0, 0.0);
     let mut own = InterlayerCoupleLimits {
         strength: shear_strength * length * draw_log_uniform(random, -1.0, 1.0),
@@ -194,7 +196,7 @@ pub fn random_interlayer_set(
     match degenerate {
         DegenerateKind::Regular => {}
         DegenerateKind::CommonApex => {
-            // Ratios are powers of two, so that the apices are bitwise equal.
+            // The ratio of couple to shear constants is a power of two, so that τ₀/κ_τ = μ₀/κ_μ bitwise.
             let ratio = 2f64.powi(-(random.uniform_index(10) as i32));
             own.strength = set.shear_strength * ratio;
             own.friction = set.shear_friction * ratio;
@@ -231,14 +233,15 @@ fn random_interlayer_trial(
     let drop = random.uniform_index(4);
     for (i, component) in trial.iter_mut().enumerate() {
         *component *= size;
-        // Some components zero: planes and axes of symmetry.
+        // In a quarter of the cases each component is zero with probability ½: the trial stress is in a plane or on an
+        // axis of symmetry of the set.
         if drop == 0 && random.uniform_index(2) == 0 && !(solid.is_classical && (2..4).contains(&i))
         {
             *component = 0.0;
         }
     }
     if random.uniform_index(4) == 0 {
-        // On or near edges, faces and the apex.
+        // In a quarter of the cases the trial stress is on or near edges and faces of the set or its apex.
         let off =
             if random.uniform_index(2) == 0 { 0.0 } else { draw_log_uniform(random, -16.0, -2.0) };
         for face in 0..2 {
@@ -287,7 +290,8 @@ pub fn random_plane_solid(random: &mut RandomNumbers, kind: usize) -> (PlaneSoli
     (plane, PlaneMetric::from(&compliances))
 }
 
-/// Projections onto interlayer sets satisfy the optimality conditions, also for degenerate sets.
+/// Projections onto interlayer sets satisfy the optimality conditions, also for sets with a common apex or zero
+/// constants.
 #[test]
 fn interlayer_projections_are_optimal() {
     let kinds = ["classical", "reduced", "Cosserat", "cubic"];
@@ -322,8 +326,8 @@ fn interlayer_projections_are_optimal() {
 }
 
 /// The out-of-plane stress follows from the same plastic strain: with Δσ₃₃ = ν (Δσ₁₁ + Δσ₂₂) Hooke's law in space gives
-/// a plastic strain without out-of-plane component. Its work is largest at the projection among admissible stresses, so
-/// the projection minimises the energy over σ₃₃ too.
+/// a plastic strain without out-of-plane component. Among the admissible stresses the work of this strain is largest at
+/// the projected stress, so the projection minimises the energy over σ₃₃ too.
 #[test]
 fn out_of_plane_stress_follows_from_the_in_plane_plastic_strain() {
     let mut random = RandomNumbers::new(5);

@@ -1,4 +1,4 @@
-//! Projection onto cones of Mises and Drucker–Prager type: optimality and radial return.
+//! Projection onto cones of Mises and Drucker–Prager type: optimality conditions and radial return.
 
 use crate::random_solids::random_solid;
 use crate::residuals::{OPTIMALITY_TOLERANCE, OptimalityResiduals};
@@ -9,7 +9,8 @@ use wellposed_models::yield_set::parameters::Mises;
 
 type DoubleDoubleTensor = [[DoubleDouble; 3]; 3];
 
-/// Deviator and antisymmetric part of the force stress; deviator, mean and antisymmetric part of the couple stress.
+/// Components of a stress in the eigenspaces of Hooke's law: deviator and antisymmetric part of the force stress;
+/// deviator, mean and antisymmetric part of the couple stress.
 type EigenspaceTensors = [DoubleDoubleTensor; 5];
 
 pub fn decompose_stress(stress: &Stress) -> (DoubleDouble, EigenspaceTensors) {
@@ -36,7 +37,7 @@ pub fn double_contraction(a: &DoubleDoubleTensor, b: &DoubleDoubleTensor) -> f64
     sum.fold(dd(0.0), |x, y| x + y).to_f64()
 }
 
-/// Stiffnesses D of the five parts; 0 if the solid has no such part.
+/// Stiffnesses D of the five eigenspaces, Pa or N; 0 if the solid has no such stress.
 pub fn eigenspace_stiffnesses(solid: &Isotropic) -> [f64; 5] {
     let couple = solid.couple().unwrap_or(CoupleModuli { beta: 0.0, gamma: 0.0, eta: 0.0 });
     [
@@ -59,7 +60,7 @@ pub fn bulk_modulus(solid: &Isotropic) -> f64 {
     solid.lambda + 2.0 / 3.0 * solid.mu
 }
 
-/// Twice the elastic energy, J/m³.
+/// Twice the elastic energy of a stress, J/m³.
 pub fn twice_elastic_energy(solid: &Isotropic, stress: &Stress) -> f64 {
     let (mean, parts) = decompose_stress(stress);
     let tensors_and_stiffnesses = parts.iter().zip(eigenspace_stiffnesses(solid));
@@ -90,14 +91,14 @@ fn compute_mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Op
         .sqrt();
     let size = shear + set.friction * mean.to_f64().abs() + set.strength;
     let value = shear + set.friction * mean.to_f64() - set.strength;
-    // Rounding errors scale with the stress components, which may exceed their parts.
+    // Rounding errors scale with the stress components, which may exceed the deviators and antisymmetric parts.
     let largest = [&stress.force, &stress.couple]
         .map(|t| t.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs())));
     let heaviest = [p[0].max(p[1]), p[2].max(p[4])].map(f64::sqrt);
     let rounded = heaviest[0] * largest[0] + heaviest[1] * largest[1];
     let feasibility = (value / (size + rounded)).max(0.0);
 
-    // Plastic strain e, its dual norm √(2 Σ |e|²/p), and the multiplier λ.
+    // Plastic strain e, its dual norm √(2 Σ |e|²/p) with the weights p in τ̄² = ½ Σ p|s|², and the multiplier λ.
     let mean_strain = (mean_trial - mean).to_f64() / bulk_modulus(solid);
     let strain: EigenspaceTensors = std::array::from_fn(|j| {
         std::array::from_fn(|r| {
@@ -135,7 +136,7 @@ fn compute_mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Op
     if shear > 0.0 {
         normality = normality.max((dual - multiplier).abs() / (scale * norm_trial));
     }
-    // λ by projection of e onto n in the energy norm, which is well-conditioned for small weights.
+    // The multiplier λ by projection of e onto n in the energy norm, which is well-conditioned for small weights.
     let along = |j: usize| d[j] * p[j] / (2.0 * shear);
     let fitted = (0..5).map(|j| along(j) * double_contraction(&strain[j], &parts[j])).sum::<f64>()
         + bulk_modulus(solid) * set.friction * mean_strain;
@@ -144,8 +145,8 @@ fn compute_mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Op
         .sum::<f64>()
         + bulk_modulus(solid) * set.friction.powi(2);
     let fitted = fitted / square;
-    // Off the apex e is λ times the normal p s/2τ̄, with the direction of s up to the rounding errors of the components
-    // of s; e is 0 for parts without limit (p = 0).
+    // Off the apex e is λ times the normal p s/2τ̄ in each eigenspace. Its direction is the direction of s up to the
+    // rounding errors of the components of s; in eigenspaces without weight (p = 0) e is 0.
     let (mut residual, mut turned) = (0.0, 0.0);
     for j in (0..5).filter(|&j| d[j] > 0.0) {
         let share = if shear > 0.0 { fitted * p[j] / (2.0 * shear) } else { 0.0 };
@@ -165,7 +166,8 @@ fn compute_mises_residuals(set: &Mises, solid: &Isotropic, trial: &Stress) -> Op
     let complementarity = (work - multiplier * set.strength).abs()
         / (norm_trial * norm + (norm_trial * scale + multiplier) * set.strength);
 
-    // Energy lost, as the difference of the energies; accurate only for large losses.
+    // Energy lost, as the difference of the elastic energies; its rounding error scales with the energy of the trial
+    // stress.
     let lost = 0.5 * (twice_elastic_energy(solid, trial) - twice_elastic_energy(solid, &stress));
     assert!(projection.energy_lost >= 0.0, "{projection:?}");
     let energy_residual = (lost - projection.energy_lost).abs() / (norm_trial * norm_trial);
@@ -211,15 +213,15 @@ pub fn scale_stress(stress: &Stress, factor: f64) -> Stress {
     Stress { force: scale_stress(stress.force), couple: scale_stress(stress.couple) }
 }
 
-/// Random trial stress of 1e-6 to 1e6 times the strength: general, with some parts only, near the hydrostatic axis,
-/// near the boundary of the normal cone of the apex, or near the yield surface.
+/// Random trial stress: general, with components in some eigenspaces only, near the hydrostatic axis, or near the
+/// boundary of the normal cone of the apex, each of 1e-6 to 1e6 times the strength; or near the yield surface.
 fn random_mises_trial(random: &mut RandomNumbers, set: &Mises, solid: &Isotropic) -> Stress {
     let mut trial = random_stress(random, set, solid);
     let size = draw_log_uniform(random, -6.0, 6.0);
     match random.uniform_index(5) {
         0 => scale_stress(&trial, size),
         1 => {
-            // A random subset of the parts.
+            // The components in a random subset of the eigenspaces.
             let is_included: [bool; 5] = std::array::from_fn(|_| random.uniform_index(2) == 0);
             let (mean, parts) = decompose_stress(&trial);
             for i in 0..3 {
@@ -236,7 +238,7 @@ fn random_mises_trial(random: &mut RandomNumbers, set: &Mises, solid: &Isotropic
             scale_stress(&trial, size)
         }
         2 => {
-            // Near the hydrostatic axis.
+            // The deviation from the mean stress is scaled by 1e-12 to 1: near the hydrostatic axis.
             let mean = mean_stress(&trial);
             let mut near = scale_stress(&trial, draw_log_uniform(random, -12.0, 0.0));
             for i in 0..3 {
@@ -245,7 +247,7 @@ fn random_mises_trial(random: &mut RandomNumbers, set: &Mises, solid: &Isotropic
             scale_stress(&near, size)
         }
         3 => {
-            // Near the boundary of the normal cone of the apex, on both sides.
+            // Near the boundary of the normal cone of the apex, inside or outside.
             let (d, p) = (eigenspace_stiffnesses(solid), eigenspace_weights(set));
             let (_, parts) = decompose_stress(&trial);
             let dual = (0..5)
@@ -267,7 +269,7 @@ fn random_mises_trial(random: &mut RandomNumbers, set: &Mises, solid: &Isotropic
             edge
         }
         _ => {
-            // Near the yield surface, on both sides.
+            // The stress is scaled to be near the yield surface, inside or outside.
             let shear = set.equivalent_shear(&trial);
             let value = shear + set.friction * mean_stress(&trial);
             if value <= 0.0 {
@@ -338,7 +340,8 @@ fn mises_projections_are_optimal() {
     }
 }
 
-/// With one stiffness the projection has a closed form: radial return, return to the cone, and return to the apex.
+/// In a classical solid, where only the deviator has a weight, the projection has a closed form: radial return to the
+/// cylinder, return to the cone, and return to the apex.
 #[test]
 fn projection_in_a_classical_solid_has_the_closed_form() {
     let solid = Isotropic::new(3.0, 2.0, 1.0, None).unwrap();
@@ -346,9 +349,9 @@ fn projection_in_a_classical_solid_has_the_closed_form() {
     (trial.force[0][1], trial.force[1][0]) = (5.0, 5.0);
     let projection = Mises::new_von_mises(2.0).project(&solid, &trial);
     assert!((projection.stress.force[0][1] - 2.0).abs() < 1e-15);
-    // Energy lost: ½(25 − 4)/μ.
+    // Energy lost: ½(τ̄² − k²)/μ = ½(25 − 4)/2.
     assert!((projection.energy_lost - 5.25).abs() < 1e-14);
-    // τ̄ = 5, σ_m = 1, κ = ½, K = 13/3: λ = (5 + ½ − 2)/(μ + κ²K) = 42/37.
+    // Multiplier λ for τ̄ = 5, σ_m = 1, κ = ½, K = 13/3: λ = (5 + ½ − 2)/(μ + κ²K) = 42/37.
     for i in 0..3 {
         trial.force[i][i] = 1.0;
     }

@@ -5,7 +5,7 @@ use wellposed_models::solid::parameters::{CoupleModuli, Isotropic, Microrotation
 
 pub fn random_solid(random: &mut RandomNumbers, theory: Theory) -> Isotropic {
     let mu = draw_log_uniform(random, 6.0, 10.0);
-    // Bulk modulus K from 0.03 to 30 times μ.
+    // Bulk modulus K = λ + ⅔μ from 0.03 to 30 times μ.
     let lambda = mu * (draw_log_uniform(random, -1.5, 1.5) - 2.0 / 3.0);
     let gamma = mu * draw_log_uniform(random, -6.0, 0.0);
     let couple = CoupleModuli {

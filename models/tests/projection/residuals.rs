@@ -1,9 +1,9 @@
-//! Residuals of the optimality conditions.
+//! Residuals of the optimality conditions of a projection onto a yield set.
 
 /// Tolerance of every optimality condition, relative to the magnitude of its terms.
 pub const OPTIMALITY_TOLERANCE: f64 = 1e-12;
 
-/// Residuals of the optimality conditions, each divided by its scale.
+/// Residuals of the optimality conditions, of the energy lost and of a second projection, each divided by its scale.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OptimalityResiduals {
     pub feasibility: f64,

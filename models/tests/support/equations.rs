@@ -1,13 +1,13 @@
-//! Nonlinear equations of the granular-flow models, written with the tensors of the papers.
+//! Nonlinear equations of the granular-flow models, written with the tensors of Harris & Grekova (2005).
 //!
-//! Harris & Grekova (2005): stress (6) with the yield condition (13) at equality, momentum (7), spin (9), mass (18);
-//! kinematics as the sum of two dilatant shears and a rotation (32)–(36), where the two shear strengths are computed
-//! and eliminated. The plastic potential is differentiated. No formula is copied from the crate under test, only the
-//! documented order and scaling of its equations: eqs (50), (51) multiplied out.
+//! Their equations are: stress (6) with the yield condition (13) at equality, momentum (7), spin (9), mass (18);
+//! kinematics as the sum of two dilatant shears and a rotation (32)–(36), where the two shear rates are computed and
+//! eliminated. For the plastic-potential model the potential is differentiated. No formula is copied from the crate
+//! under test, only the documented order and scaling of its equations: eqs (50), (51) multiplied out.
 
 use super::{DifferentiableReal, Dual};
 
-/// Unknowns in the order of the arrays below.
+/// Unknowns in the order of the arrays of [`PointFields`] and [`Linearisation`].
 pub const UNKNOWNS: [&str; 6] =
     ["velocity 1", "velocity 2", "spin", "pressure", "stress angle", "density"];
 pub const SPIN_INDEX: usize = 2;
@@ -20,11 +20,11 @@ pub const EQUATIONS: [&str; 6] = ["momentum 1", "momentum 2", "spin", "volume", 
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RotationLaw {
-    /// Intrinsic spin.
+    /// Material rotation equal to the intrinsic spin.
     IntrinsicSpin,
-    /// Rotation rate of the principal stress axes.
+    /// Material rotation equal to the rotation rate of the principal stress axes.
     StressAxes,
-    /// No rotation: flow rule from a plastic potential.
+    /// No material rotation: flow rule from a plastic potential.
     PlasticPotential,
 }
 
@@ -85,7 +85,7 @@ impl<T: DifferentiableReal> PointFields<T> {
     }
 }
 
-/// Stress tensor on yield, eq. (6); first index = face normal, as in the paper.
+/// Stress tensor on yield, eq. (6); first index = face normal, as in Harris & Grekova (2005).
 pub fn stress_on_yield<T: DifferentiableReal>(
     given: &PrescribedFields<T>,
     pressure: T,
@@ -125,14 +125,15 @@ fn outer_product<T: DifferentiableReal>(a: [T; 2], b: [T; 2]) -> [[T; 2]; 2] {
     [0, 1].map(|i| [0, 1].map(|j| a[i] * b[j]))
 }
 
-/// Parts of a tensor Γ: trace, Γ₁₁ − Γ₂₂, Γ₁₂ + Γ₂₁, Γ₁₂ − Γ₂₁.
+/// Combinations of the components of a tensor Γ: trace, Γ₁₁ − Γ₂₂, Γ₁₂ + Γ₂₁, Γ₁₂ − Γ₂₁.
 fn tensor_components<T: DifferentiableReal>(g: [[T; 2]; 2]) -> [T; 4] {
     [g[0][0] + g[1][1], g[0][0] - g[1][1], g[0][1] + g[1][0], g[0][1] - g[1][0]]
 }
 
-/// Residuals of the kinematics Γ = k₁ t_β₁⊗n_α₂ − k₂ t_β₂⊗n_α₁ + Ω (eq. 32): the shear strengths k₁, k₂ are computed
-/// from the deviatoric symmetric part; the residuals of the trace and of the antisymmetric part are multiplied by cos(φ
-/// − ν) and sin(φ − ν), the scaling of eqs (50), (51).
+/// Residuals of the kinematics Γ = k₁ t_β₁⊗n_α₂ − k₂ t_β₂⊗n_α₁ + Ω (eq. 32), with the unit tangents t and unit normals
+/// n of the slip lines and the rotation Ω. The shear rates k₁ and k₂ are computed from the deviatoric symmetric part;
+/// the residuals of the trace and of the antisymmetric part are multiplied by cos(φ − ν) and sin(φ − ν), the scaling of
+/// eqs (50), (51).
 fn shear_kinematics_residuals<T: DifferentiableReal>(
     given: &PrescribedFields<T>,
     fields: &PointFields<T>,
@@ -144,7 +145,7 @@ fn shear_kinematics_residuals<T: DifferentiableReal>(
     // ε = π/4 + φ/2, and sin π/4 = cos π/4 = √½.
     let quarter = T::sqrt_half();
     let unit_vector = |angle: T, sign: f64| {
-        // cos and sin of angle ± π/4.
+        // (cos, sin) of `angle` ± π/4, with the sign of `sign`.
         let (s, c) = angle.sin_cos();
         let sign = T::from_f64(sign);
         [quarter * (c - sign * s), quarter * (s + sign * c)]
@@ -166,21 +167,22 @@ fn shear_kinematics_residuals<T: DifferentiableReal>(
     let difference = phi - nu;
     [
         difference.cos() * (trace - k1 * first[0] - k2 * second[0]),
-        // Ω₁₂ − Ω₂₁ = −2ω (eq. 33)
+        // Ω₁₂ − Ω₂₁ = −2ω with the material rotation ω (eq. 33).
         difference.sin()
             * (antisymmetric_part - k1 * first[3] - k2 * second[3] + rotation + rotation),
     ]
 }
 
-/// Residuals of the flow rule d = λ ∂g/∂σ with g = ½√((σ₁₁ − σ₂₂)² + (σ₁₂ + σ₂₁)²) + ½ (σ₁₁ + σ₂₂) sin ν: λ is computed
-/// from the deviator; the residuals are the trace of d − λ ∂g/∂σ and the cross product of the deviators of d and ∂g/∂σ.
+/// Residuals of the flow rule d = λ ∂g/∂σ with the plastic potential
+/// g = ½√((σ₁₁ − σ₂₂)² + (σ₁₂ + σ₂₁)²) + ½ (σ₁₁ + σ₂₂) sin ν: the multiplier λ is computed from the deviators; the
+/// residuals are the trace of d − λ ∂g/∂σ and the cross product of the deviators of d and ∂g/∂σ.
 fn plastic_potential_residuals<T: DifferentiableReal>(
     given: &PrescribedFields<T>,
     fields: &PointFields<T>,
 ) -> [T; 2] {
     let stress = stress_on_yield(given, fields.z[PRESSURE_INDEX], fields.z[STRESS_ANGLE_INDEX]);
     let [_, difference, shear, _] = tensor_components(stress);
-    // ∂q/∂σ from q² = ¼(difference² + shear²), with q from the yield condition.
+    // Gradient ∂q/∂σ from q² = ¼(difference² + shear²), with q from the yield condition.
     let phi = given.friction_angle;
     let q = fields.z[PRESSURE_INDEX] * phi.sin() + given.cohesion * phi.cos();
     let quarter = T::from_f64(0.25);
@@ -193,7 +195,7 @@ fn plastic_potential_residuals<T: DifferentiableReal>(
     [trace - lambda * m_trace, shear * m_normal - normal * m_shear]
 }
 
-/// Residuals of all six equations, including body force and body moment.
+/// Residuals of the six nonlinear equations, in the order of [`EQUATIONS`], including body force and body moment.
 pub fn residuals<T: DifferentiableReal>(
     given: &PrescribedFields<T>,
     fields: &PointFields<T>,
@@ -231,7 +233,7 @@ pub fn residuals<T: DifferentiableReal>(
     [momentum[0], momentum[1], spin, volume, rotation, mass]
 }
 
-/// Derivatives of the six equations at a point, entry \[equation\]\[unknown\].
+/// Derivatives of the residuals of the six equations at a point, entry \[equation\]\[unknown\].
 pub struct Linearisation<T> {
     /// Derivatives A with respect to ∂ₜz.
     pub a: [[T; 6]; 6],

@@ -26,7 +26,7 @@ pub trait DifferentiableReal:
     + Neg<Output = Self>
 {
     fn from_f64(value: f64) -> Self;
-    /// Sine and cosine.
+    /// Sine and cosine of `self` (rad).
     fn sin_cos(self) -> (Self, Self);
     fn sin(self) -> Self {
         self.sin_cos().0
@@ -157,8 +157,8 @@ impl DifferentiableReal for DoubleDouble {
     }
 }
 
-/// Dual number: a value and its derivative with respect to one variable. A nested dual number has a mixed second
-/// derivative.
+/// Dual number: a value and its derivative with respect to one variable. A dual number of dual numbers also contains a
+/// mixed second derivative.
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<T> {
     pub value: T,
@@ -271,7 +271,7 @@ impl Complex {
         if size.high == 0.0 {
             return self;
         }
-        // The larger part is computed first, without cancellation.
+        // The root with the larger of |re| and |im| is computed first, without cancellation.
         let large = ((size + self.re.abs()) * dd(0.5)).sqrt();
         let small = self.im / (large + large);
         if self.re.high >= 0.0 {
@@ -311,7 +311,7 @@ pub fn evaluate_polynomial(polynomial: &[Complex], x: Complex) -> Complex {
     polynomial.iter().rev().fold(Complex::default(), |sum, &c| sum * x + c)
 }
 
-/// Both roots of a quadratic, the larger first.
+/// Both roots of a quadratic polynomial, the root of larger magnitude first.
 pub fn quadratic_roots(polynomial: &[Complex]) -> [Complex; 2] {
     let [c, b, a] = polynomial else { panic!("degree {}", polynomial.len() as i64 - 1) };
     let discriminant = (*b * *b - complex(4.0, 0.0) * *a * *c).sqrt();
@@ -321,8 +321,8 @@ pub fn quadratic_roots(polynomial: &[Complex]) -> [Complex; 2] {
     [half / *a, *c / half]
 }
 
-/// Determinant of a matrix of polynomials by Laplace expansion with shared minors. Without pivoting, a coefficient to
-/// which no permutation contributes is exactly zero and absent.
+/// Determinant of a matrix of polynomials by Laplace expansion with shared minors. Since there is no pivoting, a
+/// coefficient to which no permutation contributes is exactly zero; it is absent if it is the highest.
 pub fn polynomial_determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
     let n = matrix.len();
     let mut minors: Vec<Polynomial> = vec![vec![]; 1 << n];
@@ -331,7 +331,7 @@ pub fn polynomial_determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
         let row = set.count_ones() as usize - 1;
         let mut sum: Polynomial = vec![];
         for column in (0..n).filter(|column| set & (1 << column) != 0) {
-            // The sign depends on the number of columns of the set with a higher index.
+            // The sign of the term is −1 if the number of columns of the set with a higher index is odd.
             let odd = (set >> (column + 1)).count_ones() % 2 == 1;
             let term = multiply_polynomials(&matrix[row][column], &minors[set & !(1 << column)]);
             sum.resize(sum.len().max(term.len()), Complex::default());
@@ -344,7 +344,7 @@ pub fn polynomial_determinant(matrix: &[Vec<Polynomial>]) -> Polynomial {
     minors.pop().unwrap_or_default()
 }
 
-/// Permanent of the absolute values: the scale of the rounding error of a determinant.
+/// Permanent of the absolute values of a matrix: the scale of the rounding error of its determinant.
 pub fn permanent(matrix: &[Vec<f64>]) -> f64 {
     let n = matrix.len();
     let mut minors = vec![0.0; 1 << n];
@@ -359,7 +359,7 @@ pub fn permanent(matrix: &[Vec<f64>]) -> f64 {
     minors[(1 << n) - 1]
 }
 
-/// Determinant of a matrix of numbers.
+/// Determinant of a matrix of complex numbers.
 pub fn complex_determinant(matrix: &[Vec<Complex>]) -> Complex {
     let polynomials: Vec<Vec<Polynomial>> = matrix
         .iter()

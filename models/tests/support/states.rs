@@ -1,4 +1,4 @@
-//! Random models and states with generic constants, and their values in the variables of the nonlinear equations.
+//! Random models and states without special values, and their values in the variables of the nonlinear equations.
 
 use super::equations::{self, PointFields, PrescribedFields, RotationLaw};
 use super::{
@@ -114,8 +114,8 @@ pub fn assemble_symbol(model: &Model, flow: &DeformingFlow) -> LinearisedSystem<
 }
 
 /// Background of the crate in the variables of the nonlinear equations. Quantities derived by the crate are taken from
-/// `flow`, so that an error makes the residuals nonzero. Quantities that the model does not determine (∂ₜp, body force,
-/// ∂ₜψ except in double shearing) are random.
+/// `flow`, so that an error of the crate makes the residuals nonzero. Quantities that the model does not determine
+/// (∂ₜp, body force, ∂ₜψ except in double shearing) are random.
 pub fn assemble_background_fields(
     random: &mut RandomNumbers,
     parameters: &FlowParameters,
@@ -203,7 +203,7 @@ pub fn solve_background_fields(
         fields.space_derivatives[0][1] = rate * sine + spin;
         fields.space_derivatives[1][1] = half_trace - rate * cosine;
     };
-    // Solves for the root of a residual that is linear in the quantity that `set` assigns.
+    // Sets the quantity that `set` assigns to the zero of the residual `row`, which is linear in it.
     let solve = |fields: &mut PointFields<DoubleDouble>,
                  row: usize,
                  set: &dyn Fn(&mut PointFields<DoubleDouble>, DoubleDouble)| {
@@ -279,7 +279,7 @@ pub fn dispersion_polynomial(system: &LinearisedSystem<2>, wave: [DoubleDouble; 
     polynomial_determinant(&assemble_pencil(system, wave))
 }
 
-/// Sum of the absolute values of all terms of the determinant at |ς| = `frequency`.
+/// Sum of the absolute values of all terms of det(ςA + i k·(B + V A) + C) at |ς| = `frequency`.
 pub fn dispersion_permanent(
     system: &LinearisedSystem<2>,
     wave: [DoubleDouble; 2],

@@ -7,7 +7,7 @@ use files::{FileDigest, read_regular_file};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Difference between a result file and its checksum.
+/// Difference between a result file and its recorded length and checksum.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Damage {
     /// File name.

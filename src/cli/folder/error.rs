@@ -40,7 +40,8 @@ impl OutputError {
         Self { path: path.to_owned(), cause: cause.to_string(), remedy }
     }
 
-    /// Converts an error of appending to a table.
+    /// Creates the error for a table to which rows cannot be appended. If the table is missing or has invalid content,
+    /// the suggested remedy is a new run, otherwise another place.
     pub fn from_append_error(error: AppendError) -> Self {
         match error.problem {
             AppendProblem::Io { ref source, .. } if source.kind() != ErrorKind::NotFound => {

@@ -2,9 +2,9 @@
 //!
 //! A run holds the file lock `lock` from beginning to end, so that one run at a time writes to a folder. Every process
 //! that publishes or removes files, runs included, holds a second lock only during that operation, and checks again
-//! under it whether the folder may be written to, since another process may have added files. Until publication files
-//! have unique temporary names. Checksum entries follow the files: an entry is removed before its file, and added after
-//! it.
+//! under it whether the folder may be written to, since another process may have added files. Until they are published,
+//! files have unique temporary names. Checksum entries follow the files: an entry is removed before its file, and added
+//! after it.
 
 mod checksums;
 mod error;
@@ -53,11 +53,12 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Creates the results folder `out`, by default `out/<case name>`, after a test write; leaves no file in it.
+    /// Selects the results folder `out`, by default `out/<case name>`, and checks by a test write that it can be
+    /// written to; leaves no file behind and does not create the folder.
     ///
     /// Allowed are an absent or empty folder, and one with results of the same case by the same program version, which
-    /// are bit-identical. Any other folder requires `force` and no run in progress. The case file is overwritten only
-    /// by identical content, and input files of the case never.
+    /// are bit-identical. Any other folder requires `force` and no run in progress. If the source file of the case is
+    /// in the folder, it is overwritten only by identical content; input files of the case are never overwritten.
     ///
     /// # Errors
     /// The folder cannot be written or contains other files; the error states the remedy.
@@ -118,7 +119,8 @@ impl ResultFolder {
         }
     }
 
-    /// Returns the name under which the case file `source` is in this folder, if publication would change its content.
+    /// Returns the name under which the source file `source` of the case is in this folder, if publication would change
+    /// its content.
     fn find_overwritten_source(&self, source: &Path) -> Option<&'static str> {
         let source = source.canonicalize().ok()?;
         let is_source =
@@ -127,7 +129,7 @@ impl ResultFolder {
         (name != CASE_FILE || !has_content(&source, &self.case_toml)).then_some(name)
     }
 
-    /// Returns the name of an input file in this folder, if verbs write or remove files of that name.
+    /// Returns the name of the input file `input` in this folder, if verbs write or remove files of that name.
     fn find_overwritten_input(&self, input: &Path) -> Option<String> {
         let (input, own) = (input.canonicalize().ok()?, self.path.canonicalize().ok()?);
         let name = input.strip_prefix(own).ok()?.to_str()?;
@@ -150,7 +152,7 @@ impl ResultFolder {
     /// Names of the files in every results folder.
     pub const COMMON_FILES: [&str; 3] = [CASE_FILE, PROGRAM_FILE, Checksums::FILE_NAME];
 
-    /// Returns the path of an appended file.
+    /// Returns the path of an appended file in this folder.
     pub fn file_path(&self, file: AppendedFile) -> PathBuf {
         self.path.join(file.name())
     }
@@ -284,10 +286,10 @@ fn check_writable(folder: &Path) -> Result<(), OutputError> {
         let count = PROBE_COUNT.fetch_add(1, Ordering::Relaxed);
         let path = nearest.join(format!(".{PROBE_FILE}.{}-{count}.partial", std::process::id()));
         match File::create_new(&path) {
-            // Left by an earlier process with the same process id.
+            // The file was left by an earlier process with the same process id; the next name is tried.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
             Err(error) => return Err(at(error)),
-            // Another process may have removed the file as a leftover.
+            // Another process may have removed the file as the leftover of a killed process.
             Ok(_) => match fs::remove_file(&path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => return Err(at(error)),
                 _ => return Ok(()),

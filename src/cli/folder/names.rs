@@ -49,8 +49,8 @@ pub const SPEEDS_FILES: [&str; 8] = [
 pub const CHECK_FILES: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
 
-/// Files of `run` besides the common files; receivers, snapshots, animation, dissipation and spectra only if the case
-/// has them. Snapshot files have their own names, see [`is_snapshot`].
+/// Files of `run` besides the common files. Those of receivers, snapshots, animation, dissipation and spectra are
+/// written only if the case has such output. Snapshot files have their own names, see [`is_snapshot`].
 pub const RUN_FILES: [&str; 21] = [
     "run.png",
     "run.svg",
@@ -95,7 +95,7 @@ pub enum AppendedFile {
     Spectrum,
     /// Checkpoint from which a run resumes.
     Checkpoint,
-    /// Wall times and computing speeds; not a result file.
+    /// Log of wall times and computing speeds; not a result file.
     Log,
     /// Lock file of a run in progress.
     Lock,
@@ -130,8 +130,8 @@ pub fn is_snapshot(name: &str) -> bool {
     inner.is_some_and(|step| !step.is_empty() && step.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// Iterates over all files that a verb may write. `--force` removes those of another case, so that results never
-/// coexist with a case they do not belong to.
+/// Iterates over the names of all files that a verb may write. `--force` removes those of another case, so that results
+/// never coexist with a case they do not belong to.
 pub fn result_names() -> impl Iterator<Item = &'static str> {
     let own = MAP_FILES
         .into_iter()
@@ -156,7 +156,8 @@ pub(super) fn has_checksum(name: &str) -> bool {
         || [CASE_FILE, PROGRAM_FILE].contains(&name)
 }
 
-/// Returns whether a file of that name is temporary or a lock, hence irrelevant to the ownership of the folder.
+/// Returns whether a file of that name is temporary or a lock; such files do not count when the origin of the folder's
+/// results is determined.
 pub(super) fn is_transient(name: &str) -> bool {
     is_temporary(name) || [AppendedFile::Lock.name(), PUBLICATION_LOCK_FILE].contains(&name)
 }
@@ -166,8 +167,8 @@ pub(super) fn is_result_name(name: &str) -> bool {
     is_snapshot(name) || result_names().any(|known| known == name)
 }
 
-/// Returns whether the name is that of a temporary file of this program: `.NAME.PROCESS-COUNT.partial`. Other hidden
-/// files are left untouched.
+/// Returns whether the name is that of a temporary file of this program: `.<name>.<process id>-<count>.partial`, where
+/// `<name>` is that of a file that a verb writes. Other hidden files are left untouched.
 pub(super) fn is_temporary(name: &str) -> bool {
     let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".partial"));
     inner.and_then(|inner| inner.rsplit_once('.')).is_some_and(|(name, process)| {

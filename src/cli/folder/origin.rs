@@ -7,12 +7,13 @@ use serde_json::Value;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Serialises the content of [`PROGRAM_FILE`].
+/// Serialises the content of [`PROGRAM_FILE`] as JSON; `without_plot_options` is the case without plot options, as
+/// TOML.
 pub(super) fn serialise_program_file(without_plot_options: &str) -> Vec<u8> {
     format!("{:#}\n", describe_program(without_plot_options)).into_bytes()
 }
 
-/// Creates the content of [`PROGRAM_FILE`]: name, version, commit and checksum of the case.
+/// Creates the content of [`PROGRAM_FILE`]: name, version and commit of the program, and the checksum of the case.
 fn describe_program(without_plot_options: &str) -> Value {
     serde_json::json!({
         "name": env!("CARGO_PKG_NAME"),
@@ -22,7 +23,7 @@ fn describe_program(without_plot_options: &str) -> Value {
     })
 }
 
-/// Origin of the results of a folder: program version and case.
+/// Comparison of the origin of a folder's results, program version and case, with this program and a case.
 pub(super) struct Origin {
     /// Whether the results are by this version and commit of the program.
     pub(super) is_same_version: bool,

@@ -1,11 +1,11 @@
-//! Joint publication of the files of a verb.
+//! Publication of all files of a verb at once.
 
 use super::names::{CASE_FILE, FINISHED_RUN_FILE, PROGRAM_FILE, is_result_name};
 use super::{AppendedFile, OutputError, ResultFolder, remove_if_exists, write_error};
 use files::{FileDigest, StagedFile, stage_file_with};
 use std::io::Write as _;
 
-/// Origin of the files to be published.
+/// Kind of a publication: origin of its files.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum PublicationKind {
     /// A verb that computes results of a case.
@@ -14,7 +14,7 @@ enum PublicationKind {
     RedrawnPictures,
 }
 
-/// Files of a verb, complete on disk under temporary names, which are removed on drop.
+/// Files of a verb, completely written under temporary names, which are removed on drop.
 pub struct Publication<'a> {
     folder: &'a ResultFolder,
     kind: PublicationKind,
@@ -91,7 +91,7 @@ impl Publication<'_> {
         }
         folder.remove_abandoned_files()?;
         if !lives && folder.path.join(FINISHED_RUN_FILE).exists() {
-            // Left by a run killed after its last result was written.
+            // These files were left by a run killed after its last result was written.
             remove_if_exists(&folder.file_path(AppendedFile::Checkpoint))?;
             remove_if_exists(&folder.file_path(AppendedFile::Lock))?;
         }
@@ -120,7 +120,7 @@ impl Publication<'_> {
                     list.insert(name, FileDigest::from_bytes(&bytes));
                 }
             }
-            // The plot options of the case may have been edited.
+            // The plot options in the case file may have been edited, hence its present checksum is recorded.
             PublicationKind::RedrawnPictures => {
                 folder.add_current_checksums(&mut list, &[CASE_FILE, PROGRAM_FILE])?
             }

@@ -20,7 +20,7 @@ pub struct UnfinishedRun {
     pub folder: ResultFolder,
     /// Case of the run.
     pub case: Case,
-    /// Lock that excludes other runs.
+    /// Run lock of the folder, which excludes other runs.
     pub lock: Lock,
 }
 
@@ -75,7 +75,7 @@ impl ResultFolder {
         Ok((folder, case))
     }
 
-    /// Opens a folder with the case stored in it.
+    /// Opens a folder for the case stored in it, and loads that case.
     pub(super) fn from_stored_case(path: &Path) -> Result<(Self, Case), Error> {
         let case = Case::load_simulation(&path.join(CASE_FILE), &[])?;
         let (text, case_without_plot_options) =
@@ -95,7 +95,7 @@ impl ResultFolder {
         Origin::from_folder(&self.path, &self.case_without_plot_options)
     }
 
-    /// Checks that the case of the folder is the one its results were begun with.
+    /// Checks that the case in the folder is the one with which its run began, plot options aside.
     fn check_stored_case(&self) -> Result<(), OutputError> {
         let origin = self.read_origin()?;
         if origin.is_same_case {
@@ -211,7 +211,8 @@ impl<'a> RunFolder<'a> {
         Self { folder, lock, checksums: Checksums::default(), staged_report: None }
     }
 
-    /// Opens the folder of a run resumed from a checkpoint, with the files written up to it.
+    /// Opens the folder of a run resumed from a checkpoint. The files written before it are kept; their checksums must
+    /// be added with [`insert_checksum`](Self::insert_checksum).
     ///
     /// # Errors
     /// Leftovers of killed processes cannot be removed.
@@ -240,7 +241,7 @@ impl<'a> RunFolder<'a> {
         Ok(written)
     }
 
-    /// Adds the checksum of a file that was written elsewhere.
+    /// Adds the checksum of a file that [`write_result`](Self::write_result) did not write.
     pub fn insert_checksum(&mut self, name: &str, written: FileDigest) {
         self.checksums.insert(name, written);
     }

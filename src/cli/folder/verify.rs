@@ -23,8 +23,8 @@ pub struct Verification {
     pub damaged_files: Vec<Damage>,
 }
 
-/// Compares all result files of a folder except the log with their checksums, and files of an unfinished run with its
-/// last checkpoint. Files of other programs are ignored.
+/// Compares all result files of a folder except the log with their checksums, and files of an unfinished run with the
+/// last checkpoint of that run. Files of other programs are ignored.
 ///
 /// # Errors
 /// The folder holds no results.
@@ -57,7 +57,8 @@ pub fn verify_folder(path: &Path) -> Result<Verification, Error> {
         all.extend(Damage::detect(path, name, written));
     };
     if let Ok(Some(list)) = &list {
-        // When a run finishes, its checksums are written just before its report is published.
+        // A run that finishes writes its checksums just before it publishes its report. If it was killed in between, it
+        // counts as unfinished, and its files are compared with the checkpoint.
         let own = list.iter().filter(|(name, _)| !(is_unfinished && is_run_file(name)));
         own.for_each(|(name, written)| check(name, written));
     }
@@ -81,7 +82,7 @@ pub fn verify_folder(path: &Path) -> Result<Verification, Error> {
     Ok(Verification { file_count, is_unfinished, damaged_files: all })
 }
 
-/// Returns whether a file has no checksum entry while its run is unfinished.
+/// Returns whether a file gets its checksum entry only when its run finishes.
 fn is_checksum_deferred(name: &str) -> bool {
     is_run_file(name) || [CASE_FILE, PROGRAM_FILE].contains(&name)
 }

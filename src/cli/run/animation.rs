@@ -14,7 +14,7 @@ pub(in crate::cli) const ANIMATION_FILE: &str = "animation.gif";
 pub(in crate::cli) enum AnimationOutput {
     /// The case requests no animation, or there are fewer than two snapshots.
     Absent,
-    /// All values are zero: an existing animation, of another quantity, must be removed.
+    /// All values are zero. An existing animation, which shows another quantity, must be removed.
     AllZero,
     /// Content of the GIF file.
     Gif(Vec<u8>),

@@ -91,7 +91,8 @@ impl Checkpoint {
         Ok(Some(Self { tables, snapshots, state }))
     }
 
-    /// Returns its tables by file, in the order of a run of the case.
+    /// Returns the tables covered by the checkpoint with their lengths and checksums, in the order in which a run of
+    /// the case creates them: receivers, ledger, spectrum.
     ///
     /// # Errors
     /// The case has no simulation.
@@ -111,7 +112,7 @@ impl Checkpoint {
         Ok(all.into_iter().flatten().zip(self.tables.iter().copied()).collect())
     }
 
-    /// Creates the error that the state does not match the fields of the case.
+    /// Creates the error that the saved solver state does not match the fields of the case.
     pub(in crate::cli) fn mismatch_error(folder: &ResultFolder) -> OutputError {
         let path = folder.file_path(AppendedFile::Checkpoint);
         OutputError::from_invalid_content(&path, "its fields are not those of the case")

@@ -11,7 +11,7 @@ use std::time::Instant;
 /// Timer that writes checkpoints when they are due.
 pub(super) struct CheckpointTimer<'a> {
     context: &'a RunContext<'a>,
-    /// Time of the last checkpoint.
+    /// Wall-clock time of the last checkpoint.
     last_checkpoint: Instant,
 }
 
@@ -20,8 +20,8 @@ impl<'a> CheckpointTimer<'a> {
         Self { context, last_checkpoint: Instant::now() }
     }
 
-    /// Writes a checkpoint if the interval has passed or a signal was received; the signal then ends the run, unless it
-    /// has finished.
+    /// Writes a checkpoint if the checkpoint interval has passed or a signal was received. A signal then ends the run,
+    /// unless all its steps are done.
     ///
     /// # Errors
     /// The run is interrupted, or the checkpoint cannot be written.

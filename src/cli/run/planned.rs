@@ -6,8 +6,8 @@ use crate::{Error, case::dynamics::PlottedQuantity};
 use dynamics::simulation::RegularTimes;
 
 /// Returns the names of the files of a complete run besides those of every results folder; more than two snapshots are
-/// abbreviated to the first and the last. An animation is listed although a run whose picture is zero throughout has
-/// none.
+/// abbreviated to the first and the last. The animation is listed although none is drawn if the plotted quantity is
+/// zero in all snapshots.
 ///
 /// # Errors
 /// The case has no simulation.

@@ -21,13 +21,13 @@ use std::time::Instant;
 /// Number of increments of the progress bar.
 const PROGRESS_STEPS: f64 = 1000.0;
 
-/// Start of the computation by this process.
+/// Starting point of the computation by this process.
 struct RunStart {
-    /// Wall-clock time.
+    /// Wall-clock time of the start.
     clock: Instant,
-    /// Number of steps done before, by an interrupted run.
+    /// Number of steps done before by the interrupted run; 0 unless resumed.
     steps: usize,
-    /// Simulated time, s.
+    /// Simulated time at which this process starts, s.
     time: f64,
 }
 
@@ -41,15 +41,16 @@ pub(super) struct FileRecorder<'a> {
     timer: CheckpointTimer<'a>,
     snapshot_times: Option<RegularTimes>,
     progress_bar: DelayedProgressBar,
-    /// Increments shown by the bar.
+    /// Number of increments that the bar shows.
     progress_steps: u64,
     start: RunStart,
-    /// Time of the last progress line.
+    /// Wall-clock time of the last progress line.
     last_progress_line: Instant,
 }
 
 impl<'a> FileRecorder<'a> {
-    /// `lock` is the folder lock of a resumed run.
+    /// Creates the recorder of a run, which resumes from `checkpoint` if there is one. `lock` is the run lock of a
+    /// resumed run.
     pub(super) fn new(
         context: &'a RunContext<'a>,
         checkpoint: Option<Checkpoint>,
@@ -103,13 +104,13 @@ impl<'a> FileRecorder<'a> {
         );
     }
 
-    /// Returns the steps of this part of the run and their wall time, s.
+    /// Returns the number of steps done by this process and their wall time, s.
     fn step_timing(&self, progress: &RunProgress) -> (usize, f64) {
         let RunStart { clock, steps, .. } = self.start;
         (progress.steps - steps, clock.elapsed().as_secs_f64())
     }
 
-    /// Returns the file name of a snapshot by its index.
+    /// Returns the file name of the snapshot of index `index`, from 0.
     fn snapshot_name(&self, index: usize) -> String {
         snapshot_name(self.context.case, index)
     }
@@ -182,7 +183,7 @@ impl Recorder for FileRecorder<'_> {
     }
 }
 
-/// Describes the progress of a run; `timing` holds its steps so far and their wall time, s.
+/// Describes the progress of a run; `timing` holds the number of steps done by this process and their wall time, s.
 fn format_progress(progress: &RunProgress, timing: (usize, f64)) -> String {
     let time = format_short(progress.time);
     match progress.statistics {
@@ -200,7 +201,7 @@ fn format_progress(progress: &RunProgress, timing: (usize, f64)) -> String {
     }
 }
 
-/// Describes steps, wall time and speed of a run.
+/// Describes the number of steps, their wall time and the speed of a run.
 fn format_log_line(progress: &RunProgress, (steps, seconds): (usize, f64)) -> String {
     match progress.statistics {
         StepStatistics::Solid { cells, threads, .. } => format!(

@@ -14,12 +14,12 @@ use files::vti::{ImageData, format_collection};
 use files::{FileDigest, read_regular_file};
 use std::io::Write as _;
 
-/// Tables and snapshots of a run.
+/// Tables and snapshots of a run, and the folder that holds them.
 pub(super) struct RunFiles<'a> {
     folder: &'a ResultFolder,
-    /// Folder lock of a resumed run, until [`Self::create`] or [`Self::resume`] takes it.
+    /// Run lock of a resumed run, until [`Self::create`] or [`Self::resume`] takes it.
     lock: Option<Lock>,
-    /// `None` before the run begins.
+    /// Folder of the run; `None` before the run begins.
     run_folder: Option<RunFolder<'a>>,
     tables: Vec<(AppendedFile, Appender)>,
     /// Lengths and checksums of all snapshots so far.
@@ -37,7 +37,7 @@ impl From<TableKind> for AppendedFile {
 }
 
 impl<'a> RunFiles<'a> {
-    /// `lock` is the folder lock of a resumed run.
+    /// Creates the files of a run that has not begun. `lock` is the run lock of a resumed run.
     pub(super) fn new(folder: &'a ResultFolder, lock: Option<Lock>) -> Self {
         Self { folder, lock, run_folder: None, tables: Vec::new(), snapshots: Vec::new() }
     }
@@ -66,9 +66,9 @@ impl<'a> RunFiles<'a> {
         Ok(())
     }
 
-    /// Prepares the folder for a run resumed from a checkpoint. `restore` restores the state, if it matches, and
-    /// returns the number of snapshots due; `snapshot` returns time and name of a snapshot by its index. Nothing is
-    /// changed before all files are found to match the checkpoint.
+    /// Prepares the folder for a run resumed from a checkpoint. `restore` restores the solver state and returns the
+    /// number of snapshots due, or `None` if the state does not match the case; `snapshot` returns time, s, and name of
+    /// a snapshot by its index. Nothing is changed before all files are found to match the checkpoint.
     pub(super) fn resume(
         &mut self,
         tables: &[TableHeader],
@@ -98,7 +98,7 @@ impl<'a> RunFiles<'a> {
             self.tables.push((file, own.resume().map_err(OutputError::from_append_error)?));
         }
         if !list.is_empty() {
-            // The list may contain snapshots of steps that will be repeated.
+            // The list on disk may contain snapshots of steps that will be repeated.
             run.write_result(SNAPSHOT_LIST_FILE, &serialise_snapshot_list(&list)?)?;
         }
         list.iter()
@@ -109,7 +109,7 @@ impl<'a> RunFiles<'a> {
         Ok(())
     }
 
-    /// Appends a row to a table, if the run has it.
+    /// Appends a row to a table; does nothing if the run has no such table.
     pub(super) fn append_row(&mut self, table: AppendedFile, row: &[f64]) -> Result<(), Error> {
         match self.tables.iter_mut().find(|own| own.0 == table) {
             Some((_, file)) => Ok(file.write_row(row).map_err(OutputError::from_append_error)?),
@@ -169,7 +169,7 @@ impl<'a> RunFiles<'a> {
     }
 }
 
-/// Serialises the list of snapshots, by times and names.
+/// Serialises the list of snapshots, which holds their times, s, and file names.
 fn serialise_snapshot_list<S: AsRef<str>>(list: &[(f64, S)]) -> Result<Vec<u8>, Error> {
     Ok(format_collection(list).map_err(crate::Error::from)?)
 }
@@ -195,7 +195,7 @@ pub(in crate::cli) fn read_records(
     })
 }
 
-/// Reads the columns of a table.
+/// Reads the columns of a table in the results folder, with their units.
 fn read_table(case: &Case, folder: &ResultFolder, kind: TableKind) -> Result<RecordTable, Error> {
     let path = folder.file_path(kind.into());
     let bytes =

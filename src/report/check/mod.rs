@@ -62,7 +62,7 @@ impl Report for CheckResult {
     }
 }
 
-/// Describes the largest relative error of the measured waves.
+/// Formats the largest relative error of measured rates; `None` stands for no measurement.
 fn format_max_error(largest: Option<f64>) -> String {
     largest.map_or("nothing measured".to_owned(), |error| {
         format!("maximum error {}", format_scientific(error))
@@ -78,12 +78,12 @@ fn format_agreement(agrees: bool) -> &'static str {
     if agrees { "agrees" } else { "DISAGREES" }
 }
 
-/// Formats a number in scientific notation with two digits: `3.2e-7`.
+/// Formats a number in scientific notation with two significant digits: `3.2e-7`.
 pub fn format_scientific(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
-/// Formats a number in scientific notation with two digits and its sign.
+/// Formats a number in scientific notation with two significant digits and its sign: `+3.2e-7`.
 fn format_signed_scientific(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:+.1e}") }
 }

@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 pub(super) const UNITS: [(&str, &str); 4] =
     [("frequency", "rad/s"), ("growth_rate", "1/s"), ("tolerance", "rad/s"), ("number", "1/m")];
 
-/// Phase speeds below this fraction of the largest are zero: branches that do not propagate are not drawn.
+/// Phase speeds up to this fraction of the largest one count as zero; branches of zero speed are not drawn.
 const MIN_RELATIVE_SPEED: f64 = 1e-6;
 
 impl SolidCheck {
@@ -107,8 +107,8 @@ impl MediumCheck {
         );
     }
 
-    /// Creates the figure of measured frequencies on predicted curves. Elastic points are of all directions if the
-    /// solid is isotropic, other points of the first direction.
+    /// Creates the figure of measured frequencies on predicted curves. Measurements in all directions are drawn for the
+    /// elastic and unloading response of an isotropic solid, otherwise only those in the direction of the first wave.
     pub(super) fn create_figure(&self, case: &Case) -> DispersionFigure {
         let greatest = self.rows.iter().map(|row| row.wave.wave_number).fold(0.0, f64::max);
         let bands = self.branches.iter().flat_map(|(_, groups)| groups).flat_map(|group| {
@@ -151,7 +151,8 @@ impl MediumCheck {
         self.solid.elastic_law.downcast::<Isotropic>().is_some()
     }
 
-    /// Returns the curves of all propagating branches, up to 1.05 times the wave number `greatest`, 1/m.
+    /// Returns the curves of all propagating branches, up to 1.05 times the largest measured wave number `greatest`,
+    /// 1/m.
     fn create_curves(&self, greatest: f64) -> Vec<DispersionBranch> {
         let speeds = self.rows.iter().map(|row| row.predicted.frequency / row.wave.wave_number);
         let greatest_speed = speeds.fold(0.0, f64::max);
@@ -184,7 +185,7 @@ impl MediumCheck {
         curves
     }
 
-    /// Returns the wave numbers, 1/m, and measured frequencies, rad/s, of a branch.
+    /// Returns the wave numbers, 1/m, and measured frequencies, rad/s, of the branch named `label`.
     fn measured_points(&self, response: WaveResponse, label: &str) -> Vec<[f64; 2]> {
         let Some(first) = self.rows.first().map(|row| row.wave) else { return Vec::new() };
         let is_isotropic = self.is_isotropic();
@@ -199,7 +200,7 @@ impl MediumCheck {
     }
 }
 
-/// Returns direction in the plane and elevation above it, degrees.
+/// Returns the direction of a wave vector in the plane of x₁ and x₂ and its elevation above that plane, degrees.
 fn wave_direction(wave: &WaveVector) -> [f64; 2] {
     [wave.direction_deg, wave.elevation_deg]
 }

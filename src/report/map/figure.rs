@@ -1,4 +1,4 @@
-//! Figure of a map.
+//! Figure of a map: the verdict over two parameters of a case.
 
 use crate::case::{Case, ModelKind, SweepParameter};
 use crate::report::format::{
@@ -11,7 +11,7 @@ use analysis::solids::Hyperbolicity;
 use figures::{FillStyle, MapCurve, VerdictCategory, VerdictMap, VerdictMapAxis};
 use models::common::elementary::Elementary;
 
-/// Order of growth, and for solids the type of the characteristic speeds.
+/// Order of growth in the wave number, and for solids the type of the characteristic speeds.
 type GrowthKind = (f64, Option<Hyperbolicity>);
 
 fn growth_kind(point: &MapPoint) -> GrowthKind {
@@ -164,7 +164,7 @@ fn format_subtitle(case: &Case, found: &MapResult) -> String {
         .join(", ")
 }
 
-/// Returns the curves of the model's closed-form bound on |Δ| if Δ is one of the axes.
+/// Returns the curves of the model's closed-form bound on the non-coaxiality |Δ|, degrees, if Δ is one of the axes.
 fn collect_noncoaxiality_curves(found: &MapResult) -> Vec<MapCurve> {
     const NONCOAXIALITY_KEY: &str = "background.noncoaxiality_deg";
     let (nx, ny) = (found.x.points, found.y.points);

@@ -1,4 +1,4 @@
-//! Tables and archives of a map.
+//! CSV table and NPZ archive of a map.
 
 use crate::Error;
 use crate::study::MapResult;
@@ -6,7 +6,7 @@ use crate::study::map::{MapPoint, PointSpeeds, PointStatus};
 use analysis::flows::Route;
 use analysis::solids::Hyperbolicity;
 
-/// Returns the numeric columns of all points, by name.
+/// Returns the numeric columns of the CSV table, which are fields of the NPZ archive too: name and value at each point.
 fn numeric_columns(found: &MapResult) -> Vec<(&'static str, Vec<f64>)> {
     let column = |f: fn(&MapPoint) -> f64| found.points.iter().map(f).collect::<Vec<_>>();
     let mut columns = vec![

@@ -28,7 +28,7 @@ pub(super) fn create_pictures(case: &Case, found: &FlowPoint) -> Vec<ReportPictu
     pictures
 }
 
-/// Model with a fully deforming state.
+/// Model and its analysis of a fully deforming state.
 struct PlottedModel<'a> {
     title: &'static str,
     state: &'a YieldingState,
@@ -147,7 +147,7 @@ fn create_polar_figure(case: &Case, shown: &[PlottedModel]) -> PolarFigure {
             angle_deg: (c.angle_deg + 90.0).rem_euclid(180.0),
             style: SpokeStyle::CharacteristicNormal,
         };
-        // Models may share characteristics, within rounding.
+        // Several models may have the same characteristic, within rounding.
         let same =
             |s: &Spoke| s.label == spoke.label && (s.angle_deg - spoke.angle_deg).abs() < 1e-6;
         if !spokes.iter().any(same) {

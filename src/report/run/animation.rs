@@ -5,13 +5,13 @@ use crate::Error;
 use crate::case::{Case, TimeDomainRun};
 use figures::{FieldFigure, GifAnimation};
 
-/// Function from the bytes of a snapshot to the values to be drawn, or an error message.
+/// Function that reads the values to be drawn from the bytes of a snapshot, or returns an error message.
 type SnapshotReader<'a> = Box<dyn Fn(&[u8]) -> Result<Vec<f64>, String> + 'a>;
 
-/// Function from a time, s, and the values of its snapshot to a figure.
+/// Function that creates the figure of a snapshot from its time, s, and its values to be drawn.
 type FigureBuilder<'a> = Box<dyn Fn(f64, Vec<f64>) -> FieldFigure + 'a>;
 
-/// Conversion of snapshots of a case to frames of an animation.
+/// Converter of the snapshots of a case to the frames of an animation.
 pub struct FrameConverter<'a> {
     read_values: SnapshotReader<'a>,
     build_figure: FigureBuilder<'a>,
@@ -25,14 +25,14 @@ pub struct AnimationFrame {
 }
 
 impl AnimationFrame {
-    /// Returns the largest absolute value.
+    /// Returns the largest absolute value in the frame.
     pub fn max_magnitude(&self) -> f64 {
         self.values.iter().fold(0.0, |sum, value| sum.max(value.abs()))
     }
 }
 
 impl<'a> FrameConverter<'a> {
-    /// Creates the conversion for a case; `None` if the case requests no snapshots.
+    /// Creates the converter of a case; `None` if the case requests no snapshots.
     ///
     /// # Errors
     /// The case has no simulation.
@@ -62,7 +62,7 @@ impl<'a> FrameConverter<'a> {
     /// Reads time and values from the bytes of a snapshot.
     ///
     /// # Errors
-    /// The bytes are not a snapshot of this case; a message.
+    /// The bytes are not a snapshot of this case; the error is a message.
     pub fn read_frame(&self, snapshot: &[u8]) -> Result<AnimationFrame, String> {
         let time = files::vti::read_plain_time(snapshot).ok_or("has no time")?;
         Ok(AnimationFrame { time, values: (self.read_values)(snapshot)? })

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::study::simulate::{FieldQuantity, OutputFields, RecordTable};
 use files::npz::{ArrayValues, NpzArray, NpzError, NpzWriter, read_selected_arrays};
 
-/// Renders the archive of the fields of a state.
+/// Renders the NPZ archive of the output fields at one time.
 ///
 /// # Errors
 /// The archive cannot be created.
@@ -21,7 +21,7 @@ pub(super) fn encode_fields(fields: &OutputFields) -> Result<Vec<u8>, Error> {
     let units: Vec<&str> = fields.quantities.iter().map(|own| own.unit).collect();
     archive.add_text("names", &[names.len()], &names)?;
     archive.add_text("units", &[units.len()], &units)?;
-    // NPZ shapes have the slowest index first; here the first axis is the fastest.
+    // NPZ shapes list the slowest-varying axis first; in the fields the first axis varies fastest.
     let shape: Vec<usize> = fields.coordinates.iter().rev().map(Vec::len).collect();
     for own in &fields.quantities {
         archive.add_f64(&own.name, &shape, &own.values)?;
@@ -61,7 +61,7 @@ pub fn read_fields(bytes: &[u8], cells: usize) -> Result<OutputFields, NpzError>
     Ok(fields)
 }
 
-/// Renders the archive of a table, one array per column.
+/// Renders the NPZ archive of a table, with one array per column.
 ///
 /// # Errors
 /// The archive cannot be created.

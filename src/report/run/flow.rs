@@ -111,9 +111,9 @@ pub(super) fn create_figure(
     }
 }
 
-/// Creates the figure of the energy spectrum by shells of modes, at up to six times.
+/// Creates the figure of the energy spectrum by shells of mode numbers, at up to six evenly spaced times.
 fn create_spectrum_picture(case: &Case, table: &RecordTable) -> Option<ReportPicture> {
-    /// Maximum number of lines.
+    /// Maximum number of spectra drawn, one per time.
     const MAX_LINES: usize = 6;
     let (times, shells) = table.columns.split_first()?;
     let times = &times.values;

@@ -8,7 +8,8 @@ use crate::report::format::case_title;
 use crate::study::simulate::{RecordTable, quantity_unit};
 use figures::{LedgerFigure, LedgerTerm, SeismogramFigure, SeismogramPanel, Trace};
 
-/// Returns the indices of the receivers that a picture names: at most eight, evenly spaced from first to last.
+/// Returns the indices of the receivers that a picture names, out of `count` receivers: at most eight, evenly spaced
+/// from the first to the last.
 pub(super) fn evenly_spaced_indices(count: usize) -> impl Iterator<Item = usize> {
     /// Maximum number of legend entries.
     const MAX_LEGEND_ENTRIES: usize = 8;
@@ -49,7 +50,7 @@ pub(super) fn create_seismograms(case: &Case, table: &RecordTable) -> ReportPict
         notes.push(format!("{} of {} receivers", drawn.len(), receivers.len()));
     }
     if !vanishing.is_empty() {
-        // Axis label without its unit.
+        // The quantity is the part of the axis label before its unit.
         let quantity = |name: &String| axis_label(name).split(',').next().map(str::to_owned);
         let names: Vec<String> = vanishing.iter().filter_map(quantity).collect();
         notes.push(format!("omitted: {} (at rounding level)", names.join(", ")));
@@ -75,8 +76,9 @@ fn machine_epsilon(case: &Case) -> f64 {
     }
 }
 
-/// Removes the panels of quantities that vanish within rounding and returns their names. The reference is the largest
-/// quantity of the same unit; on a separate scale rounding errors would look like motion. `rounding` is relative.
+/// Removes the panels of quantities that vanish within rounding and returns the names of these quantities. The
+/// reference is the largest value among all quantities of the same unit; on a separate scale rounding errors would look
+/// like motion. `rounding` is the machine epsilon.
 fn remove_vanishing_panels(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Vec<String> {
     /// Factor for the accumulation of rounding errors during a run.
     const ROUNDING_FACTOR: f64 = 256.0;
@@ -103,7 +105,8 @@ fn remove_vanishing_panels(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64
     names
 }
 
-/// Creates the figure of the energy ledger: energies by column, described by `describe_term`; the last column is the balance.
+/// Creates the figure of the energy ledger. Columns in the unit of energy are its terms, described by `describe_term`;
+/// the last one is the balance.
 pub(super) fn create_ledger_picture(
     case: &Case,
     table: &RecordTable,

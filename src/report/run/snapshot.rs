@@ -1,4 +1,4 @@
-//! Snapshots for ParaView.
+//! Snapshots as VTK image data for ParaView, and reading of their arrays.
 
 use crate::Error;
 use crate::case::{Case, TimeDomainRun};

@@ -91,12 +91,12 @@ fn cell_value(values: &[f64], cell: usize) -> f64 {
     values.get(cell).copied().unwrap_or(0.0)
 }
 
-/// Plane section to be drawn.
+/// Plane section of the grid of a solid, to be drawn.
 pub(super) struct PlaneSection<'a> {
     dynamics: &'a SolidRun,
-    /// Axes of the plane.
+    /// Axes that span the plane.
     axes: [usize; 2],
-    /// Cell index along x₂; `None` in two dimensions.
+    /// Index of the section's layer of cells along x₂; `None` in two dimensions.
     layer: Option<usize>,
 }
 
@@ -113,7 +113,7 @@ impl<'a> PlaneSection<'a> {
         Self { dynamics, axes: if layer.is_none() { [0, 1] } else { [0, 2] }, layer }
     }
 
-    /// Iterates over the cells of the section, x₁ fastest.
+    /// Iterates over the indices of the cells in the section, x₁ fastest.
     fn cell_indices(&self) -> impl Iterator<Item = usize> {
         let cells = &self.dynamics.grid.cells;
         let [columns, rows] = self.axes.map(|axis| cells[axis]);
@@ -126,7 +126,8 @@ impl<'a> PlaneSection<'a> {
         })
     }
 
-    /// Reads the values of the picture on the section from a snapshot; an error message if they are absent.
+    /// Reads the values of `picture`, the plotted quantity, on the section from a snapshot; an error message if they
+    /// are absent.
     pub(super) fn read_snapshot_values(
         &self,
         bytes: &[u8],
@@ -198,7 +199,7 @@ impl<'a> PlaneSection<'a> {
             is_signed: !matches!(picture, Shown::Speed | Shown::Dissipation),
             limit: None,
             fixed_limit: None,
-            // Contours are values of the quantity in the case's picture.
+            // The contour levels of the case are values of its plotted quantity, hence apply to no other quantity.
             contour_levels: dynamics
                 .output
                 .contour_levels

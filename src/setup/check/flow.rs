@@ -17,7 +17,7 @@ use serde::Serialize;
 /// Maximum number of points per axis in grid refinement.
 const MAX_POINTS: usize = 4096;
 
-/// Wave vector in the plane of a flow; in a time-dependent background the initial one.
+/// Wave vector in the plane of a flow; in time-domain checks, where the mean flow changes it, its initial value.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlowWave {
     /// Wave number, 1/m.
@@ -34,7 +34,7 @@ impl From<&WaveNumbers> for FlowWave {
 }
 
 impl FlowWave {
-    /// Converts to wave number and unit normal.
+    /// Converts the wave to a plane wave with wave number and unit normal.
     pub fn to_plane_wave(&self) -> PlaneWave<2> {
         let angle = crate::case::degrees_to_radians(self.direction_deg);
         PlaneWave { wave_number: self.wave_number, normal: [angle.cr_cos(), angle.cr_sin()] }
@@ -89,7 +89,7 @@ fn default_directions(case: &Case) -> Result<Vec<f64>, Error> {
         _ => None,
     };
     let mut all = vec![case.material.numbers.wave.direction_deg];
-    // In this order: `CheckExtent::Short` takes the first two.
+    // The order matters: `CheckExtent::Short` takes the first two directions.
     for other in worst.into_iter().chain([30.0, 105.0]) {
         if all.iter().all(|own| (own - other).abs() > 1e-6) {
             all.push(other);
@@ -98,7 +98,7 @@ fn default_directions(case: &Case) -> Result<Vec<f64>, Error> {
     Ok(all)
 }
 
-/// Checks that the perturbation of a case can be refined on the grids in all its models.
+/// Checks that the perturbation of a case can be simulated on the grids, in its model and in all compared models.
 fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
     let refuse = |found: String, allowed: &str| {
         let allowed = allowed.to_owned();
@@ -123,7 +123,8 @@ fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Returns the models in which the perturbation of a case is refined.
+/// Returns the models in which the perturbation of a case is simulated on refined grids: its own and the compared
+/// models.
 fn refined_kinds(case: &Case) -> Result<Vec<ModelKind>, Error> {
     let kinds: Vec<ModelKind> = [case.material.kind]
         .into_iter()
@@ -157,7 +158,7 @@ fn refined_kinds(case: &Case) -> Result<Vec<ModelKind>, Error> {
 /// The case is not a uniform flow that the solver supports.
 pub fn create_uniform_flow(case: &Case) -> Result<UniformFlow, Error> {
     let flow = case.solve_mean_flow()?;
-    // Placeholder grid and box: each measurement sets its own.
+    // The grid and the box are placeholders, which each measurement replaces.
     let solver = create_flow_problem(case, [4; 2], [1.0; 2])?;
     Ok(UniformFlow {
         model: case.build_located_model()?,
@@ -181,7 +182,7 @@ pub fn compute_verdict(case: &Case, problem: &UniformFlow) -> Result<Verdict, Er
 /// Creates the perturbation of a run on a grid of `points` points along each axis.
 ///
 /// # Errors
-/// The archive named by a part of the perturbation is unusable.
+/// The archive named by a term of the perturbation is unusable.
 pub fn create_perturbation_on_grid(
     run: &FlowRun,
     flow: &UniformFlow,

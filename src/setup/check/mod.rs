@@ -19,14 +19,14 @@ pub enum CheckExtent {
     Short,
 }
 
-/// Checks of a case.
+/// Plan of the checks of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckPlan {
     /// Checks of the media of a solid.
     Solid(Vec<MediumPlan>),
     /// Check of the waves and perturbations of a flow.
     Flow(FlowPlan),
-    /// No check, since no solver supports the case; holds the reason.
+    /// No check, since no solver supports the case; contains the reason.
     NotMeasurable(String),
 }
 
@@ -65,8 +65,8 @@ fn format_reason(error: CaseError) -> String {
     }
 }
 
-/// Checks that the numbers of a case are 0 or of magnitude 10⁻⁶⁰ to 10⁶⁰, so that products of a few neither overflow
-/// nor underflow.
+/// Checks that the numbers of a case are 0 or of magnitude 10⁻⁶⁰ to 10⁶⁰, so that products of a few numbers neither
+/// overflow nor underflow.
 fn check_magnitudes(case: &Case) -> Result<(), CaseError> {
     const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
     let asked = case.check_options.iter().flat_map(|own| own.wave_numbers.iter().flatten());
@@ -86,7 +86,7 @@ fn check_magnitudes(case: &Case) -> Result<(), CaseError> {
     }
 }
 
-/// Converts an error of the agreement crate to an error with the responsible key and a remedy.
+/// Converts an error of the crate `agreement` to an error with the responsible key and a remedy.
 pub fn locate_agreement_error(material: &Material, error: AgreementError) -> Error {
     let found = error.to_string();
     let (key, allowed) = match error {
@@ -119,7 +119,7 @@ pub fn locate_agreement_error(material: &Material, error: AgreementError) -> Err
         AgreementError::NoVelocity => {
             ("initial", "noise of v, say, up to the greatest mode number of the finest")
         }
-        // Not reachable from a case.
+        // The following errors cannot arise from a case file.
         AgreementError::DimensionMismatch { .. } => ("model.dimensions", "the same for both"),
         AgreementError::NoGrids => ("check.cells", "at least one grid"),
         AgreementError::PointCount { .. } => ("initial", "a value at each point"),

@@ -7,12 +7,12 @@ use agreement::PlaneWave;
 use agreement::solids::SolverSettings;
 use models::InputError;
 
-/// Medium of a solid and its waves.
+/// Medium of a solid and the waves to be measured in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumPlan {
-    /// Position in the case; empty if everywhere.
+    /// Key of the region in the case, such as `region[0]`; empty if the case has no regions.
     pub region_key: String,
-    /// Material of the medium.
+    /// Material of the medium, with its numbers.
     pub material: Material,
     /// Waves to be measured in the medium.
     pub waves: WavePlan,
@@ -23,7 +23,7 @@ pub struct MediumPlan {
 pub struct WavePlan {
     /// Waves to be measured.
     pub waves: Vec<WaveNumbers>,
-    /// Grids and time step.
+    /// Settings of the solver: grids, time step and scheme.
     pub settings: SolverSettings,
 }
 
@@ -71,7 +71,7 @@ pub(super) fn plan_media(
 }
 
 impl WavePlan {
-    /// Plans the waves of the medium `own` of a case; time step and scheme are those of the case.
+    /// Plans the waves of the medium `own` of a case, measured with the time step and the scheme of the case.
     pub fn new(case: &Case, own: &Material, extent: CheckExtent) -> Self {
         let solid = setup::solid::create_solid(own);
         let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
@@ -105,13 +105,13 @@ impl WavePlan {
     }
 }
 
-/// Converts a wave to wave number and unit normal.
+/// Converts a wave to a plane wave with wave number and unit normal.
 fn to_plane_wave(wave: &WaveNumbers) -> PlaneWave<3> {
     PlaneWave { wave_number: wave.wave_number, normal: setup::solid::wave_normal(wave) }
 }
 
-/// Returns the default wave numbers, 1/m: multiples of the characteristic wave number of the solid, or that of the case
-/// if the solid has none.
+/// Returns the default wave numbers, 1/m: `natural`, the characteristic wave number of the solid, and multiples of it;
+/// the wave number `given` of the case if the solid has no characteristic wave number.
 fn default_wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
     match natural {
         // Long and short waves have different dispersion, hence five wave numbers.
@@ -121,7 +121,8 @@ fn default_wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f
     }
 }
 
-/// Returns directions and elevations, degrees: the given ones, or that of the case and a few oblique ones.
+/// Returns pairs of direction and elevation, degrees: the given directions at the elevation of `wave`, or the direction
+/// of `wave` and two or three fixed directions.
 fn default_directions(
     given_deg: Option<Vec<f64>>,
     is_plane: bool,
@@ -142,7 +143,7 @@ fn default_directions(
     [own].into_iter().chain(others).collect()
 }
 
-/// Returns the solver settings of a run of the case on the grids of `cells` cells per period.
+/// Returns the solver settings of a simulation of the case for grids of `cells` cells per wavelength.
 fn solver_settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
     let time = case.solid_run.as_ref().map(|dynamics| &dynamics.time);
     let chosen = case.solid_run.as_ref().map(|dynamics| dynamics.scheme).unwrap_or_default();

@@ -8,7 +8,7 @@ use files::npz::{ArrayValues, read_selected_arrays};
 use models::flow::RotationKind;
 use std::path::Path;
 
-/// Maximum size of an archive: this number of arrays of the grid plus [`MAX_OVERHEAD_BYTES`] bytes.
+/// Maximum size of an archive, as the number of arrays of the grid; [`MAX_OVERHEAD_BYTES`] bytes are added.
 const MAX_ARRAYS: u64 = 64;
 const MAX_OVERHEAD_BYTES: u64 = 1 << 20;
 
@@ -20,10 +20,10 @@ pub(crate) struct PerturbationFields {
     pub(crate) internal_variable: Vec<f64>,
 }
 
-/// Sums all parts of the initial perturbation.
+/// Sums all terms of the initial perturbation.
 ///
 /// # Errors
-/// The archive named by a part is unusable.
+/// The archive named by a term is unusable.
 pub(crate) fn assemble_perturbation(
     run: &FlowRun,
     problem: &FlowProblem,
@@ -65,7 +65,8 @@ pub(crate) fn assemble_perturbation(
     Ok(fields)
 }
 
-/// Converts an amplitude to SI units and rad.
+/// Converts an amplitude to the SI unit of its field: stress angles from degrees to rad; others are in SI units
+/// already.
 fn to_si(field: PerturbedField, amplitude: f64) -> f64 {
     if field == PerturbedField::StressAngle { amplitude.to_radians() } else { amplitude }
 }
@@ -75,7 +76,7 @@ fn to_plane_wave(own: &HarmonicPerturbation) -> FourierMode {
 }
 
 impl PerturbationFields {
-    /// Adds plane waves to a field, multiplied by the envelope if given.
+    /// Adds plane waves to a field, multiplied by the envelope if there is one.
     fn add_waves(
         &mut self,
         lattice: Lattice,
@@ -97,7 +98,8 @@ impl PerturbationFields {
         }
     }
 
-    /// Adds the perturbation in an archive; the error holds the fault and the requirement.
+    /// Adds the perturbation stored in the NPZ archive `path`; the error holds the fault and the requirement on the
+    /// archive.
     fn add_file(
         &mut self,
         run: &FlowRun,
@@ -121,7 +123,8 @@ impl PerturbationFields {
             .map_err(|error| unusable(&error.to_string()))?;
         let shape = [run.grid.points[1], run.grid.points[0]];
         let [v1, v2] = &mut self.velocity;
-        // The archive holds total values; the mean is subtracted.
+        // The archive holds total spins or stress angles, from which the mean value is subtracted. Velocities are
+        // perturbations already.
         let internal_variable = match run.rotation {
             RotationKind::IntrinsicSpin => Some(("w", problem.spin)),
             RotationKind::StressAxes => Some(("psi", problem.stress_angle)),

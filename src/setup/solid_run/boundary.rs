@@ -1,4 +1,4 @@
-//! Boundary conditions and loads.
+//! Boundary conditions and loads of a solid simulation, converted to the faces of the grid.
 
 use super::GridConverter;
 use super::geometry::{distance, whole_boundary_condition};
@@ -11,7 +11,8 @@ use dynamics::boundary::{Boundary, Condition, Load};
 use std::sync::Arc;
 
 impl GridConverter<'_> {
-    /// Returns the face centres of a boundary along its axes, m, the first axis fastest.
+    /// Returns the tangential coordinates, m, of the face centres of a boundary, with the first tangential axis
+    /// fastest.
     fn face_centres(&self, boundary: BoundaryFace) -> Vec<Vec<f64>> {
         let grid = &self.dynamics.grid;
         let mut faces = vec![Vec::new()];
@@ -40,7 +41,7 @@ impl GridConverter<'_> {
         let own = |entry: &(usize, &FaceCondition)| entry.1.face == boundary;
         for (index, entry) in self.dynamics.boundary_conditions.iter().enumerate().filter(own) {
             let of_pair: Vec<Condition> = match &entry.condition {
-                // A later entry overrides a periodic condition.
+                // This periodic condition is overridden by a later entry; otherwise the function has returned above.
                 ConditionKind::Periodic => continue,
                 ConditionKind::Free => vec![Condition::Traction(0.0); pairs.len()],
                 ConditionKind::Fixed => vec![Condition::Velocity(0.0); pairs.len()],
@@ -106,7 +107,7 @@ impl GridConverter<'_> {
         }
     }
 
-    /// Returns the index of the velocity-stress pair that a load drives and the type of its condition.
+    /// Returns the index of the velocity–stress pair that a load drives, and the type of condition that the load sets.
     fn driven_pair(&self, index: usize, load: &CaseLoad) -> Result<(usize, Condition), Error> {
         let pairs = self.medium.pairs[load.face.axis].iter().enumerate();
         for (pair_index, pair) in pairs {
@@ -122,7 +123,7 @@ impl GridConverter<'_> {
         Err(self.dynamics.error_at(&format!("load[{index}].field"), found, allowed).into())
     }
 
-    /// Returns the faces of a load and their amplitudes.
+    /// Returns the indices of the faces of a load, and the amplitude on each.
     fn loaded_faces(&self, index: usize, load: &CaseLoad) -> Result<Vec<(usize, f64)>, Error> {
         let faces = self.face_centres(load.face).into_iter().enumerate();
         let axes = load.face.tangential_axes(self.dynamics.grid.dimensions());

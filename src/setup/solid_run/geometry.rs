@@ -1,4 +1,4 @@
-//! Positions of a case in its grid.
+//! Conversion of positions of a case to cells of its grid, and distances on periodic grids.
 
 use crate::case::dynamics::{
     BoundaryConditionKind, BoundaryFace, FaceCondition, Interpolation, ReceiverPoint,
@@ -7,7 +7,7 @@ use crate::case::dynamics::{
 use dynamics::probe::Probe;
 use models::common::elementary::Elementary;
 
-/// Returns the centre of a cell, m.
+/// Returns the coordinates of the centre of the cell of index `cell`, m.
 pub(crate) fn cell_centre(dynamics: &SolidRun, cell: usize) -> Vec<f64> {
     let mut rest = cell;
     let along = dynamics.grid.cells.iter().enumerate();
@@ -20,8 +20,8 @@ pub(crate) fn cell_centre(dynamics: &SolidRun, cell: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Returns the index of the cell that contains a point, the upper cell for points on a face, the nearest cell outside
-/// of the grid.
+/// Returns the index of the cell that contains a point: for a point on a face the upper cell, for a point outside of
+/// the grid the nearest cell.
 pub(crate) fn containing_cell(dynamics: &SolidRun, point: &[f64]) -> usize {
     let mut cell = 0;
     for (axis, x) in point.iter().enumerate().rev() {
@@ -32,7 +32,7 @@ pub(crate) fn containing_cell(dynamics: &SolidRun, point: &[f64]) -> usize {
     cell
 }
 
-/// Returns a − b along an axis, m; in the periodic case the shortest difference.
+/// Returns the difference a − b of coordinates along an axis, m; on a periodic axis the one of smallest magnitude.
 pub(super) fn coordinate_difference(dynamics: &SolidRun, axis: usize, a: f64, b: f64) -> f64 {
     let [first, last] = dynamics.grid.axis_bounds(axis);
     match is_periodic(dynamics, axis) {
@@ -41,7 +41,7 @@ pub(super) fn coordinate_difference(dynamics: &SolidRun, axis: usize, a: f64, b:
     }
 }
 
-/// Returns the distance of two points in the space of `axes`, m.
+/// Returns the distance of two points, m; `a` and `b` are their coordinates along `axes`.
 pub(super) fn distance(dynamics: &SolidRun, axes: &[usize], a: &[f64], b: &[f64]) -> f64 {
     let parts = axes.iter().zip(a.iter().zip(b));
     parts.fold(0.0, |sum, (axis, (a, b))| {
@@ -55,7 +55,7 @@ pub(super) fn is_periodic(dynamics: &SolidRun, axis: usize) -> bool {
         .is_some_and(|entry| entry.condition == BoundaryConditionKind::Periodic)
 }
 
-/// Returns the last condition set on a whole boundary.
+/// Returns the last condition of the case that is set on a whole boundary.
 pub(super) fn whole_boundary_condition(
     dynamics: &SolidRun,
     boundary: BoundaryFace,
@@ -67,7 +67,7 @@ pub(super) fn whole_boundary_condition(
         .find(|entry| entry.face == boundary && entry.rectangle.is_none())
 }
 
-/// Creates the probe of a receiver; `of_cell` holds the medium index of each cell.
+/// Creates the probe of a receiver; `of_cell` holds the index of the medium of each cell.
 pub(crate) fn create_probe(
     dynamics: &SolidRun,
     of_cell: &[u16],

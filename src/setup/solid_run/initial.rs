@@ -13,15 +13,15 @@ use models::common::elementary::{Elementary, cr_cis};
 use models::solid::waves::SolidField;
 use num_complex::Complex64;
 
-/// Accumulated parts of the initial state.
+/// Sums of the terms of the initial state.
 struct FieldSums<'a> {
     dynamics: &'a SolidRun,
-    /// Values by cell of the fields set by any part.
+    /// Fields set by any term, with their values by cell.
     fields: Vec<(SolidField, Vec<f64>)>,
 }
 
 impl FieldSums<'_> {
-    /// Adds `value` at the cell centres, in order of the cells.
+    /// Adds a function `value` of position, m, to a field: evaluated at the cell centres, in the order of the cells.
     fn add_field(&mut self, field: SolidField, mut value: impl FnMut(&[f64]) -> f64) {
         let index = self.fields.iter().position(|own| own.0 == field).unwrap_or_else(|| {
             self.fields.push((field, vec![0.0; self.dynamics.grid.cell_count()]));
@@ -34,7 +34,7 @@ impl FieldSums<'_> {
 }
 
 impl GridConverter<'_> {
-    /// Returns the initial values of all fields that are set, by cell.
+    /// Returns the initial fields that are set, with their values by cell.
     pub(super) fn create_initial_fields<const D: usize>(
         &self,
         case: &Case,
@@ -106,7 +106,8 @@ impl GridConverter<'_> {
         Ok(sums.fields)
     }
 
-    /// Adds the stress of a rotation φ without displacement: Λ = −φ×, σ_ij = −σ_ji = 2αφ with α of each medium.
+    /// Adds the stress of a microrotation φ (`angle_deg`) about `axis` inside `shape`, without displacement: σ_ij =
+    /// −σ_ji = 2αφ with (i, j, `axis`) in cyclic order and the antisymmetric modulus α, Pa, of the medium of each cell.
     fn add_rotation(
         &self,
         sums: &mut FieldSums,
@@ -145,7 +146,8 @@ impl GridConverter<'_> {
         }
     }
 
-    /// Returns the complex amplitudes of a plane wave, normalised to a largest velocity of 1.
+    /// Returns the complex amplitudes of a plane wave, normalised such that |v| is 1 m/s in the phase of the largest
+    /// velocity component.
     fn plane_wave_amplitudes<const D: usize>(
         &self,
         case: &Case,
@@ -163,7 +165,7 @@ impl GridConverter<'_> {
         let direction = wave_normal(wave);
         let vector = std::array::from_fn(|axis| wave.wave_number * direction[axis]);
         let waves = plane_waves(&rates, vector);
-        // Waves by descending frequency, without those of zero frequency.
+        // `waves` are sorted by descending frequency and contain no wave of zero frequency; `branch` counts from 1.
         let Some((_, amplitudes)) = branch.checked_sub(1).and_then(|i| waves.get(i)) else {
             let found = format!("found branch {branch}");
             let allowed = format!("1 to {} at this wavelength", waves.len());

@@ -1,4 +1,4 @@
-//! Initial state of a plane pulse.
+//! Initial state of a plane P or S pulse in a classical medium.
 
 use super::geometry::{cell_centre, containing_cell};
 use crate::Error;
@@ -9,18 +9,21 @@ use dynamics::initial::PlanePulse;
 use models::solid::parameters::Isotropic;
 use models::solid::waves::SolidField;
 
-/// Largest fraction of the amplitude allowed in other media.
+/// Largest fraction of the pulse amplitude that is allowed in media other than that of the pulse.
 const MAX_OUTSIDE_FRACTION: f64 = 1e-6;
 
-/// Plane pulse in its medium.
+/// Plane pulse and the medium in which it begins.
 pub(super) struct IncidentPulse<'a> {
     case_pulse: &'a CasePulse,
     pulse: PlanePulse,
-    /// Index of its medium.
+    /// Index of the medium.
     medium: u16,
 }
 
 impl<'a> IncidentPulse<'a> {
+    /// Creates the pulse `case_pulse` in the medium at its reference point. `of_cell` holds the index of the medium of
+    /// each cell; `key` is the entry of the pulse in the case.
+    ///
     /// # Errors
     /// The medium has spins, so that its waves are dispersive, or the pulse extends into another medium.
     pub(super) fn new(
@@ -74,7 +77,8 @@ impl<'a> IncidentPulse<'a> {
         Ok(own)
     }
 
-    /// Returns the pulse at a point at time 0, relative to its amplitude.
+    /// Returns the pulse at a point x, m, at time 0, relative to its amplitude: the waveform times the transverse
+    /// taper.
     fn relative_amplitude(&self, x: &[f64]) -> f64 {
         let from: Vec<f64> =
             x.iter().zip(&self.case_pulse.reference_point).map(|(x, at)| x - at).collect();
@@ -83,7 +87,7 @@ impl<'a> IncidentPulse<'a> {
             * self.case_pulse.transverse_taper(aside)
     }
 
-    /// Returns the value of a field at a point of a medium; 0 in other media.
+    /// Returns the value of a field at a point in the medium of index `medium`; 0 if the pulse is in another medium.
     pub(super) fn field_value(&self, field: SolidField, x: &[f64], medium: u16) -> f64 {
         match self.pulse.field_per_velocity(field).filter(|_| medium == self.medium) {
             Some(factor) => self.case_pulse.amplitude * factor * self.relative_amplitude(x),

@@ -1,5 +1,5 @@
-//! Range checks for the precision of the solver: products of constants neither overflow nor underflow, loads, sources and
-//! initial values exceed the flush-to-zero threshold, and their energies do not underflow.
+//! Range checks for the precision of the solver: products of constants neither overflow nor underflow; loads, sources
+//! and initial values exceed the flush-to-zero threshold, and their energies do not underflow.
 
 use crate::Error;
 use crate::case::Case;
@@ -17,8 +17,8 @@ struct PrecisionRange {
     /// Largest constant; the smallest is its inverse. Powers up to the third and products of a few moduli, inertias,
     /// impedances and strengths must be representable.
     max_constant: f64,
-    /// Smallest amplitude of a drive, far above the threshold below which the solver flushes decaying values to zero, and
-    /// with a square that is a normal number: energies are summed in `f64`.
+    /// Smallest amplitude of a drive. It is far above the threshold below which the solver flushes decaying values to
+    /// zero, and its square is a normal number: energies are summed in `f64`.
     min_amplitude: f64,
 }
 
@@ -69,7 +69,8 @@ pub(super) fn check_amplitudes(dynamics: &SolidRun, media: &[Medium]) -> Result<
     let impedances = || pairs().map(|pair| pair.impedance());
     let (least, greatest) =
         (impedances().fold(f64::INFINITY, f64::min), impedances().fold(0.0, f64::max));
-    // The lesser of the amplitude and that of its conjugate: σ = Zv with the impedance Z.
+    // Returns the smaller of |amplitude| and the amplitude of the conjugate quantity in a wave, σ = Zv with the
+    // impedance Z: the stress of a velocity, the velocity of a stress.
     let smaller = |field: SolidField, amplitude: f64| {
         let size = amplitude.abs();
         match field {
@@ -111,8 +112,8 @@ pub(super) fn check_amplitudes(dynamics: &SolidRun, media: &[Medium]) -> Result<
     Ok(())
 }
 
-/// Largest component of a source as the stress or couple stress in a cell that takes all of it: a moment by volume, a force
-/// or couple by face area.
+/// Returns the largest component of a source as a stress, Pa, or couple stress, N/m, if one cell takes the whole
+/// source: moments are divided by the cell volume, forces and couples by the largest face area.
 fn compute_source_stress(kind: &SourceKind, spacing: &[f64]) -> f64 {
     let max_abs = |values: &[f64]| values.iter().fold(0.0f64, |max, value| max.max(value.abs()));
     let volume: f64 = spacing.iter().product();
@@ -128,8 +129,8 @@ fn compute_source_stress(kind: &SourceKind, spacing: &[f64]) -> f64 {
     }
 }
 
-/// Returns the amplitude of a load per face; that of a point load is an integral over the boundary, divided by the face
-/// area.
+/// Returns the amplitude of a load on one face. The amplitude of a point load is an integral over the boundary, which
+/// is divided by the face area.
 fn amplitude_per_face(dynamics: &SolidRun, load: &FaceLoad) -> f64 {
     match load.loaded_area {
         LoadedArea::Point { .. } => {

@@ -12,7 +12,7 @@ use dynamics::point_kernel::{AxisEnd, PointPosition, bell_shares, nearest_share,
 use models::solid::waves::SolidField;
 use std::sync::Arc;
 
-/// Returns the continuation of a field beyond a boundary (mirror image, open or periodic) at a point.
+/// Returns how a field continues beyond a boundary at a point: as a mirror image, periodically, or not (open).
 fn boundary_continuation(
     dynamics: &SolidRun,
     boundary: BoundaryFace,
@@ -42,7 +42,8 @@ fn boundary_continuation(
     }
 }
 
-/// Returns the shares of cells in a point source of a field, or of the faces of a boundary if `axes` omits its axis.
+/// Returns the cells that take a point source of `field`, and the share of each; faces of a boundary instead of cells
+/// if `axes` are the tangential axes of that boundary.
 fn compute_shares(
     dynamics: &SolidRun,
     axes: &[usize],
@@ -71,10 +72,11 @@ fn compute_shares(
     }
 }
 
-/// Maximum number of cells or faces in the square or cube around a bell kernel.
+/// Maximum number of cells or faces in the rectangle or cuboid around a bell kernel.
 const MAX_KERNEL_CELLS: f64 = 1e7;
 
-/// Checks that a bell kernel is at most twice as wide as the grid and covers at most [`MAX_KERNEL_CELLS`] cells or faces.
+/// Checks that the radius of a bell kernel is at most twice the largest extent of the grid, and that the kernel covers
+/// at most [`MAX_KERNEL_CELLS`] cells or faces.
 fn check_radius(dynamics: &SolidRun, axes: &[usize], radius: f64, key: &str) -> Result<(), Error> {
     let grid = &dynamics.grid;
     let widest = (0..grid.dimensions()).map(|axis| grid.cells[axis] as f64 * grid.spacing[axis]);
@@ -89,7 +91,8 @@ fn check_radius(dynamics: &SolidRun, axes: &[usize], radius: f64, key: &str) -> 
 }
 
 impl GridConverter<'_> {
-    /// Returns the shares of cells or faces in a point source or point load.
+    /// Returns the cells or faces that take a point source or point load, and the share of each; a source or load all
+    /// of whose shares are zero is refused.
     pub(super) fn compute_checked_shares(
         &self,
         axes: &[usize],
@@ -110,8 +113,8 @@ impl GridConverter<'_> {
         Ok(shares)
     }
 
-    /// Creates the solver sources of a source, one for each group of components with equal shares (mirror images of
-    /// equal sign).
+    /// Creates the solver sources of a source, one for each group of components with equal shares of the cells: mirror
+    /// images at a boundary have the same sign for all components of a group.
     pub(super) fn create_sources(
         &self,
         index: usize,
@@ -144,7 +147,7 @@ impl GridConverter<'_> {
                 }
                 entries.filter(|(field, _)| self.medium.fields.contains(field)).collect()
             }
-            // Also out of plane in plane strain.
+            // In plane strain the out-of-plane component σ₃₃ is included.
             SourceKind::Explosion(moment) => {
                 (0..3).map(|i| (SolidField::Stress(i, i), *moment)).collect()
             }

@@ -1,4 +1,4 @@
-//! Gravity and initial stress.
+//! Gravity and initial stress of a solid simulation.
 
 use super::GridConverter;
 use super::geometry::cell_centre;
@@ -9,8 +9,9 @@ use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
 
 impl GridConverter<'_> {
-    /// Returns the acceleration by gravity, m/s², or the lithostatic initial stress that balances it, plus the uniform
-    /// initial stress, as axis and stress by layer across it.
+    /// Returns the acceleration by gravity, m/s², and the initial stress as an axis and one stress, Pa and N/m, for
+    /// each layer of cells normal to it; `None` if all of these are zero. If gravity is balanced, the acceleration is
+    /// zero, and the lithostatic stress that balances it is added to the uniform initial stress.
     #[allow(clippy::type_complexity, reason = "two fields of the problem")]
     pub(super) fn gravity_and_initial_stress<const D: usize>(
         &self,

@@ -16,19 +16,20 @@ use serde::Serialize;
 /// Check result of a flow.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowCheck {
-    /// Results by mode of each wave.
+    /// Check of each mode of each wave.
     pub rows: Vec<ModeCheck>,
     /// Grid refinement of one perturbation, model by model.
     pub refinements: Vec<RefinementCheck>,
-    /// Q_D of the mean flow, 1/s.
+    /// Shear rate Q_D of the mean flow: magnitude of the deviatoric deformation rate, 1/s.
     #[serde(skip)]
     pub shear_rate: f64,
-    /// Predicted rates against the wave number, for modes whose rates exceed three times the shear rate.
+    /// Growth and decay rates against the wave number. Omitted are modes whose rates are below three times the shear
+    /// rate at all wave numbers, and modes near degenerate directions.
     #[serde(skip)]
     pub curves: Vec<RateCurve>,
 }
 
-/// Check of one mode of a wave.
+/// Check of one mode of a wave: predicted and measured rate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModeCheck {
     /// Initial wave vector.
@@ -37,33 +38,33 @@ pub struct ModeCheck {
     pub mode: usize,
     /// Duration of the measurement, s.
     pub duration: f64,
-    /// Rate predicted by the linearised equations along k(t).
+    /// Rate predicted by the linearised equations along the wave vector k(t), which the mean flow changes.
     pub predicted: ComplexRate,
-    /// Rate by the matrix pencil at the frozen initial wave vector.
+    /// Frozen-coefficient rate at the initial wave vector, from the matrix pencil.
     #[serde(rename = "frozen")]
     pub frozen_rate: ComplexRate,
     /// Rates measured by the solver for decreasing time steps.
     pub measured: Vec<SequenceRate>,
-    /// Measured rate extrapolated to zero time step.
+    /// Measured rate extrapolated to zero time step; `None` without measurement.
     pub limit: Option<ComplexRate>,
-    /// Bound on the error of the limit, 1/s.
+    /// Bound on the error of the limit by extrapolation and rounding, 1/s.
     pub tolerance: Option<f64>,
     /// Reason why there is no measurement.
     #[serde(rename = "not_measurable")]
     pub unmeasured_reason: Option<String>,
-    /// Order of convergence in the time step; `None` if the error is rounding.
+    /// Order of convergence in the time step; `None` if the error is at the level of rounding, or without measurement.
     pub order: Option<f64>,
     /// Whether measured and predicted rate agree; `None` without measurement.
     pub agrees: Option<bool>,
-    /// Measured minus predicted rate.
+    /// Measured minus predicted rate; `None` without measurement.
     #[serde(skip)]
     pub difference: Option<Rate>,
-    /// Scale of relative differences, 1/s: the greater of predicted rate and shear rate.
+    /// Scale of relative differences, 1/s: the greater of the magnitude of the predicted rate and the shear rate.
     #[serde(skip)]
     pub scale: f64,
 }
 
-/// Complex rate of growth and oscillation.
+/// Complex rate: growth rate and angular frequency.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexRate {
     /// Growth rate γ, 1/s.
@@ -78,20 +79,20 @@ impl From<Rate> for ComplexRate {
     }
 }
 
-/// Rate measured with a number of time steps.
+/// Rate measured in a simulation with a given number of time steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SequenceRate {
     /// Measured rate.
     #[serde(flatten)]
     pub rate: ComplexRate,
-    /// Number of steps.
+    /// Number of time steps of the simulation.
     pub steps: usize,
 }
 
-/// Growth or decay of one mode in one direction.
+/// Growth or decay rates of one mode in one direction against the wave number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RateCurve {
-    /// Direction of the waves, degrees.
+    /// Direction of the initial wave vectors from x₁, degrees.
     pub direction_deg: f64,
     /// Whether the waves grow.
     #[serde(rename = "grows")]
@@ -134,7 +135,7 @@ pub(super) fn check_flow(
     Ok(FlowCheck { rows: results.iter().map(row).collect(), refinements, shear_rate, curves })
 }
 
-/// Computes the predicted rates against the wave number and collects the measured ones.
+/// Computes the curves of predicted rates against the wave number, and collects the measured rates.
 fn compute_curves(
     problem: &UniformFlow,
     waves: &[FlowWave],
@@ -207,7 +208,8 @@ impl FlowCheck {
         [self.rows.len() + self.refinements.len(), failed]
     }
 
-    /// Returns the largest relative difference of measured rates; `None` without measurement.
+    /// Returns the largest difference between measured and predicted rates, relative to [`ModeCheck::scale`]; `None`
+    /// without measurement.
     pub fn max_relative_difference(&self) -> Option<f64> {
         let relative = |row: &ModeCheck| Some(row.difference?.max_norm() / row.scale);
         max_or_nan(self.rows.iter().filter_map(relative))

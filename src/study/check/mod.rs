@@ -39,7 +39,7 @@ pub enum CheckOutcome {
     Flow(FlowCheck),
     /// No solver supports the case.
     NotMeasurable {
-        /// Reason.
+        /// Reason why no solver supports the case.
         #[serde(rename = "not_measurable")]
         reason: String,
     },
@@ -112,7 +112,7 @@ impl CheckResult {
         }
     }
 
-    /// Returns the largest difference of a measured wave relative to its rate; `None` without measurement.
+    /// Returns the largest relative difference between measured and predicted rates; `None` without measurement.
     pub fn max_relative_difference(&self) -> Option<f64> {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => None,
@@ -124,7 +124,7 @@ impl CheckResult {
     }
 }
 
-/// Returns the maximum; NaN counts as the largest, `None` without values.
+/// Returns the maximum, where NaN counts as the largest value; `None` without values.
 fn max_or_nan(sizes: impl Iterator<Item = f64>) -> Option<f64> {
     sizes.reduce(|sum, own| if own <= sum || sum.is_nan() { sum } else { own })
 }

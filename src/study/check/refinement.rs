@@ -20,28 +20,29 @@ pub struct RefinementCheck {
     /// Non-coaxiality Δ of the case, degrees, if this model is coaxial and uses Δ = 0.
     #[serde(rename = "lost_noncoaxiality_deg")]
     pub replaced_noncoaxiality_deg: Option<f64>,
-    /// Order of growth in k as k → ∞ by the verdict; 0 if well-posed.
+    /// Order of growth in the wave number k as k → ∞ according to the verdict; 0 if well-posed.
     #[serde(rename = "limit_of_the_order")]
     pub verdict_order: f64,
-    /// Orders over these grids; `None` if no mode grows faster than the shear rate, or if the fastest modes of all
-    /// grids have equal wave numbers.
+    /// Orders of growth over these grids; `None` for fewer than two grids, if `is_growing` is
+    /// false, or if the fastest modes of all grids have equal wave numbers.
     pub orders: Option<GrowthOrders>,
-    /// Results by grid.
+    /// Check of the fastest growing mode on each grid.
     pub grids: Vec<FastestModeCheck>,
-    /// Whether rates and orders agree, and the order is close to that of the verdict.
+    /// Whether measured and predicted rates agree on all grids and, if `orders` is not `None`, also the orders, of
+    /// which the predicted one must be close to `verdict_order`.
     pub agrees: bool,
-    /// Whether the fastest mode of each grid grows faster than the shear rate.
+    /// Whether the fastest mode of each grid grows at more than three times the shear rate of the mean flow.
     #[serde(skip)]
     pub is_growing: bool,
     /// Title of the model.
     #[serde(skip)]
     pub title: &'static str,
-    /// Q_D of the mean flow in this model, 1/s.
+    /// Shear rate Q_D of the mean flow in this model: magnitude of the deviatoric deformation rate, 1/s.
     #[serde(skip)]
     pub shear_rate: f64,
 }
 
-/// Orders of growth in the wave number.
+/// Orders of growth in the wave number, fitted over the refined grids.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GrowthOrders {
     /// Order of the predicted rates.
@@ -53,11 +54,11 @@ pub struct GrowthOrders {
 /// Check of the fastest growing mode of one grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FastestModeCheck {
-    /// Points along each axis.
+    /// Number of grid points along each axis.
     pub points: [usize; 2],
-    /// Periods of the mode along each axis.
+    /// Numbers of periods of the mode along each axis.
     pub mode: [i32; 2],
-    /// Initial wave number, 1/m.
+    /// Initial wave number of the mode, 1/m.
     #[serde(rename = "number")]
     pub wave_number: f64,
     /// Growth rate predicted by the linearised equations, 1/s.
@@ -68,8 +69,8 @@ pub struct FastestModeCheck {
     pub agrees: bool,
 }
 
-/// Simulates the perturbation of `run` in the model of a case on each of `grids`, given as points per axis, and
-/// compares the growth rate of the fastest mode with the prediction.
+/// Simulates the perturbation of `run` in the model of a case on each of the `grids`, given as points per axis, and
+/// compares the growth rate of the fastest mode of each grid with the prediction.
 pub(super) fn check_refinement(
     ConvertedCase { case, lost_noncoaxiality_deg }: ConvertedCase,
     run: &FlowRun,

@@ -1,4 +1,4 @@
-//! Checks of solids: predicted, expected and measured branches of all waves.
+//! Checks of solids: branches of all waves as predicted by the analysis, expected of the scheme, and measured.
 
 use super::max_or_nan;
 use crate::case::{Material, WaveNumbers};
@@ -19,14 +19,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Check result of a solid.
 #[derive(Clone, Debug, Serialize)]
 pub struct SolidCheck {
-    /// Check results by medium.
+    /// Check of each medium.
     pub media: Vec<MediumCheck>,
 }
 
 /// Check result of a medium.
 #[derive(Clone, Debug, Serialize)]
 pub struct MediumCheck {
-    /// Position in the case; empty if everywhere.
+    /// Key of the region in the case, such as `region[0]`; empty if the case has no regions.
     #[serde(rename = "place")]
     pub region_key: String,
     /// Title of the medium.
@@ -34,11 +34,11 @@ pub struct MediumCheck {
     pub medium_title: String,
     /// Whether all measurements agree; `None` without any.
     pub agrees: Option<bool>,
-    /// Check results by branch, for all waves.
+    /// Check of each branch of each wave.
     pub rows: Vec<BranchCheck>,
     /// Check results of the forbidden bands of an elastic solid.
     pub forbidden_bands: Vec<ForbiddenBandCheck>,
-    /// Solid with its yield state.
+    /// Solid with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
     /// Predicted branches in the direction of the first wave, by response.
@@ -49,35 +49,37 @@ pub struct MediumCheck {
 /// Check of a branch at one wave vector.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BranchCheck {
-    /// Elastic, loading or unloading response.
+    /// Response of the solid: elastic, loading or unloading.
     #[serde(serialize_with = "serialize_response_name")]
     pub response: WaveResponse,
     /// Name of the branch.
     pub branch: String,
-    /// Wave vector.
+    /// Wave vector of the wave.
     pub wave: WaveVector,
-    /// Frequency predicted by the analysis.
+    /// Complex frequency predicted by the analysis.
     pub predicted: ComplexFrequency,
-    /// Measurement extrapolated to zero cell size.
+    /// Measurement extrapolated to zero cell size; `None` without measurement.
     pub limit: Option<GridCheck>,
     /// Measurements by grid, coarsest first.
     pub grids: Vec<GridCheck>,
     /// Reason why there is no measurement.
     #[serde(rename = "not_measurable")]
     pub unmeasured_reason: Option<String>,
-    /// Order of convergence in the cell size; `None` if the error is rounding.
+    /// Order of convergence in the cell size; `None` if the error is at the level of rounding, or without measurement.
     pub order: Option<f64>,
-    /// Whether the measured rate agrees on every grid and in the limit; `None` without measurement.
+    /// Whether measured and expected rates agree on every grid and in the limit of zero cell size; `None` without
+    /// measurement.
     pub agrees: Option<bool>,
     /// Measured minus predicted rate in the limit of zero cell size, relative to the predicted frequency.
     #[serde(skip)]
     pub difference: Option<Rate>,
-    /// Expected minus predicted rate in the limit, by the symbol of the scheme, relative to the predicted frequency.
+    /// Expected minus predicted rate in the limit of zero cell size, relative to the predicted frequency; the expected
+    /// rate follows from the amplification matrix of the scheme.
     #[serde(skip)]
     pub expected_difference: Option<Rate>,
 }
 
-/// Complex frequency.
+/// Complex frequency of a wave: angular frequency and growth rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ComplexFrequency {
     /// Angular frequency ω, rad/s.
@@ -86,7 +88,7 @@ pub struct ComplexFrequency {
     pub growth_rate: f64,
 }
 
-/// Rate measured on a grid.
+/// Rate measured on a grid, compared with the rate expected of the scheme on that grid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct GridCheck {
     /// Cells per period along each axis; `None` in the limit of zero cell size.
@@ -96,9 +98,9 @@ pub struct GridCheck {
     pub frequency: f64,
     /// Measured growth rate γ, 1/s.
     pub growth_rate: f64,
-    /// Expected ω by the symbol of the scheme, rad/s.
+    /// Angular frequency ω expected from the amplification matrix of the scheme, rad/s.
     pub expected_frequency: f64,
-    /// Expected γ by the symbol of the scheme, 1/s.
+    /// Growth rate γ expected from the amplification matrix of the scheme, 1/s.
     pub expected_growth_rate: f64,
     /// Measured minus predicted frequency, relative to the predicted one.
     pub difference: f64,
@@ -119,10 +121,11 @@ pub struct ForbiddenBandCheck {
     /// Upper edge of the band, rad/s.
     #[serde(rename = "to")]
     pub upper_edge: f64,
-    /// Nearest measured frequencies below and above the band, rad/s.
+    /// Measured frequencies next to the band, rad/s: the largest one below its upper edge and the smallest one above
+    /// its lower edge.
     #[serde(rename = "nearest")]
     pub nearest_frequencies: [Option<f64>; 2],
-    /// Whether no frequency was measured inside the band.
+    /// Whether no measured frequency is inside the band, within discretisation error and tolerance.
     pub agrees: bool,
 }
 
@@ -142,7 +145,8 @@ pub(super) fn check_solid(
     let mut left = media.len();
     for medium in media {
         let own = AtomicUsize::new(0);
-        // The number of runs of the remaining media is not yet known; each is estimated by that of this medium.
+        // The number of simulations for the remaining media is not known yet; for each it is assumed to be that of this
+        // medium.
         let on_progress = |done: usize, all: usize| {
             own.store(all, Ordering::Relaxed);
             on_progress(before + done, before + all * left)
@@ -154,8 +158,8 @@ pub(super) fn check_solid(
     Ok(SolidCheck { media: checked })
 }
 
-/// Compares the branches of the waves of a solid, predicted for the material `predicted` and measured for `measured`;
-/// they differ only in tests of the check itself.
+/// Compares the branches of the waves of a solid, predicted for the material `predicted` and measured for the material
+/// `measured`. The two differ only in tests, which verify that the check detects a difference.
 ///
 /// # Errors
 /// A material is invalid, the solver does not support it, or the study was cancelled.

@@ -18,14 +18,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Memory of a map besides its points, bytes: program and picture.
+/// Memory of a map besides its points, bytes: that of the program and the picture.
 const PROGRAM_MEMORY: f64 = 60.0 * 1048576.0;
 
 /// Number of points that a thread assesses between progress reports.
 const POINTS_PER_BLOCK: usize = 64;
 
-/// Quantities to be computed on a map besides the verdicts. Growth rates need the dispersion polynomial of every state;
-/// with them no verdict is by closed form.
+/// Quantities to be computed on a map besides the verdicts. Growth rates and their suprema need the dispersion
+/// polynomial of every state; if they are computed, no verdict is by closed form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MapOptions {
     /// Whether to compute the supremum of the growth rate over all waves at well-posed points.
@@ -103,7 +103,7 @@ pub fn compute_map(
     Ok(MapResult::new(case, map, options, points))
 }
 
-/// Checks that memory suffices for the points of a map and one table column.
+/// Checks that memory suffices for the points of a map, twice if they are transposed, and for one table column.
 fn check_memory(case: &Case, map: &MapAxes) -> Result<(), Error> {
     let points = map.x.point_count as f64 * map.y.point_count as f64;
     let of_point = size_of::<MapPoint>() * if is_transposed(case, map) { 2 } else { 1 };
@@ -119,15 +119,15 @@ fn check_memory(case: &Case, map: &MapAxes) -> Result<(), Error> {
         .into())
 }
 
-/// Returns whether points are assessed column by column, so that the acoustic tensors of elastic moduli swept along x
-/// are reused.
+/// Returns whether points are assessed column by column, with y fastest. The acoustic tensors of elastic moduli, which
+/// then change only along x, are reused within a column.
 fn is_transposed(case: &Case, map: &MapAxes) -> bool {
     let is_modulus = |sweep: &ParameterSweep| sweep.parameter.name().starts_with("model.");
     is_modulus(&map.x) && !is_modulus(&map.y) && case.material.yield_set.is_some()
 }
 
-/// Checks that at least one state of the map can be assessed; states are assessed until one can. Progress counts
-/// states.
+/// Checks that at least one state of the map can be assessed. States are assessed in order until one succeeds; progress
+/// counts them.
 ///
 /// # Errors
 /// The case has no map, or is invalid at all of its points; [`Error::Cancelled`].
@@ -151,7 +151,7 @@ pub fn check_map(case: &Case, on_progress: ProgressCallback) -> Result<(), Error
     }
 }
 
-/// Assesses all points, x fastest.
+/// Assesses all points of a map and returns them with x fastest.
 fn assess_points(
     case: &Case,
     map: &MapAxes,

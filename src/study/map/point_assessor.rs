@@ -23,20 +23,21 @@ pub struct MapPoint {
     /// Method of the verdict; `None` without verdict.
     #[serde(serialize_with = "serialize_route")]
     pub route: Option<Route>,
-    /// Order of growth in k if ill-posed.
+    /// Order of growth in the wave number k if ill-posed.
     pub order: f64,
-    /// lim Re ς / k^order, m^order/s.
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s.
     pub coefficient: f64,
     /// Direction of the wave vector of fastest growth, degrees.
     pub direction_deg: f64,
-    /// Elevation of that wave vector above the plane of x₁ and x₂, degrees; solids only.
+    /// Elevation of the wave vector of fastest growth above the plane of x₁ and x₂, degrees; solids only.
     pub elevation_deg: f64,
     /// Supremum of Re ς over all waves of a well-posed state, 1/s.
     #[serde(rename = "bound")]
     pub growth_bound: f64,
     /// Largest Re ς at the wave of the case, 1/s.
     pub growth_rate: f64,
-    /// Closed-form bound of the model on |Δ| for the leading order of growth, degrees; flows only.
+    /// Closed-form bound of the model on the non-coaxiality |Δ|, degrees, below which the leading growth rate is not
+    /// positive in any direction; flows only.
     pub noncoaxiality_bound_deg: f64,
     /// Characteristic speeds; solids only.
     pub speeds: Option<PointSpeeds>,
@@ -54,19 +55,19 @@ pub struct PointSpeeds {
     /// Smallest real c², m²/s²; 0 if zero within rounding.
     #[serde(rename = "least_squared")]
     pub min_squared_speed: f64,
-    /// Normal of the slowest wave: direction in the plane and elevation, degrees.
+    /// Normal of the slowest wave: direction in the plane of x₁ and x₂ and elevation above it, degrees.
     #[serde(rename = "least_normal_deg")]
     pub slowest_normal_deg: [f64; 2],
 }
 
-/// Status of a point; `map.npz` stores its number.
+/// Status of a point; `map.npz` stores its discriminant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointStatus {
     /// Well-posed.
     WellPosed = 0,
-    /// Ill-posed.
+    /// Ill-posed: growth rates are unbounded.
     IllPosed = 1,
-    /// The decisive quantity is zero within its rounding bound.
+    /// The quantity that decides the verdict is zero within its rounding bound.
     Marginal = 2,
     /// The equations do not determine their unknowns.
     Indeterminate = 3,
@@ -78,7 +79,7 @@ pub enum PointStatus {
     NoResponse = 6,
 }
 
-/// Serialised as its name in results.
+/// A status is serialised as its name in results.
 impl Serialize for PointStatus {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
@@ -97,7 +98,7 @@ fn serialize_hyperbolicity<S: Serializer>(
 }
 
 impl PointStatus {
-    /// All statuses in the order of their numbers.
+    /// All statuses in the order of their discriminants.
     pub const ALL: [Self; 7] = [
         Self::WellPosed,
         Self::IllPosed,
@@ -121,14 +122,14 @@ impl PointStatus {
         }
     }
 
-    /// Returns whether there is a state to assess.
+    /// Returns whether the point has a state that was assessed.
     pub fn has_state(self) -> bool {
         !matches!(self, Self::NotFullyDeforming | Self::OutsideModel | Self::NoResponse)
     }
 }
 
 impl MapPoint {
-    /// Creates a point with this status and no numbers.
+    /// Creates a point with this status; all numbers are NaN.
     pub(super) fn with_status(status: PointStatus) -> Self {
         Self {
             status,
@@ -162,8 +163,8 @@ impl MapPoint {
     }
 }
 
-/// Assessment of map points, one instance per thread. Per point only the swept numbers of its case change; for flows,
-/// swept model constants change in `swept_flow` alone.
+/// Assessor of the points of a map, one instance per thread. From point to point only the swept numbers of `case`
+/// change; swept model constants of flows change in `swept_flow` instead.
 pub(super) struct PointAssessor<'a> {
     case: Case,
     map: &'a MapAxes,
@@ -173,7 +174,7 @@ pub(super) struct PointAssessor<'a> {
     swept_flow: SweptFlow,
 }
 
-/// Model of a flow with its swept constants.
+/// Model of a flow whose swept constants change from point to point.
 struct SweptFlow {
     /// `None` until constants are in range for the first time.
     model: Option<Model>,
@@ -181,7 +182,8 @@ struct SweptFlow {
     constants: Vec<f64>,
     /// Whether the constants differ from those of `model`.
     is_stale: bool,
-    /// Indices and parameters of swept model constants, by axis; found once per map, since names are compared.
+    /// For each axis, index and definition of the swept model constant, if any; found once per map, since names are
+    /// compared.
     swept_constants: [Option<(usize, &'static Parameter)>; 2],
 }
 
@@ -192,7 +194,8 @@ impl SweptFlow {
         Self { model: None, constants: case.model_constants(), is_stale: true, swept_constants }
     }
 
-    /// Sets the swept constant of an axis; returns false if the axis does not sweep a model constant.
+    /// Sets the swept constant of an axis, given in the unit of case files; returns false if the axis does not sweep a
+    /// model constant.
     fn set_swept_constant(&mut self, axis: usize, value: f64) -> bool {
         let Some((index, constant)) = self.swept_constants[axis] else { return false };
         let value = constant.to_si(value);
@@ -202,7 +205,7 @@ impl SweptFlow {
         true
     }
 
-    /// Returns the model with the present constants.
+    /// Returns the model with the present constants; rebuilds it if they have changed.
     fn update_model(&mut self, kind: FlowKind) -> Result<&Model, InputError> {
         let Self { model, constants, is_stale, .. } = self;
         let model = match model {

@@ -22,7 +22,7 @@ pub struct MapResult {
     pub status_counts: [(&'static str, usize); 7],
     /// Number of ill-posed points without order: growth is unbounded at finite wave numbers.
     pub unbounded_at_finite_wave_number: usize,
-    /// Fraction of the states that are well-posed; `None` without states.
+    /// Fraction of well-posed states among all assessed states; `None` if none was assessed.
     pub well_posed_share: Option<f64>,
     /// Well-posed intervals of x at up to five values of y.
     pub well_posed_intervals: Vec<WellPosedIntervals>,
@@ -43,7 +43,7 @@ pub struct MapResult {
     pub options: MapOptions,
 }
 
-/// Serialises pairs of names and values as an object.
+/// Serialises pairs of names and counts as an object.
 fn serialize_as_object<S: Serializer>(
     pairs: &[(&'static str, usize)],
     serializer: S,
@@ -51,25 +51,25 @@ fn serialize_as_object<S: Serializer>(
     serializer.collect_map(pairs.iter().copied())
 }
 
-/// Swept parameter.
+/// Axis of a map: a swept parameter and its values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapAxis {
-    /// Name in case files.
+    /// Name of the parameter in case files.
     pub parameter: String,
-    /// Unit of the parameter.
+    /// Unit of the parameter in case files.
     pub unit: &'static str,
-    /// First value.
+    /// First value of the parameter.
     #[serde(rename = "from")]
     pub first_value: f64,
-    /// Last value.
+    /// Last value of the parameter.
     #[serde(rename = "to")]
     pub last_value: f64,
-    /// Number of values.
+    /// Number of values of the parameter.
     pub points: usize,
     /// Axis label: quantity and symbol.
     #[serde(skip)]
     pub label: String,
-    /// All values.
+    /// All values of the parameter.
     #[serde(skip)]
     pub values: Vec<f64>,
 }
@@ -92,26 +92,26 @@ impl From<&ParameterSweep> for MapAxis {
 /// Well-posed intervals of x at one value of y.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WellPosedIntervals {
-    /// Value of y.
+    /// Value of the parameter y.
     pub y: f64,
     /// First and last value of x of each run of adjacent well-posed points.
     pub x: Vec<[f64; 2]>,
 }
 
-/// Point with the worst growth.
+/// Point of a map with the worst growth, and that growth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WorstPoint {
-    /// Value of x.
+    /// Value of the parameter x.
     pub x: f64,
-    /// Value of y.
+    /// Value of the parameter y.
     pub y: f64,
     /// Order of growth in k.
     pub order: f64,
-    /// lim Re ς / k^order, m^order/s.
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s.
     pub coefficient: f64,
-    /// Direction of the wave vector, degrees.
+    /// Direction of the wave vector of fastest growth, degrees.
     pub direction_deg: f64,
-    /// Elevation of the wave vector above the plane of x₁ and x₂, degrees; solids only.
+    /// Elevation of that wave vector above the plane of x₁ and x₂, degrees; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elevation_deg: Option<f64>,
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct FlowBackground {
     /// Density, kg/m³.
     pub density: f64,
-    /// Magnitude of the deviatoric deformation rate, 1/s.
+    /// Shear rate Q_D: magnitude of the deviatoric deformation rate, 1/s.
     pub shear_rate: f64,
     /// Non-coaxiality Δ, degrees.
     pub noncoaxiality_deg: f64,
@@ -22,9 +22,9 @@ pub struct FlowBackground {
     pub spin: Option<f64>,
     /// Material acceleration minus body force per unit mass, m/s².
     pub acceleration: [f64; 2],
-    /// Body moment per unit mass, m²/s².
+    /// Body moment per unit mass, m²/s²; `None` for models without balance of spin.
     pub body_moment: Option<f64>,
-    /// Material rate of the stress angle, °/s; `None` if the flow rule does not determine it.
+    /// Material rate of the stress angle, °/s; `None` if the flow rule does not determine this rate.
     pub stress_angle_rate_deg: Option<f64>,
 }
 

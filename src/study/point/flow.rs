@@ -28,13 +28,13 @@ pub struct FlowPoint {
     pub compared_models: Vec<FlowAnalysis>,
 }
 
-/// Result of one model on the state.
+/// Result of one model for the state of a case.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlowAnalysis {
     /// Kind of the model.
     #[serde(rename = "model", serialize_with = "serialize_kind")]
     pub kind: ModelKind,
-    /// State and its analysis.
+    /// State according to the model, and its analysis.
     #[serde(flatten)]
     pub state: FlowState,
     /// Non-coaxiality Δ of the case, degrees, if this model is coaxial and uses Δ = 0.
@@ -60,7 +60,7 @@ impl FlowAnalysis {
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum FlowState {
-    /// Fully deforming and analysed.
+    /// Fully deforming state and its analysis.
     Yielding(Box<YieldingState>),
     /// Not fully deforming: there are no equations to analyse.
     NotYielding(NotYieldingState),
@@ -69,7 +69,7 @@ pub enum FlowState {
 /// State that is not fully deforming.
 #[derive(Clone, Debug, Serialize)]
 pub struct NotYieldingState {
-    /// Position of the state relative to the yield conditions.
+    /// Name of the region of the yield conditions in which the state is.
     pub region: &'static str,
     #[serde(flatten)]
     absent_analysis: NoAnalysis,
@@ -81,7 +81,7 @@ pub struct NotYieldingState {
     description: &'static str,
 }
 
-/// Quantities of yielding states only, null in JSON.
+/// Quantities that only fully deforming states have; null in JSON.
 #[derive(Clone, Debug)]
 struct NoAnalysis;
 
@@ -118,7 +118,7 @@ impl NotYieldingState {
     }
 }
 
-/// Analyses the state of a flow. Progress counts two parts per model: verdict and growth rate curves.
+/// Analyses the state of a flow. Progress counts two steps per model: verdict and growth rate curves.
 ///
 /// # Errors
 /// The case is out of range of its model, or cannot be analysed; [`Error::Cancelled`].
@@ -129,7 +129,7 @@ pub fn analyse_flow(case: &Case, on_progress: ProgressCallback) -> Result<FlowPo
         done += 1;
         report_progress(on_progress, done, 2 * models)
     };
-    // Keys used by compared models only are ignored for this model.
+    // The conversion drops keys that only compared models use.
     let mut case_model = ModelAnalysis::new(&case.convert_to_kind(case.material.kind))?;
     part_is_done()?;
     let noncoaxiality =
@@ -149,7 +149,7 @@ pub fn analyse_flow(case: &Case, on_progress: ProgressCallback) -> Result<FlowPo
     })
 }
 
-/// Result of one model before sampling of growth rates.
+/// Result of one model before its growth rates are sampled.
 struct ModelAnalysis {
     analysis: FlowAnalysis,
     workspace: FlowWorkspace,
@@ -219,7 +219,7 @@ fn analyse_yielding_state(
         .with_supremum(supremum))
 }
 
-/// Samples the growth rates of all models at the same wave numbers.
+/// Samples the growth rates of all models; all curves have the same wave numbers.
 fn add_curves(
     case: &Case,
     case_model: &mut ModelAnalysis,

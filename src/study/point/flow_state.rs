@@ -20,13 +20,13 @@ use serde::Serialize;
 pub struct YieldingState {
     /// Name of the verdict.
     pub verdict: &'static str,
-    /// If ill-posed, the order of growth in k; `None` if growth is unbounded at finite wave numbers.
+    /// If ill-posed, the order of growth in the wave number k; `None` if growth is unbounded at finite wave numbers.
     pub order: Option<f64>,
-    /// lim Re ς / k^order, m^order/s.
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s.
     pub coefficient: Option<f64>,
     /// If ill-posed, direction of the wave vector of the fastest growth, degrees.
     pub direction_deg: Option<f64>,
-    /// Order fitted to the largest growth rate over all directions.
+    /// Order of growth in k, fitted to the largest growth rate over all directions.
     pub fitted_order: Option<f64>,
     /// Smallest and largest wave number of the fit, 1/m.
     pub fitted_wave_numbers: Option<[f64; 2]>,
@@ -36,28 +36,29 @@ pub struct YieldingState {
     /// Wave vector at which the supremum is attained or approached.
     #[serde(rename = "bound_at")]
     pub supremum_place: Option<SupremumPlace>,
-    /// Relative tolerance of the supremum.
+    /// Relative tolerance of `growth_bound`; `None` without it.
     pub bound_tolerance: Option<f64>,
-    /// Closed-form bound of the model on |Δ| for the leading order of growth, degrees.
+    /// Closed-form bound of the model on the non-coaxiality |Δ|, degrees, below which the leading growth rate is not
+    /// positive in any direction.
     pub noncoaxiality_bound_deg: Option<f64>,
-    /// Position of the state relative to the yield conditions.
+    /// Name of the region of the yield conditions in which the state is.
     pub region: &'static str,
     /// Internal power, W/m³.
     pub power: f64,
     /// Wave of the case.
     pub wave: FlowWave,
-    /// Finite roots at that wave, Re ς and Im ς, 1/s; `None` if every ς is a root.
+    /// Finite dispersion roots at `wave`, Re ς and Im ς, 1/s; `None` if every ς is a root.
     pub roots: Option<Vec<[f64; 2]>>,
-    /// Number of infinite roots, due to algebraic equations.
+    /// Number of infinite dispersion roots, which are due to algebraic equations.
     #[serde(rename = "infinite_roots")]
     pub infinite_root_count: Option<usize>,
     /// Real characteristics of the steady equations; `None` if the equations do not determine their unknowns.
     pub characteristics: Option<Vec<CharacteristicDirection>>,
-    /// Complex characteristics.
+    /// Complex characteristics of the steady equations.
     pub complex_characteristics: Option<Vec<ComplexCharacteristic>>,
     /// Families of fields for which every direction is characteristic.
     pub arbitrary_characteristics: Option<Vec<String>>,
-    /// Type of the steady equations.
+    /// Type of the steady equations: hyperbolic, mixed or elliptic.
     pub steady_type: Option<&'static str>,
     /// Evidence of the verdict.
     pub evidence: Evidence,
@@ -65,7 +66,8 @@ pub struct YieldingState {
     pub background: FlowBackground,
     /// Stress of the state.
     pub stress: FlowStress,
-    /// Wave number of the background gradients, 1/m; the background varies within longer waves.
+    /// Wave number of the background gradients, 1/m. The frozen-coefficient analysis is valid for much larger wave
+    /// numbers.
     pub gradient_wave_number: f64,
     /// Background with rounding bounds.
     #[serde(skip)]
@@ -80,7 +82,8 @@ pub struct YieldingState {
     /// root.
     #[serde(skip)]
     pub growth_by_direction: Vec<[f64; 2]>,
-    /// Growth rates by wave number.
+    /// Growth rates of waves against the wave number, in the direction of the case and as the maximum over all
+    /// directions.
     #[serde(skip)]
     pub growth_by_wave_number: Vec<GrowthPoint>,
 }
@@ -130,7 +133,7 @@ impl YieldingState {
         }
     }
 
-    /// Adds the roots at the wave vector of the case.
+    /// Adds the dispersion roots at the wave vector of the case.
     pub(super) fn with_roots(self, roots: &PencilRoots) -> Self {
         match roots {
             PencilRoots::Regular { finite, infinite } => Self {
@@ -188,7 +191,7 @@ fn equation_type_name(kind: EquationType) -> &'static str {
     }
 }
 
-/// Wave vector of the supremum of the growth rate.
+/// Wave vector at which the supremum of the growth rate is attained or approached.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SupremumPlace {
     /// Wave number at which the supremum is attained, 1/m; `None` if it is only approached.
@@ -203,7 +206,7 @@ pub struct SupremumPlace {
 /// Limit of wave numbers in which a supremum is approached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum WaveLimit {
-    /// Longest waves of the range.
+    /// The longest waves of the searched range of wave numbers.
     #[serde(rename = "longest waves")]
     LongWaves,
     /// Short-wave limit k → ∞.
@@ -227,7 +230,7 @@ impl From<Supremum> for SupremumPlace {
 pub struct CharacteristicDirection {
     /// Angle of the characteristic curve from x₁, degrees, in \[0, 180).
     pub angle_deg: f64,
-    /// Multiplicity as a root of the full determinant.
+    /// Multiplicity of the direction as a root of the characteristic determinant.
     pub multiplicity: usize,
     /// Fields that may jump across the characteristic.
     pub family: String,
@@ -245,7 +248,7 @@ impl From<characteristics::RealCharacteristic> for CharacteristicDirection {
 pub struct ComplexCharacteristic {
     /// Tangent of the complex angle: real and imaginary part.
     pub tangent: [f64; 2],
-    /// Fields of the characteristic.
+    /// Fields that may jump across the characteristic.
     pub family: String,
 }
 
@@ -255,7 +258,7 @@ pub struct Evidence {
     /// Description of the evidence.
     #[serde(rename = "words")]
     pub description: String,
-    /// Unbounded roots in a general direction, highest order first.
+    /// Numbers of unbounded dispersion roots in a general direction by their order in k, highest order first.
     pub orders: Vec<OrderCount>,
     /// Directions of the wave vector in which a leading coefficient vanishes, degrees.
     pub degenerate_directions_deg: Vec<f64>,
@@ -263,10 +266,10 @@ pub struct Evidence {
     pub route: &'static str,
 }
 
-/// Number of roots that grow or decay with an order of k.
+/// Number of dispersion roots that grow or decay with an order of k.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OrderCount {
-    /// Order in k.
+    /// Order of growth or decay in k.
     pub order: f64,
     /// Number of roots.
     #[serde(rename = "roots")]

@@ -37,7 +37,7 @@ impl PointResult {
     }
 }
 
-/// Analyses the state of a case. Progress counts the parts of the analysis.
+/// Analyses the state of a case. Progress counts the steps of the analysis.
 ///
 /// # Errors
 /// The case is out of range of its model, or cannot be analysed; [`Error::Cancelled`].
@@ -83,8 +83,8 @@ pub fn analyse_point(case: &Case, on_progress: ProgressCallback) -> Result<Point
     }
 }
 
-/// Returns the order of growth of an ill-posed state in k, and its coefficient, m^order/s; `None` if growth is
-/// unbounded at finite wave numbers, or not ill-posed.
+/// Returns the order of growth in k and the growth coefficient, m^order/s, of an ill-posed state; `None` if growth is
+/// unbounded at finite wave numbers, or if the state is not ill-posed.
 fn order_and_coefficient(verdict: &Verdict) -> [Option<f64>; 2] {
     match verdict {
         Verdict::IllPosed { growth: Some(growth), .. } => {

@@ -19,9 +19,10 @@ use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 use serde::Serialize;
 
-/// Number of intervals of direction, over 180°.
+/// Number of directions minus one in the curve of the growth rate by direction, over 180°.
 const DIRECTION_INTERVALS: usize = 720;
-/// Wave numbers per decade in the curves by wave number; [`DECADES`] decades below and above that of the case.
+/// Wave numbers per decade in the curves of the growth rate by wave number; these reach [`DECADES`] decades below and
+/// above the wave number of the case.
 const WAVE_NUMBERS_PER_DECADE: i32 = 12;
 const DECADES: i32 = 4;
 
@@ -39,20 +40,20 @@ pub struct SolidPoint {
     pub verdict: &'static str,
     /// If ill-posed, the order of growth in k; `None` if growth is unbounded at finite wave numbers.
     pub order: Option<f64>,
-    /// lim Re ς / k^order, m^order/s.
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s.
     pub coefficient: Option<f64>,
-    /// Direction of fastest growth if ill-posed, in the plane of x₁ and x₂, degrees.
+    /// Direction of the wave vector of fastest growth if ill-posed, in the plane of x₁ and x₂, degrees.
     pub direction_deg: Option<f64>,
-    /// Elevation of that direction above the plane, degrees.
+    /// Elevation of that wave vector above the plane, degrees.
     pub elevation_deg: Option<f64>,
-    /// Supremum of Re ς, 1/s; `None` if it is not known to be finite.
+    /// Supremum of Re ς over all waves, 1/s; `None` if it is not known to be finite.
     #[serde(rename = "bound")]
     pub growth_bound: Option<f64>,
     /// Type of the characteristic speeds over all directions.
     pub hyperbolicity: &'static str,
     /// Strongest flutter; `None` without complex speeds.
     pub flutter: Option<FlutterWave>,
-    /// Slowest wave.
+    /// Slowest wave over all directions among those with real c².
     pub slowest: SlowestWave,
     /// Whether plastic flow is associated; true for elastic solids.
     #[serde(rename = "associated")]
@@ -60,27 +61,28 @@ pub struct SolidPoint {
     /// Names of the active conditions of the yield set.
     #[serde(rename = "active")]
     pub active_conditions: Option<Vec<&'static str>>,
-    /// Stress at yield.
+    /// Stress on the yield surface; `None` for elastic solids, or if the case gives the active conditions instead.
     pub stress: Option<YieldStress>,
     /// Wave vector of the case.
     pub wave: WaveVector,
-    /// Roots at that wave, without those that vanish at every wave number: Re ς and Im ς, 1/s.
+    /// Dispersion roots at `wave`, without those that vanish at every wave number: Re ς and Im ς, 1/s.
     pub roots: Vec<[f64; 2]>,
-    /// Squared characteristic speeds c² in the direction of that wave, real and imaginary part, m²/s².
+    /// Squared characteristic speeds c² in the direction of `wave`, real and imaginary part, m²/s².
     pub squared_speeds: Vec<[f64; 2]>,
-    /// Squared speeds c² of the elastic response, m²/s².
+    /// Squared characteristic speeds c² of the elastic response in the direction of `wave`, real and imaginary part,
+    /// m²/s².
     pub elastic_squared_speeds: Vec<[f64; 2]>,
     /// Defects of energy conservation.
     pub energy: EnergyDefects,
     /// Number of unknowns of the rate equations.
     #[serde(rename = "unknowns")]
     pub unknown_count: usize,
-    /// Number of roots that vanish at every wave number.
+    /// Number of dispersion roots that vanish at every wave number.
     #[serde(rename = "zero_roots")]
     pub zero_root_count: usize,
     /// Method of the verdict.
     pub route: &'static str,
-    /// Solid with its yield state.
+    /// Solid with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
     /// Verdict with rounding bounds.
@@ -118,14 +120,15 @@ impl From<Stress> for YieldStress {
 pub struct EnergyDefects {
     /// Smallest eigenvalue of the symmetriser of the elastic equations, scaled to unit diagonal.
     pub definiteness: f64,
-    /// Greater of ‖A − Aᵀ‖ of the symmetriser A and ‖B − Bᵀ‖ of the symmetrised elastic flux matrices B, relative.
+    /// Asymmetry, relative: the greater of ‖A − Aᵀ‖ of the symmetriser A and ‖B − Bᵀ‖ of the symmetrised elastic flux
+    /// matrices B.
     pub asymmetry: f64,
-    /// Relative ‖Q + Qᵀ‖ of the symmetrised elastic zero-order matrix Q.
+    /// Deviation ‖Q + Qᵀ‖ of the symmetrised elastic zero-order matrix Q from antisymmetry, relative.
     #[serde(rename = "antisymmetry")]
     pub antisymmetry_defect: f64,
     /// Largest |Re ς|/|ς| of elastic waves of many wavelengths and directions.
     pub elastic_growth: f64,
-    /// Largest |Re ς|/|ς| of waves of the yielding response.
+    /// Largest |Re ς|/|ς| of waves of the yielding response, over the same wavelengths and directions.
     #[serde(rename = "growth")]
     pub yielding_growth: f64,
 }
@@ -230,8 +233,8 @@ pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<Solid
     })
 }
 
-/// Computes the defects of energy conservation with waves around the wave number `number`, 1/m; around the
-/// characteristic wave number of the solid if roots at `number` are not finite.
+/// Computes the defects of energy conservation with waves around the wave number `number`, 1/m, or, if their growth is
+/// not finite, around the characteristic wave number of the solid.
 fn compute_energy_defects(
     solid: &Solid,
     number: f64,

@@ -7,14 +7,14 @@ use crate::case::CaseError;
 
 /// Throughput of the solid solver per thread: field values advanced by one sweep along an axis, 1/s.
 const FIELD_UPDATE_RATE: f64 = 1e9;
-/// Slow-down factor of the full energy ledger.
+/// Factor by which a ledger with numerical dissipation (`TotalsAndDissipation`) slows down the solid solver.
 const FULL_LEDGER_SLOWDOWN: f64 = 50.0;
-/// Overhead of a time step or evaluation, s.
+/// Overhead of a time step of a solid, or of an evaluation of the right-hand side of a flow, s.
 const STEP_OVERHEAD: f64 = 5e-6;
 /// Throughput of the flow solver per thread: evaluations of the right-hand side at a point, pressure iterations
 /// included, 1/s.
 const POINT_EVALUATION_RATE: f64 = 7e5;
-/// Bytes of a number in a table.
+/// Estimated bytes of a number in a table.
 const BYTES_PER_TABLE_NUMBER: f64 = 20.0;
 
 /// Limit of single-thread time, s: thirty days.
@@ -23,7 +23,7 @@ const MAX_TIME: f64 = 30.0 * 86400.0;
 const MAX_STEPS: f64 = 1e10;
 /// Limit of the number of snapshots.
 const MAX_SNAPSHOTS: f64 = 1e5;
-/// Limit of the bytes of the tables, and of all snapshots.
+/// Limit of the bytes of all tables, and of the bytes of all snapshots.
 const MAX_BYTES: f64 = 1e12;
 
 /// Estimated cost of a run; for a flow a lower bound, since steps may be shorter.
@@ -31,7 +31,7 @@ const MAX_BYTES: f64 = 1e12;
 pub struct Cost {
     /// Number of steps.
     pub steps: f64,
-    /// Single-thread time, s.
+    /// Estimated time of a single thread, s.
     pub time: f64,
     /// Number of snapshot files.
     pub snapshots: f64,
@@ -67,12 +67,12 @@ pub enum CostAmount {
     TableBytes(Bytes),
 }
 
-/// Output of a run to files.
+/// Amount of output that a run writes to files.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OutputVolume {
     /// Number of snapshot files.
     pub(super) snapshots: f64,
-    /// Numbers per snapshot.
+    /// Numbers stored per snapshot.
     pub(super) numbers_per_snapshot: f64,
     /// Numbers in all tables.
     pub(super) table_numbers: f64,
@@ -90,8 +90,8 @@ impl Cost {
         }
     }
 
-    /// Estimates the cost of `steps` steps of a solid with `numbers` field values in all cells; `is_full` for the full
-    /// ledger.
+    /// Estimates the cost of `steps` steps of a solid with `numbers` field values in all cells; `is_full` stands for a
+    /// ledger with numerical dissipation.
     pub(super) fn estimate_solid_cost(
         steps: f64,
         numbers: f64,
@@ -104,7 +104,8 @@ impl Cost {
         Self::new(steps, steps * step, written)
     }
 
-    /// Estimates the cost of a flow by its numbers of steps, of evaluations of the right-hand side and of grid points.
+    /// Estimates the cost of a flow from the numbers of steps, of evaluations of the right-hand side and of grid
+    /// points.
     pub(super) fn estimate_flow_cost(
         [steps, evaluations]: [f64; 2],
         points: f64,
@@ -113,10 +114,11 @@ impl Cost {
         Self::new(steps, evaluations * (STEP_OVERHEAD + points / POINT_EVALUATION_RATE), written)
     }
 
-    /// Checks that no part of the cost exceeds its limit.
+    /// Checks that no amount of the cost exceeds its limit.
     ///
     /// # Errors
-    /// A part exceeds its limit: the result of `located` for its key, the amount found and the limit.
+    /// An amount exceeds its limit; the error is the result of `located` for the responsible key, the amount and the
+    /// limit.
     pub(super) fn refuse_excess(
         &self,
         located: impl FnOnce(&str, String, String) -> CaseError,
@@ -127,7 +129,7 @@ impl Cost {
         })
     }
 
-    /// Returns the first part of the cost that exceeds its limit.
+    /// Returns the first amount of the cost that exceeds its limit.
     pub fn find_excess(&self) -> Option<CostExcess> {
         use CostAmount::{SnapshotBytes, Snapshots, Steps, TableBytes, Time};
         let all = [
@@ -143,7 +145,7 @@ impl Cost {
         ];
         let excess =
             |(key, found, allowed): (_, CostAmount, CostAmount)| CostExcess { key, found, allowed };
-        // NaN also exceeds the limit.
+        // NaN counts as above the limit.
         let is_too_much = |own: &CostExcess| {
             own.found.value().is_nan() || own.found.value() > own.allowed.value()
         };

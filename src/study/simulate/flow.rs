@@ -22,16 +22,17 @@ use analysis::growth::Verdict;
 use dynamics::flow::{FlowEnergy, FlowProblem, LeftDomain};
 use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation};
 
-/// Upper bound of the numbers stored per point: 24 measured for 1024² points, plus those of checkpoint and snapshot.
+/// Upper bound of the numbers stored per point: 24, measured for 1024² points, plus those of a checkpoint and a
+/// snapshot.
 const NUMBERS_PER_POINT: f64 = 40.0;
 
 /// Default number of ledger rows.
 const DEFAULT_LEDGER_ROWS: f64 = 200.0;
 
-/// Number of wave directions in the estimate of the largest rate.
+/// Number of wave directions over 180° in the estimate of the largest rate.
 const DIRECTION_COUNT: usize = 36;
 
-/// Largest stable product of time step and decay rate, with the maximum of 2000 stages per step.
+/// Largest stable product of the time step, s, and a decay rate, 1/s, with the maximum of 2000 stages per step.
 const MAX_STEP_RATE_PRODUCT: f64 = 2.4e6;
 
 /// Simulation of a flow with its solver problem.
@@ -39,7 +40,7 @@ pub(super) struct FlowJob<'a> {
     case: &'a Case,
     run: &'a FlowRun,
     problem: FlowProblem,
-    /// Output fields of the flow.
+    /// Quantities in the output fields of the flow.
     quantities: Vec<CaseQuantity>,
 }
 
@@ -50,7 +51,8 @@ impl<'a> FlowJob<'a> {
         Ok(Self { case, run, problem, quantities })
     }
 
-    /// Returns the largest |ς| of waves of the grid in the uniform flow, 1/s; `None` if it cannot be analysed.
+    /// Returns the largest |ς|, 1/s, of waves with the largest wave number of the grid in the uniform flow, over
+    /// [`DIRECTION_COUNT`] directions; `None` if the flow cannot be analysed.
     fn max_rate(&self) -> Option<f64> {
         let mut workspace = FlowWorkspace::default();
         workspace
@@ -64,8 +66,9 @@ impl<'a> FlowJob<'a> {
         Some(roots.map(|root| root.norm()).filter(|rate| rate.is_finite()).fold(0.0, f64::max))
     }
 
-    /// Estimates the smallest cost: steps of 1/200 of the duration, shorter ones if fast decay of short waves requires too
-    /// many stages, and a further step for each snapshot and each ledger row beyond [`DEFAULT_LEDGER_ROWS`].
+    /// Estimates the smallest possible cost. Steps are 1/[`DEFAULT_LEDGER_ROWS`] of the duration, or shorter if the
+    /// fast decay of short waves would require too many stages; each snapshot and each further ledger row costs one
+    /// more step.
     fn estimate_cost(&self) -> Cost {
         let FlowRun { grid, output, time, receivers, .. } = self.run;
         let looks = |interval: f64| snapshot_count(interval, time.duration);
@@ -85,7 +88,7 @@ impl<'a> FlowJob<'a> {
         Cost::estimate_flow_cost([steps, looked * stages], grid.point_count() as f64, written)
     }
 
-    /// Returns the smallest and largest initial wave number of the box along an axis, 1/m.
+    /// Returns the smallest and the largest initial wave number of the grid's modes along an axis, 1/m.
     fn wave_number_range(&self) -> [f64; 2] {
         let grid = &self.run.grid;
         let least = grid.lengths.map(|length| 2.0 * std::f64::consts::PI / length);
@@ -146,7 +149,7 @@ impl SimulationJob for FlowJob<'_> {
             case.receivers.iter().map(|own| case.grid.nearest_point(&own.position)).collect();
         let mut simulation = FlowSimulation::new(&self.problem, duration, probes)
             .map_err(|error| case.error_at("grid", error.to_string(), "see docs/case-file.md"))?;
-        // The initial perturbation itself is outside of the solver's domain.
+        // Creates the error that the initial perturbation itself leaves the domain of the solver.
         let too_much = |left: LeftDomain| {
             let allowed = "a smaller perturbation, which leaves the flow deforming";
             case.error_at("initial", StopCause::from(&left).to_string(), allowed)

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::study::ProgressCallback;
 use dynamics::simulation::{RegularTimes, SimulationState};
 
-/// Number of progress steps.
+/// Number of progress steps over the duration of a simulation.
 const PROGRESS_STEPS: usize = 1000;
 
 /// Recorder in memory, with a progress callback.

@@ -1,4 +1,4 @@
-//! Observer of the driver that converts its output to rows and fields for a recorder.
+//! Observer of the simulation driver that converts its output to table rows and fields for a recorder.
 
 use super::{
     OutputFields, Recorder, RunProgress, RunRecords, StepStatistics, StopReport, TableHeader,
@@ -12,12 +12,13 @@ use dynamics::simulation::{
 };
 use std::fmt::Display;
 
-/// Conversion of the output of one kind of simulation.
+/// Converter of the output of a solver to table rows, output fields and reports.
 pub(super) trait OutputConverter<S: Simulation> {
-    /// Returns the receiver table, and the indices of its columns in the probe record; `None` without receivers.
+    /// Returns the receiver table, and for each of its columns after `time` the index in the probe record; `None`
+    /// without receivers.
     fn receiver_table(&self) -> Option<(TableHeader, Vec<usize>)>;
 
-    /// Converts a value at an index of the probe record to the unit of the table.
+    /// Converts the value at an index of the probe record to the unit of the receiver table.
     fn to_display_unit(&self, _index: usize, value: f64) -> f64 {
         value
     }
@@ -25,7 +26,7 @@ pub(super) trait OutputConverter<S: Simulation> {
     /// Returns the tables of energy accounts.
     fn account_tables(&self) -> Vec<TableHeader>;
 
-    /// Returns one row for each of these tables from an account.
+    /// Returns one row for each of the [`account_tables`](Self::account_tables) from an energy account.
     fn account_rows(&self, account: &S::Account) -> Vec<Vec<f64>>;
 
     /// Converts the output fields at `time`, s.
@@ -40,7 +41,7 @@ pub(super) trait OutputConverter<S: Simulation> {
 
 /// Raw result of a simulation; `A` is the type of its energy account.
 pub(super) struct SimulationOutput<A> {
-    /// Final fields.
+    /// Output fields of the final state.
     pub(super) fields: OutputFields,
     /// Energy account of the final state.
     pub(super) final_account: A,
@@ -51,8 +52,8 @@ pub(super) struct SimulationOutput<A> {
     pub(super) records: RunRecords,
 }
 
-/// Returns the times of accounts and snapshots at the given intervals within `duration`, s; a snapshot interval of 0
-/// means none.
+/// Returns the output times within `duration`, s: energy accounts at intervals of `accounts`, s, and snapshots at
+/// intervals of `snapshots`, s; 0 stands for no snapshots.
 pub(super) fn create_output_times(accounts: f64, snapshots: f64, duration: f64) -> OutputTimes {
     let has_snapshots = snapshots > 0.0;
     OutputTimes {
@@ -61,7 +62,7 @@ pub(super) fn create_output_times(accounts: f64, snapshots: f64, duration: f64) 
     }
 }
 
-/// Runs a simulation of `duration`, s, from its beginning or from the state of the recorder.
+/// Runs a simulation of `duration`, s, from its beginning or from the state saved by the recorder.
 pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
     converter: &V,
     mut simulation: S,
@@ -101,11 +102,11 @@ pub(super) fn run_with_recorder<S: Simulation, V: OutputConverter<S>>(
 struct RecorderObserver<'a, V> {
     converter: &'a V,
     recorder: &'a mut dyn Recorder,
-    /// Indices of the receiver table columns in the probe record.
+    /// Index in the probe record of each column of the receiver table after `time`.
     receiver_columns: Vec<usize>,
-    /// Tables of energy accounts.
+    /// Tables of energy accounts, in the order of the rows that the converter returns.
     account_tables: Vec<TableKind>,
-    /// Duration, s.
+    /// Duration of the simulation, s.
     duration: f64,
 }
 
@@ -168,8 +169,8 @@ impl<S: Simulation, V: OutputConverter<S>> Observer<S> for RecorderObserver<'_, 
     }
 }
 
-/// Creates the receiver table, and the indices of its columns in the probe record, which holds all quantities `names`
-/// receiver by receiver; `None` without receivers.
+/// Creates the receiver table, and for each of its columns after `time` the index in the probe record, which holds all
+/// quantities `names` receiver by receiver; `None` without receivers.
 pub(super) fn create_receiver_table<F: Display>(
     case: &Case,
     receivers: &[ReceiverPoint<F>],

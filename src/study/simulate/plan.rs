@@ -1,4 +1,4 @@
-//! Plan of a simulation: size, time steps, cost and warnings.
+//! Plan of a simulation: size, time steps, memory, cost and warnings.
 
 use super::{Bytes, Cost};
 use crate::Error;
@@ -13,7 +13,7 @@ pub struct SimulationPlan {
     pub size: ProblemSize,
     /// Memory required.
     pub memory: Bytes,
-    /// Time, files and bytes required.
+    /// Time, steps, files and bytes required.
     pub cost: Cost,
 }
 
@@ -22,11 +22,11 @@ pub struct SimulationPlan {
 pub enum ProblemSize {
     /// Simulation of a solid.
     Solid {
-        /// Cells along each axis.
+        /// Number of cells along each axis.
         cells: Vec<usize>,
         /// Number of fields per cell.
         fields: usize,
-        /// Number of steps.
+        /// Number of time steps.
         steps: usize,
         /// Time step Δt, s.
         time_step: f64,
@@ -35,35 +35,35 @@ pub enum ProblemSize {
     },
     /// Simulation of a flow.
     Flow {
-        /// Points along each axis.
+        /// Number of grid points along each axis.
         points: [usize; 2],
         /// Title of the model.
         model: &'static str,
-        /// Duration, s.
+        /// Duration of the simulation, s.
         duration: f64,
-        /// Smallest and largest initial wave number of the box along an axis, 1/m.
+        /// Smallest and largest initial wave number of the grid's modes along an axis, 1/m.
         wave_numbers: [f64; 2],
     },
 }
 
-/// Warning: a setting that is probably unintended.
+/// Warning about a setting that is probably unintended, or about the result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SimulationWarning {
     /// A time function of a load or source changes within few steps.
     FewSteps {
         /// Entry in the case: `load[0]`.
         entry: String,
-        /// Number of steps.
+        /// Number of time steps within which the time function changes.
         steps: f64,
     },
-    /// The residual of the full ledger exceeds rounding.
+    /// The residual of an energy ledger with numerical dissipation exceeds rounding.
     LedgerResidual {
         /// Residual relative to the largest term of the ledger.
         relative_residual: f64,
     },
-    /// A load or source on one cell at a Courant number of 1.
+    /// A load or source acts on one cell at a Courant number of 1, which leaves sawtooth waves undamped.
     Sawtooth {
-        /// Entry in the case.
+        /// Entry in the case: `source[0]`.
         entry: String,
     },
 }
@@ -72,7 +72,7 @@ impl SimulationPlan {
     /// Checks that enough memory is available.
     ///
     /// # Errors
-    /// Memory is short: the result of `refused` for the message.
+    /// Memory is short: the result of `refused` for the message of the shortage.
     pub(super) fn check_memory(
         self,
         refused: impl FnOnce(String) -> CaseError,

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::case::Case;
 use dynamics::simulation::{RegularTimes, SimulationState};
 
-/// Table to which a simulation adds rows.
+/// Kind of a table to which a simulation appends rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableKind {
     /// Records of the receivers.
@@ -55,9 +55,9 @@ pub(super) fn energy_unit(case: &Case) -> &'static str {
     }
 }
 
-/// State of progress of a simulation between two batches of steps.
+/// State of a simulation between two batches of steps.
 pub struct RunProgress<'a> {
-    /// Number of steps done.
+    /// Number of time steps done.
     pub steps: usize,
     /// Simulated time, s.
     pub time: f64,
@@ -80,33 +80,34 @@ pub enum StepStatistics {
         energy: f64,
         /// Number of cells.
         cells: usize,
-        /// Number of subdomains, each with its own thread.
+        /// Number of threads of the solver, one per subdomain.
         threads: usize,
     },
     /// Time steps of a flow.
     Flow {
         /// Kinetic energy in the last ledger row, J/m³.
         energy: f64,
-        /// Number of stages of the last step.
+        /// Number of stages of the last time step.
         stages: usize,
         /// Number of evaluations of the right-hand side so far.
         evaluations: usize,
         /// Number of pressure iterations so far.
         iterations: usize,
-        /// Number of threads.
+        /// Number of threads of the thread pool.
         threads: usize,
     },
 }
 
-/// Recorder of the output of a simulation. An error of any method ends the run.
+/// Recorder of the output of a simulation. An error returned by any method ends the run.
 pub trait Recorder: Send {
     /// Returns whether the run resumes from a saved state.
     fn is_resumed(&self) -> bool {
         false
     }
 
-    /// Starts recording, with the tables and snapshot times to come. A resumed run calls `restore` with the saved
-    /// state; it returns the number of snapshots recorded before, or `None` if the state does not match the case.
+    /// Starts recording the given tables, and snapshots at the given times. The recorder of a resumed run calls
+    /// `restore` with the saved state; `restore` returns the number of snapshots recorded before, or `None` if the
+    /// state does not match the case.
     ///
     /// # Errors
     /// The recorder cannot start, or the saved state does not match.
@@ -129,7 +130,7 @@ pub trait Recorder: Send {
     /// The output cannot be recorded.
     fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error>;
 
-    /// Called before steps are repeated to find the last valid state before a fault.
+    /// Called before steps are repeated in order to find the last valid state before a fault.
     ///
     /// # Errors
     /// The run is interrupted.

@@ -69,8 +69,8 @@ impl<'a> SolidJob<'a> {
         Ok(Self { case, dynamics, media, quantity_names: names })
     }
 
-    /// Estimates the peak memory of a run, bytes: the solver and the copies of the fields for a checkpoint, for the
-    /// results or for a snapshot, whichever is largest.
+    /// Estimates the peak memory of a run, bytes: that of the solver plus the copies of the fields for a checkpoint,
+    /// for the results or for a snapshot, whichever is largest.
     fn estimate_memory(&self, keeps_snapshots: bool) -> Bytes {
         let SolidRun { grid, output, scheme, initial_terms: initial, .. } = self.dynamics;
         let fields = self.media[0].fields.len();
@@ -249,7 +249,7 @@ impl SimulationJob for SolidJob<'_> {
     }
 }
 
-/// Returns the number of steps between two ledger rows.
+/// Returns the number of steps between two ledger rows, at an interval of about `seconds`; at least 1.
 fn steps_between_rows(seconds: f64, step: f64) -> usize {
     ((seconds / step).round() as usize).max(1)
 }

@@ -4,14 +4,14 @@ use analysis::growth::Growth;
 use dynamics::flow::LeftDomain;
 use models::solid::waves::SolidField;
 
-/// Report of a simulation stopped by its own state.
+/// Report of a simulation that was stopped by its own state, such as a non-finite field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StopReport {
-    /// Cause, with position.
+    /// Cause of the stop, with its position if there is one.
     pub cause: StopCause,
-    /// Simulated time of detection, s.
+    /// Simulated time at which the cause was detected, s.
     pub time: f64,
-    /// Time of the last valid state, s.
+    /// Simulated time of the last valid state, s.
     pub last_valid_time: f64,
 }
 
@@ -24,14 +24,14 @@ pub enum StopCause {
     NonFiniteField {
         /// Field that is not finite.
         field: SolidField,
-        /// Centre of the first such cell, m.
+        /// Centre of the first cell where the field is not finite, m.
         cell_centre: Vec<f64>,
     },
     /// The energy of a solid is not finite, although all fields are.
     NonFiniteEnergy,
     /// A flow has left the domain of the solver.
     FlowDomainExit {
-        /// Description of the event with its values.
+        /// Description of the event with the values that caused it.
         description: String,
         /// Position in initial coordinates of the box, m; `None` if it is not local.
         position: Option<[f64; 2]>,

@@ -3,7 +3,7 @@
 use super::{SimulationWarning, StopReport};
 use serde::{Serialize, Serializer};
 
-/// Result of a simulation; fields of the other kind (solid or flow) are `None`.
+/// Result of a simulation of a solid or a flow; members that exist only for the other kind are `None`.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunResult {
     /// Title of the case.
@@ -28,7 +28,7 @@ pub struct RunResult {
     /// Precision of the solver; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub precision: Option<&'static str>,
-    /// Order of the scheme; solids only.
+    /// Reconstruction of the scheme, which determines its order; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<&'static str>,
     /// Velocity gradient of the mean flow, 1/s; flows only.
@@ -40,7 +40,7 @@ pub struct RunResult {
     /// Final fields; serialised as their names.
     #[serde(serialize_with = "serialize_quantity_names")]
     pub fields: OutputFields,
-    /// Final energies and the work and dissipation until then.
+    /// Last row of the energy ledger: final energies, and work and dissipation since the start.
     pub ledger: FinalLedger,
     /// Receivers of the simulation with their positions.
     pub receivers: Vec<RunReceiver>,
@@ -66,16 +66,16 @@ fn serialize_stop_report<S: Serializer>(
     stop_report.as_ref().map(ToString::to_string).serialize(serializer)
 }
 
-/// Output fields of a state, serialised with all values.
+/// Output fields at one time, serialised with all values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct OutputFields {
-    /// Time, s.
+    /// Simulated time, s.
     pub time: f64,
     /// Coordinates along each axis, m: cell centres of a solid, or points of the initial box of a flow.
     pub coordinates: Vec<Vec<f64>>,
     /// Deformation gradient F of the box of a flow, which maps initial positions y to Fy.
     pub deformation: Option<[[f64; 2]; 2]>,
-    /// Fields, then time integrals, in SI units.
+    /// Fields, then time integrals of fields, in SI units.
     pub quantities: Vec<FieldQuantity>,
     /// Plastic dissipation by cell, J/m³; empty for elastic solids and flows.
     pub dissipation: Vec<f64>,
@@ -90,7 +90,7 @@ impl OutputFields {
     }
 }
 
-/// Field or time integral.
+/// Field or time integral of a field.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldQuantity {
     /// Name in files: `v1`, `sigma12`, …
@@ -129,13 +129,13 @@ pub fn quantity_unit(name: &str) -> &'static str {
 pub struct FinalLedger {
     /// Unit of the energies.
     pub unit: &'static str,
-    /// Names and values.
+    /// Names and values of the terms.
     pub terms: Vec<(&'static str, f64)>,
 }
 
 impl FinalLedger {
-    /// Returns the residual of the full ledger of a solid relative to its largest term; `None` for flows and for the
-    /// light ledger, whose balance includes the numerical dissipation.
+    /// Returns the residual of the ledger of a solid relative to its largest term; `None` for flows and for ledgers
+    /// without numerical dissipation, whose balance includes that dissipation.
     pub fn relative_residual(&self) -> Option<f64> {
         let residual = self.term("residual")?.abs();
         let greatest = self.terms.iter().map(|own| own.1.abs()).fold(0.0, f64::max);
@@ -168,7 +168,7 @@ impl Serialize for FinalLedger {
 /// Receiver: a point at which the state was recorded.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunReceiver {
-    /// Name.
+    /// Name of the receiver.
     pub name: String,
     /// Requested position, m.
     #[serde(rename = "at")]
@@ -209,9 +209,9 @@ pub struct RecordTable {
 /// A column of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RecordColumn {
-    /// Name.
+    /// Name of the column.
     pub name: String,
-    /// Unit.
+    /// Unit of the values.
     pub unit: &'static str,
     /// Values by row.
     pub values: Vec<f64>,

@@ -9,7 +9,7 @@ use crate::solid::ghosts::{BoundaryFaces, GhostRule, LaneIndex, set_time};
 use crate::solid::problem::Problem;
 use crate::solid::region::Region;
 
-/// Faces at both ends of all axes.
+/// Boundary faces at both ends of all axes.
 pub(super) type BoundaryFacesByAxis<T, const D: usize> = [[BoundaryFaces<T>; 2]; D];
 
 /// Boundary conditions in the half steps of a pass.
@@ -17,7 +17,8 @@ pub(super) type BoundaryFacesByAxis<T, const D: usize> = [[BoundaryFaces<T>; 2];
 pub(super) struct Boundaries<T: Real, const D: usize> {
     /// Boundary faces by half step of the pass.
     pub(super) faces: Vec<BoundaryFacesByAxis<T, D>>,
-    /// By step of the pass: boundaries of the first axis for completing the step, for alternating sweeps; else empty.
+    /// By step of the pass: boundaries of the first axis for completing the step for output, with alternating sweeps;
+    /// else empty.
     pub(super) closing_boundaries: Vec<ClosingBoundaries<T>>,
     pub(super) row_ends: RowEnds<T>,
 }
@@ -41,8 +42,8 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
         }
     }
 
-    /// Evaluates the boundary values of a half step of the pass at its middle; `start` is the time at the beginning of
-    /// its step, and `first` overrides the time of the first axis (alternating sweeps).
+    /// Evaluates the boundary values of half step `half` of the pass at its middle. `start`: time at the beginning of
+    /// its step, s; `step`: Δt, s; `first`: another time for the boundaries of the first axis, s (alternating sweeps).
     pub(super) fn set_time(&mut self, half: usize, start: f64, step: f64, first: Option<f64>) {
         for faces in &mut self.faces[half] {
             set_time(faces, start + [0.25, 0.75][half % 2] * step);
@@ -53,7 +54,7 @@ impl<T: Real, const D: usize> Boundaries<T, D> {
     }
 }
 
-/// Creates the faces at an end of an axis.
+/// Creates the boundary faces at an end of an axis.
 fn create_faces<T: Real, const D: usize>(
     problem: &Problem<D>,
     (axis, end): (usize, usize),
@@ -73,7 +74,7 @@ fn create_faces<T: Real, const D: usize>(
     };
     let (layers, layer) = (layout.layers(), layout.layer_cells());
     let of_layer = layer / layout.cells[axis];
-    // Slot of a face: across the first axis by row, else by the group of the adjacent cells.
+    // Storage position of a face: across the first axis by row, else that of the adjacent cells.
     let place = |face: usize| match axis {
         0 => (face / T::Lanes::COUNT, face % T::Lanes::COUNT),
         _ if axis + 1 == D => slot(face),

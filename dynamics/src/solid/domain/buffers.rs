@@ -12,19 +12,20 @@ use crate::solid::reconstruction::GHOSTS;
 #[derive(Clone)]
 pub(super) struct Buffers<T: Real> {
     /// State that sweeps carry from tile to tile, by axis and half step of the pass, then by line and pair of waves.
-    /// Rows are swept whole: along the first axis the length only sets the number of lines.
+    /// Sweeps along rows carry no state between tiles: along the first axis only the length of the list is used, for
+    /// the number of lines.
     pub(super) carried_states: [Vec<Vec<CarriedState<T::Lanes>>>; 3],
     /// Groups on the path of a sweep along a line.
     pub(super) path: Vec<GroupIndex>,
-    /// Groups with cells for the scalar return mapping, and masks of their lanes.
+    /// Groups that contain cells for the scalar return mapping, and masks of the lanes of these cells.
     pub(super) scalar_lanes: Vec<(usize, u16)>,
     /// Fields of a row in double precision, for the return mapping of a domain in single precision.
     pub(super) double_row: Vec<DoubleLanes>,
 }
 
 impl<T: Real> Buffers<T> {
-    /// Allocates buffers for `pairs` pairs of waves by axis, `halves` half steps of a pass, and rows in double
-    /// precision if `needs_double`.
+    /// Allocates the buffers. `pairs`: number of pairs of waves by axis; `halves`: number of half steps of a pass;
+    /// `needs_double`: whether rows are also stored in double precision.
     pub(super) fn new<const D: usize>(
         layout: &Layout<D>,
         pairs: [usize; D],

@@ -50,8 +50,8 @@ impl<const D: usize> Layout<D> {
 
 /// Returns the fields, as ranges of a row, that the halo of a neighbour along the last axis needs.
 ///
-/// In a pass of one step these are the fields that the second sweep along the last axis reads, and the fields that are
-/// rotated with them. All fields are exchanged in the plane, where a pass may have two steps, for alternating sweeps,
+/// In a pass of one step these are the fields that the second sweep along the last axis reads, and the fields that
+/// rotate with them. All fields are exchanged in the plane, where a pass may have two steps, for alternating sweeps,
 /// and if a local law couples all fields ([`has_coupled_fields`]).
 fn exchanged_fields<const D: usize>(problem: &Problem<D>, pitch: usize) -> Vec<Range<usize>> {
     let Problem { media, scheme, .. } = problem;
@@ -94,7 +94,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Self::new_unchecked(problem, region, max_pass_steps)
     }
 
-    /// Creates a subdomain as [`Self::new_subdomain`] does, from a problem that has been checked.
+    /// Creates a subdomain as [`Self::new_subdomain`] does, from a problem that has already been checked.
     ///
     /// # Errors
     /// There is not enough memory.
@@ -103,10 +103,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         region: &Region<D>,
         max_pass_steps: usize,
     ) -> Result<Self, DomainError> {
-        // `SolverReal` compiles the kernels for these dimensions alone.
+        // `SolverReal` compiles the kernels for two and three dimensions only.
         const { assert!(D == 2 || D == 3) }
         let layout = Layout::new::<T>(problem, region);
-        // First of all, since the fields take most of the memory.
+        // Allocated first, since the fields take most of the memory.
         let field_data = allocate_zeros(
             (layout.layers() * layout.rows + 2 * GHOSTS * CHUNK_SIZE) * layout.row_size(),
         )?;

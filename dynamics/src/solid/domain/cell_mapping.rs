@@ -1,12 +1,13 @@
-//! Return mapping of single cells in the lanes of this solver: for [`Reference`](crate::solid::reference::Reference),
-//! since its rounding differs from that of the scalar projection.
+//! Return mapping of single cells by the SIMD kernel of the fused solver, for
+//! [`Reference`](crate::solid::reference::Reference): the kernel rounds differently from the scalar projection, and
+//! both solvers must agree bit for bit.
 
 use super::SolverReal;
 use super::plastic::{ProjectionKernel, YieldSets};
 use crate::simd::{InstructionSet, LaneGroup, Number};
 use crate::solid::problem::Problem;
 
-/// Yield sets in lanes, and a buffer of one group.
+/// Yield sets in SIMD lanes, and a buffer of one group.
 #[derive(Clone)]
 pub(crate) struct CellMapping<T: SolverReal> {
     /// Yield sets by medium.
@@ -17,7 +18,7 @@ pub(crate) struct CellMapping<T: SolverReal> {
 }
 
 impl<T: SolverReal> CellMapping<T> {
-    /// Creates the mapping; `None` if the solver maps stresses as the scalar projection does.
+    /// Creates the mapping; `None` if the fused solver gives the results of the scalar projection.
     pub(crate) fn new<const D: usize>(problem: &Problem<D>) -> Option<Self> {
         let media = &problem.media;
         if problem.initial_stress.is_some() || media.iter().all(|own| own.yield_set.is_none()) {
@@ -32,8 +33,8 @@ impl<T: SolverReal> CellMapping<T> {
         })
     }
 
-    /// Maps the stress of a state of a medium and returns the plastic dissipation, J/m³; `None` if the stress is left
-    /// to the scalar projection.
+    /// Maps the stress in the state of a cell of a medium and returns the plastic dissipation, J/m³; `None` if the
+    /// stress is left to the scalar projection.
     pub(crate) fn map_cell(&mut self, medium: u16, state: &mut [T]) -> Option<f64> {
         for (group, value) in self.field_values.iter_mut().zip(state.iter()) {
             *group = T::Lanes::splat(*value);

@@ -1,5 +1,5 @@
 //! Completion of a step for output: with alternating sweeps the stored state lacks the last quarter of a step along the
-//! first axis, which is applied to a copy.
+//! first axis, which is applied to a copy of the state.
 
 use super::material_table::WavePair;
 use super::{Domain, MAX_FIELDS, SolverReal};
@@ -12,21 +12,21 @@ use crate::solid::line::sweep;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 
-/// Number of cells in the stencil of the sweep of one cell.
+/// Number of cells in the stencil of the sweep for one cell.
 const STENCIL_CELLS: usize = 2 * GHOSTS + 1;
 
-/// Number of cells next to a reflecting boundary whose output is the mean of the states before and after half a step.
-/// The numerical boundary layer there depends on the Courant number of the sweeps: a sweep of a quarter of a step
-/// disturbs it, by several per cent of a Rayleigh wave at 20 cells per wavelength. Farther inside the mean would damp a
-/// wave by (ωΔt)²/32.
+/// Number of cells next to a reflecting boundary whose output is the mean of the states before and after a sweep by
+/// half a step. The numerical boundary layer there depends on the Courant number of the sweeps: a sweep by a quarter of
+/// a step disturbs it, by several per cent of a Rayleigh wave at 20 cells per wavelength. Farther inside, the mean
+/// would reduce the amplitude of a wave of angular frequency ω by the fraction (ωΔt)²/32.
 pub(crate) const BOUNDARY_LAYER_CELLS: usize = 4;
 
 /// Boundaries across the first axis in the sweeps that complete a step.
 #[derive(Clone)]
 pub(crate) struct ClosingBoundaries<T: Real> {
-    /// For the sweep of a quarter of a step.
+    /// Boundaries for the sweep by a quarter of a step.
     pub(crate) quarter_step: [BoundaryFaces<T>; 2],
-    /// For the sweep of half a step, whose mean with the state is the output.
+    /// Boundaries for the sweep by half a step; the output is the mean of the states before and after it.
     pub(crate) half_step: [BoundaryFaces<T>; 2],
 }
 
@@ -53,8 +53,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         })
     }
 
-    /// Returns all fields of owned cells at the time of the domain, cell by cell: the deviation from the initial
-    /// stress, without the return mapping that [`Self::output_cell`] applies.
+    /// Returns all fields of owned cells at the time of the domain, cell by cell: stresses as deviation from the
+    /// initial stress, without the return mapping that [`Self::output_cell`] applies.
     pub fn field_deviations(&self, cells: &[usize]) -> Vec<f64> {
         let boundaries = self.closing_boundaries();
         let count = self.fields().len();
@@ -65,9 +65,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         cells.iter().flat_map(of_cell).collect()
     }
 
-    /// Returns the state of a cell, counted with the halo, at the time of the domain: a copy is swept along the first
-    /// axis by a quarter of a step; near reflecting boundaries the result is the mean of the state and of a copy swept
-    /// by half a step.
+    /// Returns the state of a cell (index among all cells, halo included) at the time of the domain: a copy is swept
+    /// along the first axis by a quarter of a step; near reflecting boundaries the result is the mean of the stored
+    /// state and of a copy swept by half a step.
     pub(super) fn complete_cell(
         &self,
         cell: usize,
@@ -139,7 +139,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let pattern = self.materials.patterns[stop.group];
             self.materials.table.constants(pattern, wave).lane(lane)
         };
-        // State of the ghost at a depth beyond an end, and the cell whose constants it has.
+        // State of the ghost at a depth beyond an end, and the cell whose constants this ghost has.
         let ghost_state = |end: usize, depth: usize| -> (State<T>, usize) {
             let [inner, opposite] = [depth % length, length - 1 - depth % length];
             let (inner, opposite) = if end == 0 { (inner, opposite) } else { (opposite, inner) };

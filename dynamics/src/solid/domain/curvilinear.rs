@@ -1,9 +1,9 @@
 //! Rows with a cell length that depends on the layer, and the rotation of the state by the curvature of rows: see
 //! [`crate::solid::metric`].
 //!
-//! Wave constants along rows depend on the medium and on the layer. Lines across layers keep the table by patterns of
-//! media, since with constants by layer no two of their cells would share a pattern; rows have a separate table, which
-//! is filled for the row that is swept.
+//! Wave constants along rows depend on the medium and on the layer. Lines across layers use the table by lane patterns
+//! of media, since with constants by layer no two of their cells would share a pattern; rows have a separate table,
+//! which is filled for the row that is swept.
 
 use super::layout::RowSegment;
 use super::material_table::{MaterialTable, WavePair};
@@ -21,7 +21,7 @@ use std::ops::Range;
 /// Pairs of waves along rows, and their constants in the current row.
 #[derive(Clone)]
 pub(super) struct RowConstants<T: Real> {
-    /// Length of a cell along rows by layer, m.
+    /// Cell length along rows by layer, m.
     pub(super) spacing: Vec<f64>,
     pub(super) waves: Vec<WavePair>,
     pub(super) table: MaterialTable<T>,
@@ -34,8 +34,8 @@ pub(super) struct RowConstants<T: Real> {
 }
 
 impl<T: Real> RowConstants<T> {
-    /// Creates the constants of `layers` of a problem (their indices in the whole grid), from the waves along rows and
-    /// the table of equal layers; `None` if all layers are equal.
+    /// Creates the constants of `layers` of a problem (indices in the whole grid) from the waves along rows and the
+    /// table for uniform cell lengths; `None` without a metric.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         (waves, table): (&[WavePair], &MaterialTable<T>),
@@ -74,7 +74,7 @@ impl<T: Real> RowConstants<T> {
         })
     }
 
-    /// Fills the table for a layer in which these patterns occur.
+    /// Fills the table with the constants of a layer, for the lane patterns that occur in the layer.
     fn fill_table(&mut self, layer: usize, patterns: impl Iterator<Item = u32>) {
         for pattern in patterns.map(|pattern| pattern as usize) {
             if std::mem::replace(&mut self.filled_layers[pattern], layer) == layer {
@@ -95,19 +95,19 @@ impl<T: Real> RowConstants<T> {
     }
 }
 
-/// Plane of the rotation by the curvature of rows, in lanes.
+/// Rotation plane of the curvature of rows ([`CurvatureRotation`], with its symbols) in SIMD lanes.
 #[derive(Clone)]
 struct RotationPlane<T: Real> {
-    /// Offset of the velocity v.
+    /// Offset of the velocity or spin v.
     velocity: usize,
-    /// Offsets of stresses, and q.
+    /// Offsets of stresses, and entries of the weights q.
     weights: Vec<(usize, T)>,
-    /// Offsets of stresses, and by pattern Cq.
+    /// Offsets of stresses, and by lane pattern entries of Cq.
     moduli: Vec<(usize, Vec<T::Lanes>)>,
-    /// Constants of the rotation by pattern, for the layer and the interval of
+    /// Rotation coefficients by lane pattern, for the layer and the interval of
     /// [`CurvatureRotations::filled_intervals`].
     coefficients: Vec<[T::Lanes; 4]>,
-    /// Constants of the rotation by layer, [`Interval`] and medium.
+    /// Rotation coefficients by layer, [`Interval`] and medium.
     layer_coefficients: Vec<[Vec<[T; 4]>; 2]>,
 }
 
@@ -116,13 +116,13 @@ struct RotationPlane<T: Real> {
 pub(super) struct CurvatureRotations<T: Real> {
     planes: Vec<RotationPlane<T>>,
     patterns: Vec<Vec<u16>>,
-    /// By pattern, the layer and the interval for which the constants are filled.
+    /// By lane pattern, the layer and the interval for which the rotation coefficients are filled.
     filled_intervals: Vec<Option<(usize, Interval)>>,
 }
 
 impl<T: Real> CurvatureRotations<T> {
-    /// Creates the rotation in `layers` of a region of a problem; `None` for straight rows. The offset of a field is
-    /// its index times `pitch`.
+    /// Creates the rotation in `layers` of a region of a problem (indices in the whole grid); `None` for straight rows.
+    /// The offset of a field is its index times `pitch`.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         patterns: &[Vec<u16>],
@@ -171,7 +171,7 @@ impl<T: Real> CurvatureRotations<T> {
         })
     }
 
-    /// Fills the constants of patterns for a layer and an interval.
+    /// Fills the rotation coefficients of lane patterns for a layer and an interval.
     fn fill_coefficients(&mut self, layer: usize, interval: Interval, patterns: &[u32]) {
         for pattern in patterns.iter().map(|pattern| *pattern as usize) {
             let filled = Some((layer, interval));
@@ -193,7 +193,7 @@ impl<T: Real> CurvatureRotations<T> {
 
 /// Kernel: rotation by the curvature of rows in adjacent groups of a row.
 struct CurvatureKernel<'a, T: Real> {
-    /// Data from the first of the groups on.
+    /// Field values from the first of these groups on.
     field_data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     planes: &'a [RotationPlane<T>],

@@ -7,18 +7,20 @@ use crate::solid::ledger::{CellDissipation, WorkSums};
 use crate::solid::problem::{DomainError, Problem};
 use models::solid::waves::SolidField;
 
-/// Sums and records. Sums over cells are exact: they depend neither on the tiling nor on the number of subdomains.
+/// Sums over time, and records. Sums over cells are exact: they depend neither on the tiling nor on the number of
+/// subdomains.
 #[derive(Clone)]
 pub(super) struct Diagnostics {
-    /// Work over owned cells and faces.
+    /// Work sums over owned cells and boundary faces.
     pub(super) work: WorkSums,
-    /// Dissipation by group and lane.
+    /// Dissipation of the laws of cells, by group and lane.
     pub(super) dissipation: CellDissipation,
-    /// Offsets of velocities and spins, and by cell Δt times the sum of their values, the first one halved.
+    /// Offsets of velocities and spins, and by cell their sums by the trapezoidal rule (alternating sweeps: midpoint
+    /// rule), without its end correction.
     pub(super) time_integrals: Vec<(usize, Vec<f64>)>,
-    /// Own cells that are recorded after each step, in ascending order.
+    /// Owned cells that are recorded after each step, in ascending order.
     pub(super) watched_cells: Vec<usize>,
-    /// By step of the pass, the output of all watched cells.
+    /// By step of the pass, the output quantities of all watched cells.
     pub(super) records: Vec<Vec<f64>>,
 }
 

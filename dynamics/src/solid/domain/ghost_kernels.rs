@@ -8,7 +8,7 @@ use crate::solid::ghosts::{CLOSURE_CELLS, GhostRule, compute_ghosts, image};
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 
-/// Kernel: fills the ghosts of all waves along rows before the sweep, for the work at boundaries.
+/// Kernel: fills the ghosts of all waves along rows before the sweep, to compute the work at boundaries.
 pub(crate) struct RowGhostKernel<'a, T: Real> {
     pub(crate) field_data: &'a mut [T::Lanes],
     pub(crate) waves: &'a [WavePair],
@@ -25,7 +25,7 @@ impl<T: Real> SimdKernel<T> for RowGhostKernel<'_, T> {
     }
 }
 
-/// Kernel: fills the ghosts at one depth beyond an end of adjacent lines, as images, group by group.
+/// Kernel: fills the ghosts at one depth beyond an end of adjacent lines, as mirror or periodic images, group by group.
 pub(crate) struct ImageGhostKernel<'a, T: Real> {
     pub(crate) field_data: &'a mut [T::Lanes],
     pub(crate) waves: &'a [WavePair],
@@ -66,9 +66,9 @@ pub(crate) struct OneSidedGhostKernel<'a, T: Real> {
     pub(crate) waves: &'a [WavePair],
     pub(crate) ghost_rule: &'a GhostRule<T>,
     pub(crate) end: usize,
-    /// By depth, the data index of the first line's cell; the other lines follow group by group.
+    /// By depth, the data index of the cell of the first line; the other lines follow group by group.
     pub(crate) outer_cells: [usize; CLOSURE_CELLS],
-    /// By depth, the data index of the first line's ghost.
+    /// By depth, the data index of the ghost of the first line.
     pub(crate) ghosts: [usize; GHOSTS],
     pub(crate) lines: usize,
     pub(crate) face: usize,

@@ -1,4 +1,4 @@
-//! Halo exchange with the neighbouring subdomains across the cuts of a domain.
+//! Halo exchange between neighbouring subdomains.
 //!
 //! Along the last axis a pass exchanges layers while it runs, see [`crate::solid::domain`]. Along the other axes halos
 //! are exchanged before the pass, axis by axis from the first one on: the halo along an axis includes the cells in the
@@ -10,8 +10,8 @@ use crate::solid::interlayers::HISTORY_VARIABLES;
 use std::convert::Infallible;
 use std::ops::Range;
 
-/// Exchange of the halo with the neighbours across the cuts of a domain, at the lower (0) and the upper end (1) of its
-/// axes.
+/// Exchange of the halo with the neighbouring subdomains at the lower (0) and the upper end (1) of the axes of a
+/// domain.
 ///
 /// At each end a domain sends as many messages as it receives, and they arrive in the order in which the neighbour
 /// sends them at its opposite end. A neighbour may be up to [`Domain::message_capacity`] messages ahead: `send` may
@@ -87,7 +87,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Applies the first x and y sweeps to a block of rows in the owned layers that neighbours along the last axis
     /// need, then sends the rows whose sweeps are complete. The first step of the pass does not sweep these layers
-    /// again. Nothing is sent if the owned layers are the halo of each other (periodic in place).
+    /// again. Nothing is sent by a domain that is periodic in place, whose halo holds copies of its owned layers.
     pub(super) fn sweep_and_send<H: HaloExchange<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
@@ -185,8 +185,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Returns the count of the values of the cells in a box: fields, then the histories of the interlayers at their
-    /// lower faces.
+    /// Returns the number of values of the cells in a box: fields, then the history variables of the interlayers at the
+    /// lower faces of the cells.
     fn value_count(&self, cells: &[Range<usize>; D]) -> usize {
         let count: usize = cells.iter().map(ExactSizeIterator::len).product();
         count * self.fields().len()

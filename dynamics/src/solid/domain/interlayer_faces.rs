@@ -1,13 +1,15 @@
-//! Interlayers of a domain: their faces, and their history variables V and S ([`ElasticInterlayer`]).
+//! Interlayers of a domain: their faces, and their history variables, mean velocity V and mean traction S
+//! ([`ElasticInterlayer`]).
 //!
 //! A sweep evaluates some faces more than once: the face between the last group of a lane and the first group of the
-//! next lane at both ends of a row, the face between both ends of a periodic line twice, faces near a cut in both
-//! subdomains. Each evaluation has its own copy of the history variables. All copies are updated from the same states
-//! and thus stay equal to the bit; in halo layers they are exchanged with the fields. Energy and output use the copy at
-//! the lower face of the cell above the interlayer, in the subdomain that owns the cell.
+//! next lane at both ends of a row, the face between both ends of a periodic line twice, faces near the boundary
+//! between two subdomains in both of them. Each evaluation has its own copy of the history variables. All copies are
+//! updated from the same states and thus stay equal bit for bit; in halo layers they are exchanged with the fields.
+//! Energy and output use the copy at the lower face of the cell above the interlayer, in the subdomain that owns the
+//! cell.
 //!
-//! Elastic laws dissipate nothing: a dissipative law would need a term of the ledger, from the copies used for energy
-//! only.
+//! Elastic laws dissipate nothing: a dissipative law would need a term of the ledger, computed from the copies used for
+//! energy only.
 
 use super::layout::Layout;
 use crate::simd::{LaneGroup, Number, Real};
@@ -25,13 +27,14 @@ use std::ops::Range;
 pub(crate) struct GroupFace {
     /// Mask of the lanes with an interlayer: the reconstruction does not use differences across it.
     pub(super) interlayer_lanes: u16,
-    /// Mask of those of these lanes whose face belongs to the line, and so has history variables.
+    /// Mask of the lanes with an interlayer whose face is not one between two ghosts, and therefore has history
+    /// variables.
     pub(super) history_lanes: u16,
-    /// Offset of the history variables from those of the first face of the line, if any lane is active.
+    /// Offset of the history variables from those of the first face of the line, if `history_lanes` is not 0.
     pub(super) history_offset: usize,
 }
 
-/// Interlayers across an axis.
+/// Interlayers normal to an axis.
 #[derive(Clone)]
 struct AxisInterlayers<T: Real> {
     laws: Vec<ElasticInterlayer<T>>,
@@ -43,9 +46,10 @@ struct AxisInterlayers<T: Real> {
     faces: Vec<GroupFace>,
     /// Index of the first history variable of this axis.
     history_start: usize,
-    /// Distance between the history variables of two lines.
+    /// Distance between the history variables of two lines, in groups.
     history_stride: usize,
-    /// Number of groups of history variables at one place: for one line along rows, for all lines across other axes.
+    /// Number of groups of history variables of a face: of one row for faces across the first axis, of all lines for
+    /// others.
     groups_per_face: usize,
 }
 
@@ -64,17 +68,16 @@ pub(super) struct LaneInterlayers<T: Real, const D: usize> {
 pub(super) struct HistorySite {
     pub(super) axis: usize,
     pub(super) pair: usize,
-    /// Cell at the upper side of the face, counted with the halo.
+    /// Cell above the face (index among all cells, halo included).
     pub(super) cell: usize,
-    /// Group that holds V; the next group holds S.
+    /// Index of the group that holds V; the next group holds S.
     group: usize,
     lane: usize,
 }
 
 impl<T: Real> AxisInterlayers<T> {
-    /// Creates the interlayers across an axis without laws and faces: whether the lower face of each cell has one, and
-    /// whether the axis is periodic; distance between the history variables of two lines, and number of their groups at
-    /// one place.
+    /// Creates the interlayers normal to an axis, without laws and faces. `has_interlayer`: by cell, whether its lower
+    /// face has an interlayer.
     fn new(
         (has_interlayer, is_periodic): (Vec<bool>, bool),
         [history_stride, groups_per_face]: [usize; 2],
@@ -91,7 +94,8 @@ impl<T: Real> AxisInterlayers<T> {
         }
     }
 
-    /// Returns the coordinate of the face at a place, periodic images included, if it has an interlayer.
+    /// Returns the coordinate of the face at a place along the axis, wrapped around a periodic axis; `None` if the face
+    /// has no interlayer.
     fn face_coordinate(&self, place: isize) -> Option<usize> {
         let count = self.has_interlayer.len();
         let around = match self.is_periodic {
@@ -133,8 +137,9 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         Self { across, history: vec![T::Lanes::ZERO; history_count], path_faces: Vec::new() }
     }
 
-    /// Creates the faces across the first axis, where the lanes of a group are different cells of a row, for `pairs`
-    /// pairs of waves. Given are the cells with an interlayer at their lower face, and whether rows are periodic.
+    /// Creates the faces across the first axis, where the lanes of a group are different cells of a row. `pairs`:
+    /// number of pairs of waves; `ends`: by cell whether its lower face has an interlayer, and whether rows are
+    /// periodic.
     fn new_along_rows(
         pairs: usize,
         layout: &Layout<D>,
@@ -164,7 +169,8 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         across
     }
 
-    /// Creates the faces across another axis, where all lanes of a group have an interlayer or none.
+    /// Creates the faces across another axis, where either all lanes of a group have an interlayer or none; arguments
+    /// as for [`Self::new_along_rows`].
     fn new_across_rows(
         axis: usize,
         pairs: usize,
@@ -200,13 +206,13 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         self.across.iter().any(Option::is_some)
     }
 
-    /// Whether there are interlayers across an axis.
+    /// Whether there are interlayers normal to an axis.
     pub(super) fn has_interlayers_across(&self, axis: usize) -> bool {
         self.across[axis].is_some()
     }
 
-    /// Returns the laws across an axis, by pair of waves; the index of the history variables of a line; the distance
-    /// between lines.
+    /// Returns the laws of the interlayers normal to an axis, by pair of waves; the index of the history variables of a
+    /// line; and the distance between those of two lines. `None` without interlayers.
     pub(super) fn line_history(
         &self,
         axis: usize,
@@ -216,7 +222,8 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         Some((&own.laws, own.history_start + line * own.history_stride, own.history_stride))
     }
 
-    /// Returns the lower faces of the groups at consecutive places of a line.
+    /// Returns the lower faces of the groups at consecutive places of a line; ghosts at the lower end have negative
+    /// places.
     pub(super) fn path_faces(
         &self,
         axis: usize,
@@ -230,8 +237,9 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         })
     }
 
-    /// Returns group and lane of the history variables of a face of a line for a pair: `place` is the coordinate along
-    /// the axis; `line` is the line of groups and its lane. Along rows these are the row and any lane.
+    /// Returns group and lane of the history variables of a face for a pair of waves; `None` if it has none. `place`:
+    /// coordinate of the face along the axis; `line` and `lane`: line of groups and lane of the line of cells, along
+    /// rows the row and any lane.
     fn find_site(
         &self,
         layout: &Layout<D>,
@@ -249,8 +257,8 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         (face.history_lanes >> lane & 1 == 1).then_some((start + HISTORY_VARIABLES * pair, lane))
     }
 
-    /// Returns the history variables of the face at a place of a line for a pair, the upper face of the last cell
-    /// included.
+    /// Returns the history variables of the face at a place of a line for a pair of waves; `None` if it has none.
+    /// `place` may be that of the upper face of the last cell; `line`: line of groups and lane.
     fn history_at(
         &self,
         layout: &Layout<D>,
@@ -263,7 +271,8 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         Some([0, 1].map(|index| self.history[group + index].lanes()[lane]))
     }
 
-    /// Returns the sites of the faces of a layer across the last axis: by axis, face and pair of waves.
+    /// Returns the sites of the history variables at the lower faces of the cells of a layer across the last axis: by
+    /// axis, cell and pair of waves.
     fn layer_sites(&self, layout: &Layout<D>, layer: usize) -> Vec<HistorySite> {
         let mut sites = Vec::new();
         let (first, cells) = (layer * layout.layer_cells(), layout.layer_cells());
@@ -298,12 +307,12 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         sites
     }
 
-    /// Returns the sites of the owned cells, layer by layer.
+    /// Returns the sites of the history variables at the lower faces of owned cells, layer by layer.
     pub(super) fn owned_sites(&self, layout: &Layout<D>) -> Vec<HistorySite> {
         self.sites_in_box(layout, &layout.owned)
     }
 
-    /// Returns the sites of the cells in a box, layer by layer.
+    /// Returns the sites of the history variables at the lower faces of the cells in a box, layer by layer.
     pub(super) fn sites_in_box(
         &self,
         layout: &Layout<D>,
@@ -324,19 +333,19 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         sites.filter(is_inside).collect()
     }
 
-    /// Returns V and S of a site.
+    /// Returns the history variables V and S of a site.
     pub(super) fn history(&self, site: &HistorySite) -> [T; HISTORY_VARIABLES] {
         [0, 1].map(|index| self.history[site.group + index].lanes()[site.lane])
     }
 
-    /// Sets V and S of a site.
+    /// Sets the history variables V and S of a site.
     pub(super) fn set_history(&mut self, site: &HistorySite, history: [T; HISTORY_VARIABLES]) {
         for (index, value) in history.into_iter().enumerate() {
             self.history[site.group + index].lanes_mut()[site.lane] = value;
         }
     }
 
-    /// Adds the energy of the interlayers at owned cells; `area` is the area of a face across each axis, m².
+    /// Adds the energy of the interlayers at the lower faces of owned cells; `area`: area of a face by axis, m².
     pub(super) fn add_energy(&self, layout: &Layout<D>, area: [f64; D], sums: &mut EnergySums) {
         for site in self.owned_sites(layout) {
             let Some(own) = &self.across[site.axis] else { continue };
@@ -347,8 +356,8 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         }
     }
 
-    /// Copies the history variables of faces to the other copies in this subdomain; copies in the halo are overwritten
-    /// by the exchange.
+    /// Copies the history variables at the lower faces of cells to the other copies in this subdomain; copies in the
+    /// halo are overwritten by the exchange.
     pub(super) fn synchronise_copies(&mut self, layout: &Layout<D>) {
         let owned_layers = layout.owned_layers();
         if let Some(across) = self.across[0].clone() {
@@ -386,7 +395,7 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         }
     }
 
-    /// Returns the ranges of all history variables of rows of a layer.
+    /// Returns the ranges of all history variables of `rows` of a layer.
     pub(super) fn history_ranges(
         &self,
         layout: &Layout<D>,
@@ -416,8 +425,8 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         stored
     }
 
-    /// Returns the range of the history variables of rows of a layer across the last axis, if the layer has an
-    /// interlayer.
+    /// Returns the range of the history variables of the interlayer below a layer across the last axis, for `rows` of
+    /// the layer; `None` if there is no interlayer.
     fn last_axis_range(
         &self,
         layout: &Layout<D>,

@@ -9,13 +9,15 @@ use crate::solid::ledger::EnergySums;
 use models::solid::waves::SolidField;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Returns V and S of all interlayers at the lower faces of owned cells: by layer across the last axis, axis of the
-    /// face, upper cell, and pair of waves.
+    /// Returns the history variables (mean velocity V, m/s, and mean traction S, Pa) of all interlayers at the lower
+    /// faces of owned cells: by layer across the last axis, axis normal to the face, cell above the face, and pair of
+    /// waves.
     pub fn interlayer_history(&self) -> Vec<[T; HISTORY_VARIABLES]> {
         self.located_history().into_iter().map(|own| own.1).collect()
     }
 
-    /// Returns the same history variables with axis of the face, index of the owned cell above it, and pair of waves.
+    /// Returns the history variables of [`Self::interlayer_history`] with axis normal to the face, index of the owned
+    /// cell above the face, and pair of waves.
     pub(crate) fn located_history(&self) -> Vec<([usize; 3], [T; HISTORY_VARIABLES])> {
         let sites = self.interfaces.owned_sites(&self.layout).into_iter();
         let own = |site: HistorySite| {
@@ -25,8 +27,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         sites.filter_map(own).collect()
     }
 
-    /// Sets the history variables in the order of [`Self::interlayer_history`]; if the list is shorter, the others are
-    /// unchanged.
+    /// Sets the history variables in the order of [`Self::interlayer_history`]; if `memory` is shorter, the remaining
+    /// ones are unchanged.
     pub fn set_interlayer_history(
         &mut self,
         memory: &mut impl Iterator<Item = [T; HISTORY_VARIABLES]>,
@@ -37,8 +39,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.interfaces.synchronise_copies(&self.layout);
     }
 
-    /// Initialises interlayers without stress and with V, the mean velocity of the adjacent cells, so that a rigid
-    /// motion remains one.
+    /// Initialises interlayers with the mean velocity of the adjacent cells and without stress, so that a rigid motion
+    /// causes no waves.
     pub fn initialise_interlayers(&mut self) {
         let (cells, layout) = (self.grid.cells, self.layout.clone());
         let place = |field: SolidField| self.field_offset(field);
@@ -49,8 +51,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.set_interlayer_history(&mut memory.into_iter());
     }
 
-    /// Returns the history variables of [`Self::initialise_interlayers`] from the field values `value` in a grid of
-    /// `cells` cells, in which the index of an owned cell is `in_grid(cell)`.
+    /// Returns the initial history variables of [`Self::initialise_interlayers`], from the values `value` of fields in
+    /// a grid of `cells` cells, in which an owned cell has the index `in_grid(cell)`.
     pub(crate) fn initial_interlayer_history(
         &self,
         cells: &[usize; D],
@@ -65,8 +67,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.located_history().into_iter().map(at_start).collect()
     }
 
-    /// Returns the first interlayer with a history variable that is not finite: a field of its pair, and the owned cell
-    /// above it.
+    /// Returns the first interlayer with a non-finite history variable: the corresponding field of its pair of waves,
+    /// and the owned cell above it.
     pub(super) fn first_non_finite_interlayer(&self) -> Option<(SolidField, usize)> {
         self.located_history().into_iter().find_map(|([axis, cell, pair], memory)| {
             let pair = &self.materials.media[0].pairs[axis][pair];

@@ -1,9 +1,9 @@
 //! Sweep kernel: the sweep of [`crate::solid::line`] on many lines at once, in SIMD lanes.
 //!
-//! A group of cells fills a cache line. For every axis the neighbours of the cells of a group are the cells of another
-//! group in the same lanes: a sweep from group to group advances one line per lane, without shuffles. At the ends of a
-//! row, where the neighbours are in the adjacent lane, shifted copies serve as ghosts. Each cell is updated by the same
-//! operations in the same order as in the sweep of a single line: results are equal to the bit.
+//! A group of cells fills a cache line. Along every axis the neighbours of the cells of a group are the cells of
+//! another group in the same lanes: a sweep from group to group advances one line per lane, without shuffles. At the
+//! ends of a row, where the neighbours are in the adjacent lane, shifted copies serve as ghosts. Each cell is updated
+//! by the same operations in the same order as in the sweep of a single line: results are equal bit for bit.
 
 pub(super) mod interlayers;
 
@@ -16,8 +16,8 @@ use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
 use std::ops::Range;
 
-/// Number of fields prefetched for each pair of waves: 24 by 6 pairs in a Cosserat solid in space, 12 by 3 in the
-/// plane. Viscous strains, which sweeps do not read, are left to the hardware prefetcher.
+/// Maximum number of fields prefetched per pair of waves: a Cosserat solid has 24 fields and 6 pairs in space, 12
+/// fields and 3 pairs in the plane. Viscous strains, which sweeps do not read, are left to the hardware prefetcher.
 pub(crate) const MAX_PREFETCH_FIELDS: usize = 4;
 
 /// Prefetches the cache lines of `from[distance]`, which may be out of bounds, into L1 if `into_l1`, else into L2.
@@ -39,12 +39,12 @@ fn prefetch<N>(from: &[N], distance: usize, into_l1: bool) {
     let _ = (from, distance, into_l1);
 }
 
-/// State that a sweep carries from a group to the next one of a line, for one pair of waves.
+/// State that a sweep carries from a group to the next group of the line, for one pair of waves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CarriedState<N> {
     /// Stencil data of the previous groups for the next face; see [`Slopes::face_values`].
     stencil_data: RiemannInvariants<N>,
-    /// Interface state at the lower face of the group that is updated next, scaled by its impedance.
+    /// Interface state at the lower face of the group that is updated next, scaled by the impedance of that group.
     lower_face: InterfaceState<N>,
 }
 
@@ -78,9 +78,9 @@ impl<V: Number> CarriedState<V> {
     }
 }
 
-/// Adjacent lines, and the section of their path that is swept now.
+/// Adjacent lines of groups, and the section of their path that is swept now.
 pub(crate) struct SweepLines<'a, T: Real> {
-    /// Data by row, field and group.
+    /// Values of all fields, by row, field and group.
     pub(crate) field_data: &'a mut [T::Lanes],
     /// Number of fields of a group.
     pub(crate) field_count: usize,
@@ -89,12 +89,12 @@ pub(crate) struct SweepLines<'a, T: Real> {
     pub(crate) table: &'a MaterialTable<T>,
     pub(crate) waves: &'a [WavePair],
     pub(crate) slopes: Slopes,
-    /// By group, the number of its lane pattern.
+    /// By group, the index of its lane pattern.
     pub(crate) patterns: &'a [u32],
-    /// By group: number of next groups along such a line with the same pattern, at most 255. At a cut the run may
-    /// extend beyond the line: the group beyond has the pattern of the last one.
+    /// By group: number of next groups along a line of this axis with the same lane pattern, at most 255. The run may
+    /// extend beyond a line that ends inside the halo; the ghosts there have the patterns of the last groups.
     pub(crate) run_lengths: &'a [u8],
-    /// Groups of the first line in the order of the sweep: each one except the first and the last is current once,
+    /// Groups of the first line in the order of the sweep. Each group except the first and the last is current once,
     /// while the previous one is written and the next one is read. The groups of the other lines are offset from these
     /// by multiples of `line_stride`.
     pub(crate) path: &'a [GroupIndex],
@@ -105,10 +105,10 @@ pub(crate) struct SweepLines<'a, T: Real> {
     /// Whether the path begins with the ghosts at the lower end, where no state is carried yet. The sweep overwrites
     /// ghosts like all groups: they must be filled again before another sweep.
     pub(crate) is_line_start: bool,
-    /// L1 prefetch distance, in groups: a few lines in sweeps across rows, one row in sweeps along rows, which are too
-    /// far apart for the hardware prefetcher.
+    /// L1 prefetch distance, in groups: that of a few lines in sweeps across rows, that of one row in sweeps along
+    /// rows; lines and rows are too far apart for the hardware prefetcher.
     pub(crate) prefetch_l1_distance: usize,
-    /// L2 prefetch distance, and which of the [`MAX_PREFETCH_FIELDS`] fields of each pair are prefetched.
+    /// L2 prefetch distance, in groups, and which of the [`MAX_PREFETCH_FIELDS`] fields of each pair are prefetched.
     pub(crate) prefetch_l2_fields: (usize, Range<usize>),
     /// Carried state by line and pair of waves.
     pub(crate) carried: &'a mut [CarriedState<T::Lanes>],
@@ -116,12 +116,12 @@ pub(crate) struct SweepLines<'a, T: Real> {
     pub(crate) rows: Option<Rows<'a, T>>,
 }
 
-/// Sweep of adjacent lines, each of one and the same pattern, or `MIXED`: compiled separately to limit register
-/// pressure.
+/// Kernel: sweep of adjacent lines that all have the same single lane pattern or, if `MIXED`, have several patterns.
+/// The two cases are compiled separately to limit register pressure.
 struct SweepKernel<'a, 'b, T: Real, const MIXED: bool> {
     sweep: &'a mut SweepLines<'b, T>,
     lines: Range<usize>,
-    /// Pattern of all lines, unless they are mixed.
+    /// Lane pattern of all lines, unless `MIXED`.
     pattern: u32,
 }
 
@@ -141,7 +141,7 @@ impl<T: Real, const MIXED: bool> SimdKernel<T> for SweepKernel<'_, '_, T, MIXED>
 }
 
 impl<T: Real> SweepLines<'_, T> {
-    /// Sweeps the lines with an instruction set: consecutive lines of one and the same pattern together, and
+    /// Sweeps the lines with an instruction set: consecutive lines of the same single lane pattern together, and
     /// consecutive lines of several patterns together.
     pub(super) fn sweep_path(mut self, instructions: InstructionSet) {
         let lines = self.carried.len() / self.waves.len().max(1);
@@ -171,7 +171,7 @@ impl<T: Real> SweepLines<'_, T> {
         }
     }
 
-    /// Returns the pattern of a line that has the same pattern everywhere, ghosts included; else `None`.
+    /// Returns the lane pattern of a line that has the same pattern everywhere, ghosts included; else `None`.
     fn uniform_pattern(&self, line: usize) -> Option<u32> {
         let offset = line * self.line_stride.group;
         let pattern = |place: usize| self.patterns[self.path[place].group + offset];
@@ -193,7 +193,7 @@ impl<T: Real> SweepLines<'_, T> {
         Some(first_pattern)
     }
 
-    /// Sweeps adjacent lines of one and the same pattern, or `MIXED`.
+    /// Sweeps adjacent lines of the same single lane pattern or, if `MIXED`, of several patterns.
     #[inline(always)]
     fn advance_lines<V: Vector<T>, const MIXED: bool>(
         &mut self,
@@ -205,7 +205,7 @@ impl<T: Real> SweepLines<'_, T> {
             if let Some(rows) = &self.rows {
                 rows.fill_ghosts::<V>(self.field_data, &self.waves[index], index, lines.clone());
             }
-            // One compiled loop for each number of passive stresses, of which Hooke's law has at most two.
+            // One compiled loop for each number of passive stresses; Hooke's law has at most two per pair of waves.
             let lines = lines.clone();
             debug_assert!(self.waves[index].passive_stresses.len() <= 2);
             match self.waves[index].passive_stresses.len() {
@@ -216,7 +216,7 @@ impl<T: Real> SweepLines<'_, T> {
         }
     }
 
-    /// Returns the range of distances, from a group of the path, of the fields that a pair of waves prefetches into L2.
+    /// Returns the data range that is prefetched into L2 for a pair of waves, relative to a group of the path.
     #[inline(always)]
     fn prefetch_l2_range(&self, index: usize) -> Range<usize> {
         let (distance, Range { start, end }) = self.prefetch_l2_fields;
@@ -252,7 +252,7 @@ impl<T: Real> SweepLines<'_, T> {
         }
     }
 
-    /// Sweeps a pair of waves along lines, of one pattern or `MIXED`.
+    /// Sweeps a pair of waves along lines of one lane pattern or, if `MIXED`, of several.
     #[inline(always)]
     fn sweep_pair<V: Vector<T>, const PASSIVE: usize, const MIXED: bool>(
         &mut self,
@@ -429,7 +429,7 @@ impl<T: Real> SweepLines<'_, T> {
     }
 }
 
-/// Materials of the stencil: of the current group and of the previous and next groups of the line.
+/// Materials of the stencil of a face: those of the groups around the face in the line.
 #[derive(Clone, Copy)]
 enum StencilMedia<'a, V, const PASSIVE: usize> {
     /// One medium: its constants, and the coupling ratios of the passive stresses.
@@ -444,13 +444,13 @@ struct FieldOffsets<const PASSIVE: usize> {
     velocity: usize,
     stress: usize,
     passive_stresses: [usize; PASSIVE],
-    /// Upper bound of the offsets.
+    /// Upper bound of the offsets of all fields.
     extent: usize,
     /// Offsets of the fields that are prefetched into L2.
     prefetch_l2_fields: Range<usize>,
 }
 
-/// State of the stencil: of the current and the previous group.
+/// State of the stencil: that of the current and the previous group of the path.
 #[derive(Clone, Copy)]
 struct StencilState<V> {
     carried: CarriedState<V>,
@@ -458,7 +458,7 @@ struct StencilState<V> {
     current: State<V>,
     /// Invariants of the current group.
     invariants: RiemannInvariants<V>,
-    /// Stencil data of the previous group: see [`Slopes::lower_stencil`].
+    /// Stencil data of the previous group, see [`Slopes::lower_stencil`].
     lower_stencil: RiemannInvariants<V>,
 }
 

@@ -5,9 +5,10 @@
 //! after the other, each with all groups. Two ghosts follow the last cell within the row itself, and there are at least
 //! two groups: the neighbours of the first and the last groups of a row are in the adjacent lanes, not farther away.
 //!
-//! If a domain is cut along an axis, or periodic along the last one, it has a halo of
+//! If a domain has neighbouring subdomains along an axis, or is periodic along the last one, it has a halo of
 //! [`HALO`](crate::solid::line::HALO) cells for each step of a pass, and [`GHOSTS`] more along the first axis for
-//! alternating sweeps. Cell indices count all cells, halo included, unless they are called owned cells.
+//! alternating sweeps. Cell indices count all cells, halo included, except indices of owned cells, which count owned
+//! cells.
 
 use super::schedule::CHUNK_SIZE;
 use crate::simd::{LaneGroup, Real};
@@ -34,7 +35,7 @@ impl RowSegment {
     }
 }
 
-/// Position of a group in the lists by group and in the data.
+/// Position of a group: in lists by group, and in the data.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GroupIndex {
     /// Index of the group among all groups.
@@ -44,7 +45,7 @@ pub(crate) struct GroupIndex {
 }
 
 impl GroupIndex {
-    /// Returns the same group of the line number `line`, where lines are `line_stride` apart.
+    /// Returns the same group of line `line`, for lines at distances `line_stride`.
     #[inline(always)]
     pub(crate) fn shift_to_line(self, line: usize, line_stride: Self) -> Self {
         Self {
@@ -59,11 +60,11 @@ impl GroupIndex {
 pub(super) struct Layout<const D: usize> {
     /// Number of cells along each axis, halo included.
     pub(super) cells: [usize; D],
-    /// Own cells along each axis, as ranges of the cells with the halo.
+    /// Owned cells along each axis, as ranges of the cells with the halo.
     pub(super) owned: [Range<usize>; D],
     /// By group of a row, mask of the lanes that hold owned cells along the first axis.
     pub(super) owned_lanes: Vec<u16>,
-    /// Whether the halo along the last axis is filled from the owned layers (periodic, not cut).
+    /// Whether the halo along the last axis is filled from the owned layers (periodic, without neighbouring subdomain).
     pub(super) is_periodic_in_place: bool,
     /// Number of fields.
     pub(super) field_count: usize,
@@ -103,20 +104,21 @@ impl<const D: usize> Layout<D> {
         [self.owned[axis].start, self.cells[axis] - self.owned[axis].end]
     }
 
-    /// Returns the cells in a box, first axis fastest.
+    /// Returns the indices of the cells in a box, first axis fastest.
     pub(super) fn cells_in_box(&self, ranges: &[Range<usize>; D]) -> impl Iterator<Item = usize> {
         let counts = ranges.each_ref().map(ExactSizeIterator::len);
         let (first, cells) = (ranges.each_ref().map(|range| range.start), self.cells);
         (0..counts.iter().product()).map(move |index| cell_in_box(index, &counts, &first, &cells))
     }
 
-    /// Returns the owned cells as indices of all cells, first axis fastest.
+    /// Returns the indices of the owned cells among all cells, first axis fastest.
     pub(super) fn owned_cells(&self) -> impl Iterator<Item = usize> {
         self.cells_in_box(&self.owned)
     }
 
-    /// Returns the box of cells that are sent at an end of an axis, or of those that are received: all cells along
-    /// lower axes, owned cells along higher axes, so that edges and corners are filled by successive exchanges.
+    /// Returns the box of cells that are sent at an end of an axis (`is_sent`), or of those that are received: all
+    /// cells along lower axes, owned cells along higher axes, so that edges and corners are filled by successive
+    /// exchanges.
     pub(super) fn halo_box(&self, axis: usize, end: usize, is_sent: bool) -> [Range<usize>; D] {
         let (owned, width) = (self.owned[axis].clone(), self.halo(axis)[end]);
         let along = match (end, is_sent) {
@@ -157,7 +159,7 @@ impl<const D: usize> Layout<D> {
         Some(owned_index)
     }
 
-    /// Returns the rows, counted over all layers, that have owned cells.
+    /// Returns the rows that have owned cells, numbered over all layers.
     pub(super) fn owned_rows(&self) -> impl Iterator<Item = usize> {
         let rows = if D == 2 { 0..1 } else { self.owned[1].clone() };
         let of_layer = move |layer: usize| rows.clone().map(move |row| layer * self.rows + row);
@@ -175,7 +177,7 @@ impl<const D: usize> Layout<D> {
         self.field_count * self.pitch
     }
 
-    /// Returns the index of a group of a row.
+    /// Returns the position of a group of a row, with rows numbered over all layers.
     #[inline(always)]
     pub(super) fn group_index(&self, row: usize, group: usize) -> GroupIndex {
         GroupIndex { group: row * self.groups + group, start: row * self.row_size() + group }
@@ -241,7 +243,7 @@ impl<const D: usize> Layout<D> {
     }
 }
 
-/// Converts an index in a box, given by its first cell and its counts, to the index among all cells.
+/// Converts an index in a box, given by its first cell and its numbers of cells, to the index among all cells.
 fn cell_in_box<const D: usize>(
     mut index: usize,
     counts: &[usize; D],
@@ -273,13 +275,13 @@ pub(super) fn groups_per_row<T: Real, const D: usize>(problem: &Problem<D>, cell
     if multiple <= groups + groups / 4 { multiple } else { groups }
 }
 
-/// Returns the distance of two fields of a row, in groups, for rows of `groups` groups. It is not a multiple of four
-/// cache lines, so that fewer values of a cell in different fields and rows map to the same cache set.
+/// Returns the distance between two fields of a row, in groups, for rows of `groups` groups. It is not a multiple of
+/// four cache lines, so that fewer values of a cell in different fields and rows map to the same cache set.
 pub(super) fn pitch(groups: usize) -> usize {
     if groups.is_multiple_of(4) { groups + 1 } else { groups }
 }
 
-/// Returns the memory of the fields and the material indices of a domain, bytes.
+/// Returns the memory of the fields and the material indices of a domain, in bytes.
 pub fn memory_bytes<T: Real>(cells: &[usize], fields: usize) -> f64 {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();

@@ -4,9 +4,9 @@
 //! A new law needs changes in [`crate::solid::cell_laws`] (formula, `MAX_FIELDS`); here and in a new file (constants by
 //! lane pattern, kernel, [`has_coupled_fields`]); `step` (position in the time step);
 //! [`Medium`](crate::solid::medium::Medium) (history fields, energy); `models::solid::waves::SolidField` and the
-//! matches over it; [`crate::solid::ledger`] and `output` if it dissipates; [`crate::solid::reference`], which tests
-//! compare with. Layout, halo, snapshot and output of its fields need no change. If the yield set depends on the
-//! history, the return mapping changes as well.
+//! matches over it; [`crate::solid::ledger`] and `output` if it dissipates; [`crate::solid::reference`], with which
+//! tests compare the results. Layout, halo, snapshot and output of its fields need no change. If the yield set depends
+//! on the history, the return mapping must be changed as well.
 
 use super::curvilinear::CurvatureRotations;
 use super::materials::Materials;
@@ -26,19 +26,20 @@ use models::solid::waves::SolidField;
 pub(super) struct LocalLaws<T: Real> {
     /// Rotations of spins against antisymmetric stress, by pattern and [`Interval`].
     pub(super) spin_rotations: Vec<[SpinStressRotation<T::Lanes>; 2]>,
-    /// Offsets of a spin and of the two stresses that rotate against it.
+    /// Offsets of each spin and of the two stresses that rotate against it.
     pub(super) rotated_offsets: Vec<[usize; 3]>,
     /// Relaxation of stresses; `None` if no medium relaxes.
     pub(super) relaxations: Option<LaneRelaxations<T>>,
     /// By pattern, whether any lane has a yield set.
     pub(super) has_yield_set: Vec<bool>,
-    /// Yield sets in lanes of one kind, for stresses without initial stress; `None` for mixed or other kinds.
+    /// Yield sets in lanes if all are of one kind (see [`YieldSets`]), for the return mapping without initial stress;
+    /// else `None`.
     pub(super) sets: Option<YieldSets<T>>,
     /// Axis along which the initial stress varies, and the stress by layer across that axis.
     pub(super) initial_stress: Option<(usize, Vec<Stress>)>,
     /// Initial stress by block of a row, if it varies along the first axis; else empty.
     pub(super) initial_stress_blocks: Vec<InitialStress>,
-    /// Yield sets in lanes for total stresses, for reflections, and for several kinds of sets.
+    /// Yield sets in lanes for total stresses, for reflections, and for sets of several kinds.
     pub(super) total_stress_sets: TotalStressSets,
     /// Rotation of the state by the curvature of rows; `None` for straight rows.
     pub(super) curvature_rotations: Option<CurvatureRotations<T>>,
@@ -48,7 +49,7 @@ pub(super) struct LocalLaws<T: Real> {
 }
 
 /// Whether the second sweep of a step along the last axis depends on all fields of a cell, not only on those that it
-/// reads and those that rotate with them: relaxation and a reflection in the middle of the step couple all fields.
+/// reads and those that rotate with them: relaxation and the reflection in the middle of the step couple all fields.
 pub(super) fn has_coupled_fields<const D: usize>(problem: &Problem<D>) -> bool {
     let Problem { media, scheme, .. } = problem;
     let is_plastic = media.iter().any(|medium| medium.yield_set.is_some());
@@ -56,7 +57,7 @@ pub(super) fn has_coupled_fields<const D: usize>(problem: &Problem<D>) -> bool {
         || (is_plastic && scheme.plastic_step == PlasticStep::MidpointReflection)
 }
 
-/// Returns the offsets of spins and of the stresses that rotate with them, for fields `pitch` groups apart.
+/// Returns the offsets of each spin and of the two stresses that rotate with it, for fields `pitch` groups apart.
 pub(super) fn rotated_field_offsets(fields: &[SolidField], pitch: usize) -> Vec<[usize; 3]> {
     cell_laws::rotated_fields(fields)
         .into_iter()
@@ -65,9 +66,9 @@ pub(super) fn rotated_field_offsets(fields: &[SolidField], pitch: usize) -> Vec<
 }
 
 impl<T: Real> LocalLaws<T> {
-    /// Creates the laws of materials by lane pattern, in rows of `groups` groups, for a time `step`, s. `reflects`:
-    /// whether yield sets act by the reflection 2P − I. `initial_stress` is that of this subdomain, `whole` that of all
-    /// subdomains.
+    /// Creates the laws of materials by lane pattern, in rows of `groups` groups, for a time step `step`, s.
+    /// `reflects`: whether the return mapping is the reflection 2P − I; `initial_stress`: the initial stress of this
+    /// subdomain; `whole`: that of all subdomains.
     pub(super) fn new<const D: usize>(
         materials: &Materials<T, D>,
         patterns: &[Vec<u16>],
@@ -119,7 +120,7 @@ impl<T: Real> LocalLaws<T> {
         }
     }
 
-    /// Whether the return mapping needs buffers in double precision, as for domains in single precision.
+    /// Whether the return mapping needs a buffer in double precision, as for domains in single precision.
     pub(super) fn has_double_blocks(&self) -> bool {
         blocks_per_group::<T>() > 1 && self.total_stress_sets != TotalStressSets::default()
     }

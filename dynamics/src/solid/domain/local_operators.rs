@@ -1,4 +1,4 @@
-//! Local operators: rotation of spins, flush of subnormals, time integrals; and sums of energies over cells.
+//! Local operators: rotation of spins, flush of subnormals, time integrals; sums of energies over cells.
 
 use super::diagnostics::Diagnostics;
 use super::layout::RowSegment;
@@ -39,7 +39,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.stress_from_fields(&self.cell_state(cell))
     }
 
-    /// Returns the stress of a state.
+    /// Returns the stress tensors of a state.
     pub(super) fn stress_from_fields(&self, values: &[T; MAX_FIELDS]) -> Stress {
         stress_from_fields(self.fields(), values)
     }
@@ -72,7 +72,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Flushes values below [`flush_limit`] to zero after every 16th step, in fields and in history variables of
+    /// Sets values below [`flush_limit`] to zero after every 16th step, in fields and in history variables of
     /// interlayers.
     pub(super) fn flush_subnormals(
         &mut self,
@@ -115,7 +115,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         sums
     }
 
-    /// Returns the sums of the energy ledger over owned cells and faces, for all steps so far.
+    /// Returns the sums of all terms of the energy ledger over owned cells and faces, for all steps so far.
     pub(crate) fn ledger_sums(&self) -> LedgerSums {
         let Diagnostics { work, dissipation, .. } = &self.diagnostics;
         let dissipation = dissipation.lists().map(|values| self.sum_owned_lanes(values));
@@ -143,7 +143,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
 /// Kernel: rotation of spins against antisymmetric stress in adjacent groups of a row.
 struct SpinRotationKernel<'a, T: Real> {
-    /// Data from the first of the groups on.
+    /// Field values from the first of these groups on.
     field_data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     rotations: &'a [[SpinStressRotation<T::Lanes>; 2]],
@@ -209,7 +209,7 @@ impl<T: SolverReal, const D: usize> SimdKernel<T> for EnergyKernel<'_, T, D> {
             let mut lane_energies = [[0.0f64; MAX_LANES]; 2];
             let kinds = [0..terms.kinetic_count, terms.kinetic_count..terms.field_offsets.len()];
             for (of_kind, kind) in lane_energies.iter_mut().zip(kinds) {
-                // A local array, not `lane_energies` itself, so that the sums stay in registers.
+                // A local array, not `lane_energies` itself, so that the compiler keeps the sums in registers.
                 let mut sums = [0.0f64; MAX_LANES];
                 for (&[one, other], factor) in
                     terms.field_offsets[kind.clone()].iter().zip(&factors[kind])

@@ -4,8 +4,8 @@ use crate::simd::{Real, Vector};
 use crate::solid::cell::CellConstants;
 use crate::solid::ghosts::GhostCoefficients;
 
-/// Pair of waves (one in each direction) along an axis: offsets of its fields in a row, and of its constants in the
-/// table.
+/// Pair of waves (one in each direction) along an axis: offsets of its fields in a row, and indices of its constants in
+/// the table.
 #[derive(Clone, Debug)]
 pub(crate) struct WavePair {
     pub(crate) velocity: usize,
@@ -26,8 +26,8 @@ pub(crate) struct MaterialTable<T: Real> {
     pub(crate) coupling_ratios: Vec<T::Lanes>,
     /// Number of coupling ratios of a pattern.
     pub(crate) ratios_per_pattern: usize,
-    /// Ghost coefficients by wave if there is one pattern; empty for several patterns, for which computing them again
-    /// takes less time than loading them.
+    /// Ghost coefficients by wave if there is one lane pattern; empty for several patterns, for which computing the
+    /// coefficients takes less time than loading them.
     pub(crate) ghost_coefficients: Vec<GhostCoefficients<T::Lanes>>,
 }
 
@@ -43,15 +43,15 @@ impl<T: Real> MaterialTable<T> {
         &self.cell_constants[pattern as usize * self.cells_per_pattern + wave.constants_index]
     }
 
-    /// Returns the ghost coefficients of a wave next to the outermost cell of a line: stored ones, or computed from its
-    /// constants.
+    /// Returns the ghost coefficients of a pair of waves at the end of a line: stored ones or, if there are none,
+    /// computed from the constants of the outermost cell.
     #[inline(always)]
     pub(crate) fn ghost_coefficients<V: Vector<T>>(
         &self,
         wave: &WavePair,
         outermost: &CellConstants<V>,
     ) -> GhostCoefficients<V> {
-        // Both branches pass through memory: for a branch between registers the compiler computes both.
+        // Both branches pass through memory: otherwise the compiler would evaluate both branches and select the result.
         let computed;
         let group = match self.ghost_coefficients.get(wave.constants_index) {
             Some(stored) => stored,

@@ -41,8 +41,8 @@ pub(super) struct Materials<T: Real, const D: usize> {
     pub(super) energy_terms: EnergyCoefficients<T>,
     /// By group, the number of its lane pattern: groups of the rows, then ghosts beyond the ends of the swept lines.
     pub(super) patterns: Vec<u32>,
-    /// By axis and group: number of next groups along the axis with the same pattern, at most 255; empty if there is
-    /// only one pattern.
+    /// By axis and group: number of next groups along the axis with the same lane pattern, at most 255; empty if there
+    /// is only one pattern.
     pub(super) run_lengths: [Vec<u8>; D],
     /// By row, the patterns of its ghosts: at the lower, then at the upper end, nearest first; empty if there is only
     /// one pattern.
@@ -73,7 +73,7 @@ impl PatternSet {
         is_periodic: bool,
     ) -> (Vec<u32>, [u32; 2 * GHOSTS]) {
         let (lanes, length, groups) = (T::Lanes::COUNT as isize, media.len(), groups as isize);
-        // Beyond the ends: the medium of the mirror image, or of the periodic one. Lanes that are neither cells nor
+        // Beyond the ends: the medium of the mirror image, or of the periodic image. Lanes that hold neither cells nor
         // ghosts get an arbitrary medium.
         let at = |x: isize| {
             let inside = usize::try_from(x).ok().and_then(|x| media.get(x));
@@ -119,13 +119,13 @@ struct WaveConstants<'a, T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
-    /// Returns a pair of waves along an axis, for sweeps of `step_fraction` of the time step.
+    /// Creates a pair of waves along an axis, for sweeps of `step_fraction` of the time step.
     fn create_pair(&mut self, axis: usize, pair: usize, step_fraction: f64) -> WavePair {
         let Problem { media, grid, scheme, step, .. } = self.problem;
         let fields = &media[0].fields;
         let index = |field: SolidField| fields.iter().position(|own| *own == field);
         let place = |field: SolidField| index(field).map_or(0, |index| index * self.pitch);
-        // Passive stresses of any medium; the coupling ratio is zero in media without that coupling.
+        // Stresses that are passive in any medium; the coupling ratio is zero in media without that coupling.
         let all = media.iter().flat_map(|medium| &medium.pairs[axis][pair].passive_stresses);
         let mut passive_stresses: Vec<usize> = all.filter_map(|(field, _)| index(*field)).collect();
         passive_stresses.sort_unstable();
@@ -197,8 +197,8 @@ impl<T: Real, const D: usize> WaveConstants<'_, T, D> {
 }
 
 impl<T: Real, const D: usize> Materials<T, D> {
-    /// Creates the materials of the problem of a region, with or without periodic rows, and returns the media in the
-    /// lanes of each pattern.
+    /// Creates the materials of the problem of a region, with or without periodic rows, and returns them with the media
+    /// in the lanes of each lane pattern.
     pub(super) fn new(
         problem: &Problem<D>,
         layout: &Layout<D>,
@@ -261,7 +261,8 @@ impl<T: Real, const D: usize> Materials<T, D> {
         (materials, pattern_set.patterns)
     }
 
-    /// Returns the wave constants for sweeps along an axis; along rows those of the current row, if rows differ.
+    /// Returns the table of wave constants for sweeps along an axis; along rows that of the current row, if rows
+    /// differ.
     #[inline(always)]
     pub(super) fn axis_table(&self, axis: usize) -> &MaterialTable<T> {
         match &self.row_constants {
@@ -270,7 +271,7 @@ impl<T: Real, const D: usize> Materials<T, D> {
         }
     }
 
-    /// Returns the medium of a cell, counted with the halo.
+    /// Returns the medium of a cell, given its index among all cells, halo included.
     #[inline(always)]
     pub(super) fn medium(&self, cell: usize) -> &Medium {
         &self.media[usize::from(self.cell_media[cell])]

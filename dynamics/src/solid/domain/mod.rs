@@ -1,18 +1,18 @@
 //! Fused solver: fields on a rectangular grid, and their time integration.
 //!
-//! | file | holds |
+//! | file | contents |
 //! |---|---|
 //! | `step` | **the time step**: order of sweeps, sources, rotation, relaxation, return mapping |
 //! | `schedule` | wavefront tiling: order in which rows and layers pass the stages of a step |
 //! | `layout` | memory layout of cells and fields |
 //! | `materials`, `material_table` | media by lane pattern, wave constants and energy coefficients |
-//! | `kernel`, `rows`, `ghost_kernels` | sweep kernel for many lines in SIMD lanes; ghosts at the ends of rows and lines |
+//! | `kernel`, `rows`, `ghost_kernels` | sweep kernel for many lines in SIMD lanes; ghosts of rows and lines |
 //! | `sweep` | sweeps by axis and the work done at boundaries |
-//! | `local_laws`, `local_operators`, `relaxation` | operators between sweeps: rotation, relaxation, flush of subnormals |
+//! | `local_laws`, `local_operators`, `relaxation` | operators between sweeps: rotation, relaxation, flushing |
 //! | `stress_mapping` | return mapping: dispatch |
 //! | `plastic` | return mapping without initial stress, for one kind of yield set |
-//! | `return_mapping`, `total_stress` | Newton's method for total stresses, reflections and mixed sets; its constants |
-//! | `cell_mapping` | return mapping in lanes of a single cell, for the reference solver |
+//! | `return_mapping`, `total_stress` | Newton's method for total stresses, reflections and mixed sets; constants |
+//! | `cell_mapping` | return mapping of a single cell in SIMD lanes, for the reference solver |
 //! | `curvilinear` | cell length along rows by layer, rotation by the curvature of rows |
 //! | `sources`, `boundaries` | sources and gravity; boundary conditions |
 //! | `interlayer_faces`, `interlayers` | interlayers: faces and history variables; their input and output |
@@ -21,9 +21,9 @@
 //! | `build` | construction of a domain from a [`Problem`] |
 //!
 //! The formulas of a sweep are those of [`crate::solid::line`], which sweeps one line at a time; here sweeps advance
-//! many lines at once. Fields are equal to the bit for any tiling, number of subdomains and instruction set, and equal
-//! to the bit to those of [`Reference`](crate::solid::reference::Reference), which also accounts for the dissipation of
-//! the scheme itself.
+//! many lines at once. Fields are equal bit for bit for any tiling, number of subdomains and instruction set, and equal
+//! bit for bit to those of [`Reference`](crate::solid::reference::Reference), which also accounts for the dissipation
+//! of the scheme itself.
 //!
 //! Fields are the deviation from an initial stress in equilibrium, which causes no motion; yield conditions are
 //! evaluated for the total stress.
@@ -35,11 +35,12 @@
 //! Sums of the ledger are exact and thus independent of the order of summation; each owned cell and face enters them
 //! once.
 //!
-//! If a domain is cut along another axis than the last one, its halo there is exchanged before a pass: see `halo`. If
-//! it is cut, or periodic, along the last axis, it has a halo of [`HALO`](crate::solid::line::HALO) layers for each
-//! step of a pass, recomputed redundantly. For each block of rows a subdomain applies the first x and y sweeps to its
-//! outermost layers, then sends them; the lower halo is received before the first layer is loaded, the upper halo
-//! before the first tile that includes it. After a pass the values in the halo are arbitrary.
+//! If a domain has neighbouring subdomains along an axis other than the last one, its halo there is exchanged before a
+//! pass: see `halo`. If it has neighbours, or is periodic, along the last axis, it has a halo of
+//! [`HALO`](crate::solid::line::HALO) layers for each step of a pass, which it recomputes redundantly. For each block
+//! of rows a subdomain applies the first x and y sweeps to its outermost layers, then sends these layers; the lower
+//! halo is received before the first layer is loaded, the upper halo before the first tile that includes it. After a
+//! pass the values in the halo are arbitrary.
 
 mod boundaries;
 mod buffers;
@@ -130,14 +131,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.instructions = instructions;
     }
 
-    /// Selects the scalar return mapping, cell by cell, where the mapping in lanes is equal to it to the bit: with
-    /// initial stress, for reflections, and for several kinds of yield sets. Results do not depend on it.
+    /// Selects the scalar return mapping, cell by cell, in place of the mapping in lanes whose results are equal bit
+    /// for bit: with initial stress, for reflections, and for several kinds of yield sets.
     #[doc(hidden)]
     pub fn use_scalar_mapping(&mut self) {
         self.local_laws.uses_scalar_mapping = true;
     }
 
-    /// Returns the components of the state.
+    /// Returns the fields of the state.
     pub fn fields(&self) -> &[SolidField] {
         &self.materials.fields
     }
@@ -158,8 +159,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Some(self.layout.owned_cells().map(|cell| self.value_at(cell, place)).collect())
     }
 
-    /// Sets the values of a field in owned cells, first axis fastest; ignores values without a cell, and leaves cells
-    /// without a value unchanged.
+    /// Sets the values of a field in owned cells, first axis fastest; excess values are ignored, missing ones leave
+    /// cells unchanged.
     pub fn set(&mut self, field: SolidField, values: &[T]) {
         let Some(place) = self.field_offset(field) else { return };
         let layout = self.layout.clone();
@@ -194,8 +195,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.field_offset(field).map(|place| self.value_at(cell, place))
     }
 
-    /// Returns field and owned cell of the first value that is not finite; for an interlayer the cell at its upper
-    /// side.
+    /// Returns field and owned cell of the first value that is not finite; for an interlayer the cell above the face.
     pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
         let non_finite_field = |cell: &usize| {
             self.field_offsets()
@@ -234,7 +234,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.ledger_sums().to_ledger(self.grid.volume())
     }
 
-    /// Returns the work over boundary faces and of sources, summed over all steps so far.
+    /// Returns the sums of the work at boundaries and of sources over all steps so far.
     pub(crate) fn work(&self) -> &WorkSums {
         &self.diagnostics.work
     }

@@ -1,4 +1,4 @@
-//! Output of a domain: fields of cells at the time of the domain, records of watched cells, sums by cell.
+//! Output of a domain: fields of cells at the time of the domain, records of watched cells, sums over time by cell.
 
 use super::completion::ClosingBoundaries;
 use super::{Domain, SolverReal};
@@ -10,7 +10,7 @@ use std::ops::Range;
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the time integrals of the problem in an owned cell, m or rad.
     pub(crate) fn time_integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
-        // Trapezoidal rule: removes half of the last value; alternating sweeps use the midpoint rule.
+        // Trapezoidal rule: subtracts half of the last value; alternating sweeps use the midpoint rule.
         let last = if self.scheme.is_alternating() { 0.0 } else { 0.5 * self.step };
         let has_steps = self.schedule.steps > 0;
         let cell = self.layout.local_cell(cell);
@@ -25,9 +25,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.diagnostics.time_integrals.len()
     }
 
-    /// Returns the sums over time by owned cell: the lists of [`CellDissipation`], then the time integrals.
+    /// Returns the sums over time by owned cell: the lists of [`CellDissipation::lists`], then the time integrals.
     ///
-    /// [`CellDissipation`]: crate::solid::ledger::CellDissipation
+    /// [`CellDissipation::lists`]: crate::solid::ledger::CellDissipation::lists
     pub(crate) fn cell_sums(&self) -> Vec<Vec<f64>> {
         let dissipation = self.diagnostics.dissipation.lists();
         let dissipation = dissipation.map(|sums| self.owned_lane_values(sums).collect());
@@ -37,7 +37,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         dissipation.into_iter().chain(integrals).collect()
     }
 
-    /// Returns the values of owned cells, in their order, from a list by group and lane; none if the list is empty.
+    /// Returns the values of owned cells, in the order of the cells, from a list by group and lane; none if the list is
+    /// empty.
     fn owned_lane_values(&self, values: &[f64]) -> impl Iterator<Item = f64> {
         let cells = self.layout.owned_cells().take(if values.is_empty() { 0 } else { usize::MAX });
         cells.map(|cell| values[self.layout.flat_lane_index::<T>(cell)])
@@ -58,7 +59,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Returns a copy of the domain with its stresses mapped into their yield sets, for output.
+    /// Returns a copy of the domain with the stresses mapped into their yield sets, for output.
     #[must_use]
     pub fn to_admissible(&self) -> Self {
         let mut mapped = self.clone();
@@ -110,8 +111,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.output_cell_with(cell, self.closing_boundaries().as_ref(), values);
     }
 
-    /// Appends the output of an owned cell as [`Self::output_cell`] does, with boundaries that
-    /// [`Self::closing_boundaries`] has returned, to save time for many cells.
+    /// Appends the output of an owned cell as [`Self::output_cell`] does, with the boundaries that
+    /// [`Self::closing_boundaries`] has returned once for many cells.
     pub(crate) fn output_cell_with(
         &self,
         cell: usize,

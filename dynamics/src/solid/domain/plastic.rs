@@ -1,12 +1,12 @@
-//! Return mapping in lanes without initial stress, by projection, if all yield sets are of one kind: Mises' set in all
-//! its forms, with the energy it dissipates. Its formulas are derived at
-//! [`Mises::project`](models::yield_set::parameters::Mises::project); if the condition depends on one part of the
-//! stress only, the root is in closed form. Stresses at the apex and on the half-line before it are mapped by that
-//! scalar function. For polyhedra all conditions are evaluated in lanes, and a stress beyond a condition is projected
-//! by the scalar function. All other configurations are mapped by `return_mapping`.
+//! Return mapping without initial stress in SIMD lanes, by projection, if all yield sets are of one kind: Mises' set in
+//! all its forms, with the energy it dissipates, or polyhedra. The formulas for Mises' set are derived at
+//! [`Mises::project`](models::yield_set::parameters::Mises::project); if the yield condition depends on one eigenspace
+//! of the stress only, its root is in closed form. Stresses whose mean is at or beyond the apex are mapped by that
+//! scalar function. For polyhedra all conditions are evaluated in lanes, and a stress that violates a condition is
+//! projected by the scalar function. All other configurations are mapped by `return_mapping`.
 //!
-//! A lane does not depend on its neighbours: stresses within their sets are unchanged to the bit, wherever rows are
-//! cut.
+//! Lanes are mapped independently of each other, so that the result in a cell does not depend on the decomposition;
+//! stresses within their sets are unchanged bit for bit.
 
 use crate::simd::{LaneGroup, Number, Real, SimdKernel, Vector};
 use crate::solid::medium::{Medium, stress_component};
@@ -15,11 +15,11 @@ use models::solid::waves::SolidField;
 use models::yield_set::parameters::{ActiveCondition, Mises};
 use models::yield_set::return_mapping::{ConsistencyEquation, EIGENSPACE_COUNT, NewtonIterate};
 
-/// Yield sets by pattern.
+/// Yield sets by lane pattern.
 #[derive(Clone)]
 pub(super) enum YieldSets<T: Real> {
     Mises(MisesSets<T>),
-    /// Conditions of interlayer sets: stresses that satisfy all of them are unchanged, all others are projected by the
+    /// Conditions of polyhedral sets: stresses that satisfy all of them are unchanged, all others are projected by the
     /// scalar function.
     HalfSpaces(Vec<Vec<LaneHalfSpace<T::Lanes>>>),
 }
@@ -27,17 +27,17 @@ pub(super) enum YieldSets<T: Real> {
 /// Half-space n·s ≤ k in lanes.
 #[derive(Clone)]
 pub(super) struct LaneHalfSpace<N> {
-    /// Offsets of stresses, and components of n.
+    /// Offsets of stresses, and the corresponding components of n.
     normal: Vec<(usize, N)>,
     strength: N,
 }
 
-/// Mises' sets by pattern.
+/// Mises' sets by lane pattern.
 #[derive(Clone)]
 pub(super) struct MisesSets<T: Real> {
     force: TensorOffsets,
     couple: TensorOffsets,
-    /// Parts of the stress with a nonzero weight in any condition.
+    /// Flags of the eigenspaces of the stress with a nonzero weight in any set.
     active: [bool; EIGENSPACE_COUNT],
     by_pattern: Vec<MisesConstants<T::Lanes>>,
 }
@@ -46,7 +46,7 @@ pub(super) struct MisesSets<T: Real> {
 #[derive(Clone, Default)]
 pub(super) struct TensorOffsets {
     pub(super) normal: Option<[usize; 3]>,
-    /// Offsets of the components ij and ji; twice the same if one field stands for both.
+    /// Offsets of the components ij and ji, which are the same if one field stands for both.
     pub(super) pairs: Vec<[usize; 2]>,
 }
 
@@ -73,31 +73,32 @@ impl TensorOffsets {
     }
 }
 
-/// Mises' set in lanes.
+/// Constants of Mises' set in lanes.
 #[derive(Clone, Copy)]
 struct MisesConstants<N> {
-    /// k; in lanes without yield set greater than any stress.
+    /// Strength k, Pa; in lanes without yield set greater than any stress.
     strength: N,
     /// Friction coefficient κ.
     friction: N,
-    /// κK, decrease of the mean stress per plastic multiplier.
+    /// Decrease κK of the mean stress per plastic multiplier, Pa, with the bulk modulus K.
     mean_drop: N,
-    /// a = 2κ²K, with the bulk modulus K.
+    /// Coefficient a = 2κ²K, Pa.
     a: N,
-    /// 2/(a + d), plastic multiplier per excess of τ̄, with the rate d = Dp of the force deviator; then ½d.
+    /// Plastic multiplier per excess of the equivalent shear stress τ̄, 2/(a + d), 1/Pa, with the product d = Dp of
+    /// stiffness and weight of the deviator of the force stress; then ½d, Pa.
     multiplier_per_excess: N,
     half_rate: N,
-    /// Weights p, rates Dp and compliances 1/D of the parts of the stress.
+    /// Weights p, products Dp and compliances 1/D of the eigenspaces, with the stiffnesses D.
     weights: [N; EIGENSPACE_COUNT],
     rates: [N; EIGENSPACE_COUNT],
     compliances: [N; EIGENSPACE_COUNT],
 }
 
 impl MisesConstants<f64> {
-    /// Returns the set of a medium without yield condition: `strength` is beyond any stress.
+    /// Creates the constants of a medium without yield condition: `strength` is beyond any stress.
     fn with_unbounded_strength(strength: f64) -> Self {
         let mut rates = [0.0; EIGENSPACE_COUNT];
-        // Any nonzero value.
+        // Any nonzero value, since the weights are zero.
         rates[0] = 1.0;
         let [weights, compliances] = [[0.0; EIGENSPACE_COUNT]; 2];
         let [friction, mean_drop, a, half_rate] = [0.0; 4];
@@ -119,7 +120,7 @@ impl MisesConstants<f64> {
         let bulk = solid.lambda + 2.0 / 3.0 * solid.mu;
         let Mises { friction, strength, .. } = *set;
         let [mean_drop, a] = [friction * bulk, 2.0 * friction * friction * bulk];
-        // Parts without weight or stiffness are not mapped.
+        // Eigenspaces without weight or stiffness are not mapped.
         let parts = set
             .eigenspace_coefficients(solid)
             .map(|part| if part[0] > 0.0 && part[1] > 0.0 { part } else { [0.0; 2] });
@@ -146,8 +147,8 @@ fn unbounded_strength<T: Real>() -> f64 {
 }
 
 impl<T: Real> YieldSets<T> {
-    /// Creates the sets of all lane patterns; `None` for sets of both kinds, or of another kind. The offset of a field
-    /// is its index times `pitch`.
+    /// Creates the sets of all lane patterns; `None` if some sets are Mises' and others polyhedra, or if a set is of
+    /// another kind. The offset of a field is its index times `pitch`.
     pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], pitch: usize) -> Option<Self> {
         match MisesSets::new(media, patterns, pitch) {
             Some(strengths) => Some(Self::Mises(strengths)),
@@ -156,14 +157,14 @@ impl<T: Real> YieldSets<T> {
     }
 }
 
-/// Returns the conditions by pattern; `None` if a set is not a polyhedron.
+/// Creates the half-spaces of polyhedral sets by lane pattern; `None` if a set is not a polyhedron.
 fn create_half_spaces<T: Real>(
     media: &[Medium],
     patterns: &[Vec<u16>],
     pitch: usize,
 ) -> Option<Vec<Vec<LaneHalfSpace<T::Lanes>>>> {
     let fields = &media[0].fields;
-    /// Condition: n by field, and k.
+    /// Condition n·s ≤ k: components of n by field, and k.
     struct HalfSpaceCondition {
         normal: Vec<f64>,
         strength: f64,
@@ -255,15 +256,15 @@ impl<T: Real> MisesSets<T> {
     }
 }
 
-/// Kernel: return mapping of adjacent groups of a row.
+/// Kernel: return mapping of adjacent groups of a row by projection.
 pub(super) struct ProjectionKernel<'a, T: Real> {
-    /// Data from the first of the groups on.
+    /// Field values from the first of these groups on.
     pub(super) field_data: &'a mut [T::Lanes],
     pub(super) patterns: &'a [u32],
     pub(super) sets: &'a YieldSets<T>,
-    /// By pattern, whether any lane has a yield set.
+    /// By lane pattern, whether any lane has a yield set.
     pub(super) has_yield_set: &'a [bool],
-    /// Plastic dissipation by group and lane, J/m³; added to.
+    /// Accumulated plastic dissipation by group and lane, J/m³.
     pub(super) dissipation: &'a mut [f64],
     /// Groups with stresses left to the scalar projection, and masks of their lanes.
     pub(super) scalar_lanes: &'a mut Vec<(usize, u16)>,
@@ -294,7 +295,8 @@ impl<T: Real> SimdKernel<T> for ProjectionKernel<'_, T> {
 }
 
 impl<T: Real> ProjectionKernel<'_, T> {
-    /// Maps Mises' sets; sets that depend on the deviator of the force stress only have a separate compiled loop.
+    /// Maps stresses onto Mises' sets; for sets that depend on the deviator of the force stress only, a separate loop
+    /// is compiled.
     #[inline(always)]
     fn map_groups<V: Vector<T>, const DEVIATOR: bool>(self, strengths: &MisesSets<T>) {
         let lanes = T::Lanes::COUNT;
@@ -311,7 +313,7 @@ impl<T: Real> ProjectionKernel<'_, T> {
                 let dissipation = &mut self.dissipation[index * lanes..][..lanes];
                 for (own, energy_loss) in dissipation.iter_mut().zip(energy_loss.lanes()) {
                     let energy_loss = energy_loss.to_f64();
-                    // NaN also enters the stress, where it is detected.
+                    // A NaN also enters the stress, where it is detected.
                     debug_assert!(
                         energy_loss.is_nan() || energy_loss >= 0.0,
                         "the correction adds energy"
@@ -326,7 +328,7 @@ impl<T: Real> ProjectionKernel<'_, T> {
     }
 }
 
-/// Returns the mask of the lanes whose stress violates any condition.
+/// Returns the mask of the lanes whose stress violates any of the conditions.
 #[inline(always)]
 fn lanes_beyond_half_spaces<T: Real, V: Vector<T>>(
     group: &[T::Lanes],
@@ -350,7 +352,7 @@ struct MappingLanes {
     scalar_lanes: u16,
 }
 
-/// Returns the mean, and ½|·|² of the symmetric deviator and of the antisymmetric part of a stress.
+/// Returns the mean of a stress, and ½|·|² of its symmetric deviator and of its antisymmetric part.
 #[inline(always)]
 fn stress_invariants<T: Real, V: Vector<T>>(
     group: &[T::Lanes],
@@ -416,7 +418,7 @@ fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
 ) -> MappingLanes {
     let MisesSets { force, couple, active, .. } = strengths;
     let (mean, deviator, antisymmetric) = stress_invariants::<T, V>(group, force);
-    // Invariants ½|s̄|² of each part.
+    // Invariants ½|s̄|² of the trial stress s̄ by eigenspace.
     let mut squares = [deviator, antisymmetric, V::ZERO, V::ZERO, V::ZERO];
     let mut couple_mean = V::ZERO;
     let has_couples = !DEVIATOR && (active[2] || active[3] || active[4]);
@@ -435,7 +437,7 @@ fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     }
     let strength = V::load(&constants.strength);
     let shear_capacity = strength - V::load(&constants.friction) * mean;
-    // Lanes whose mean stress alone is beyond the set.
+    // Lanes whose mean stress alone is at or beyond the apex of the set.
     let scalar_lanes = V::MIN_POSITIVE.greater_lanes(shear_capacity);
     let mapped_lanes = square.greater_lanes(shear_capacity * shear_capacity) & !scalar_lanes;
     if mapped_lanes == 0 {
@@ -479,8 +481,9 @@ fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     MappingLanes { mapped_lanes, scalar_lanes }
 }
 
-/// Returns the fraction that the deviator loses, and λ, if h(x) = 0 is linear: for an excess τ̄ − r, λ = 2(τ̄ − r)/(a +
-/// d), and the deviator loses the fraction d λ/(2τ̄), with its rate d = Dp.
+/// Returns the fraction that the deviator loses, and the plastic multiplier λ, if only the deviator of the force stress
+/// enters the yield condition: for an excess τ̄ − r over the shear capacity r, λ = 2(τ̄ − r)/(a + d), and the deviator
+/// loses the fraction d λ/(2τ̄), with d = Dp. `square` = τ̄².
 #[inline(always)]
 fn solve_single_rate<T: Real, V: Vector<T>>(
     square: V,
@@ -494,7 +497,8 @@ fn solve_single_rate<T: Real, V: Vector<T>>(
     (V::load(&constants.half_rate) * multiplier / shear.max(V::MIN_POSITIVE), multiplier)
 }
 
-/// Returns the fraction that each part loses, λ, and the energy loss of the parts: by [`ConsistencyEquation::solve`].
+/// Returns by eigenspace the fraction that the stress loses, the plastic multiplier λ, and the energy loss in the
+/// eigenspaces, J/m³, by [`ConsistencyEquation::solve`]. `squares`: ½|s̄|² by eigenspace.
 #[inline(always)]
 fn solve_several_rates<T: Real, V: Vector<T>>(
     squares: [V; EIGENSPACE_COUNT],

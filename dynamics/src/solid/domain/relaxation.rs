@@ -22,7 +22,7 @@ use std::ops::Range;
 pub(super) struct LaneRelaxations<T: Real> {
     /// Offsets of the stresses that relax and of their viscous strains.
     fields: RelaxedFields,
-    /// `None` if no lane relaxes.
+    /// By lane pattern, the relaxation of its lanes; `None` if no lane relaxes.
     by_pattern: Vec<Option<PatternRelaxation<T>>>,
 }
 
@@ -30,7 +30,8 @@ pub(super) struct LaneRelaxations<T: Real> {
 type PatternRelaxation<T> = (u16, [Relaxation<<T as Real>::Lanes>; 2]);
 
 impl<T: Real> LaneRelaxations<T> {
-    /// Creates the laws; `None` if no medium relaxes. The offset of a field is its index times `pitch`.
+    /// Creates the laws for a time step `step`, s; `None` if no medium relaxes. The offset of a field is its index
+    /// times `pitch`.
     pub(super) fn new(
         media: &[Medium],
         patterns: &[Vec<u16>],
@@ -82,12 +83,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
 /// Kernel: relaxation of stresses in adjacent groups of a row.
 struct RelaxationKernel<'a, T: Real> {
-    /// Data from the first of the groups on.
+    /// Field values from the first of these groups on.
     field_data: &'a mut [T::Lanes],
     patterns: &'a [u32],
     relaxations: &'a LaneRelaxations<T>,
     interval: Interval,
-    /// Dissipated energy by group and lane, J/m³; added to.
+    /// Accumulated viscous dissipation by group and lane, J/m³.
     dissipation: &'a mut [f64],
 }
 
@@ -144,7 +145,7 @@ fn store_lanes<T: Real, V: Vector<T>>(group: &mut [T::Lanes], place: usize, lane
     V::load(&group[place]).blend_lanes(lanes, value).store(&mut group[place]);
 }
 
-/// Loads the constants of a group.
+/// Loads the relaxation constants of a group.
 #[inline(always)]
 fn load_relaxation<T: Real, V: Vector<T>>(from: &Relaxation<T::Lanes>) -> Relaxation<V> {
     Relaxation {

@@ -1,15 +1,15 @@
-//! Return mapping of total stresses in lanes, the initial stress included, by the projection P or the reflection 2P −
-//! I, with any kinds of yield sets side by side.
+//! Return mapping of total stresses (initial stress included) in SIMD lanes, by the projection P or the reflection 2P −
+//! I, for yield sets of any kinds side by side.
 //!
 //! Every operation is that of the scalar projection ([`Medium::project`]), in the same order and in double precision:
-//! results are equal to the bit. Groups in which no lane yields are skipped after the condition is evaluated. Newton's
-//! method runs on a batch of blocks: converged blocks do not wait for the others. Lanes are projected by the scalar
-//! function if the mean may reach the apex, and if the set is a polyhedron, whose half-spaces are tested in lanes, or
-//! of another kind.
+//! results are equal bit for bit. Blocks in which no lane yields are skipped after the yield condition has been
+//! evaluated. Newton's method runs on a batch of blocks: converged blocks do not wait for the others. Lanes are
+//! projected by the scalar function if the mean stress may reach the apex, if the set is a polyhedron, whose
+//! half-spaces are tested in lanes, or if the set is of another kind.
 //!
-//! A block of eight stresses takes 16 to 19 divisions and 3 to 4 roots in a classical solid with initial stress: three
-//! divisions and one root per step of Newton's method, two divisions per energy. Newton's method is bound by the
-//! division unit; the rest of the time is spent on about 400 additions, multiplications and comparisons.
+//! A block of eight stresses takes 16 to 19 divisions and 3 to 4 square roots in a classical solid with initial stress:
+//! three divisions and one root per step of Newton's method, two divisions per energy. Newton's method is limited by
+//! the division unit; the rest of the time is spent on about 400 additions, multiplications and comparisons.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors, parts and lanes")]
 
 mod batch;
@@ -32,35 +32,35 @@ use models::yield_set::return_mapping::{Cone, EIGENSPACE_COUNT, ReturnMappingRes
 pub(super) struct TotalStressKernel<'a> {
     pub(super) yield_sets: &'a TotalStressSets,
     pub(super) media: &'a [Medium],
-    /// Data from the first of the blocks on.
+    /// Field values from the first of these blocks on.
     pub(super) field_data: &'a mut [DoubleLanes],
     /// Distance between two fields in `field_data`, in blocks.
     pub(super) pitch: usize,
     /// Lane patterns by group.
     pub(super) patterns: &'a [u32],
-    /// By pattern, whether any lane has a yield set.
+    /// By lane pattern, whether any lane has a yield set.
     pub(super) has_yield_set: &'a [bool],
     /// Blocks per group: 1 in double, 2 in single precision.
     pub(super) blocks_per_group: usize,
     /// Initial stress: empty without one, one entry for all blocks, or one entry per block of the row.
     pub(super) initial_stress: &'a [InitialStress],
     pub(super) is_reflection: bool,
-    /// Index of the first group in its row; number of lanes that are cells in every group of the row; number of leading
-    /// groups of the row with one more.
+    /// Index of the first group in its row; number of lanes that hold cells in every group of the row; number of
+    /// leading groups of the row that have one such lane more.
     pub(super) lane_occupancy: [usize; 3],
-    /// Plastic dissipation by block and lane, J/m³; added to.
+    /// Accumulated plastic dissipation by block and lane, J/m³.
     pub(super) dissipation: &'a mut [f64],
-    /// Work of the initial stress by block and lane, J/m³; added to; empty without initial stress.
+    /// Accumulated work of the initial stress by block and lane, J/m³; empty without initial stress.
     pub(super) initial_stress_work: &'a mut [f64],
     /// By group, mask of the lanes of owned cells; `None` if the row has no owned cells.
     pub(super) owned_lanes: Option<&'a [u16]>,
-    /// Smallest ratio of plastic dissipation to stored energy over owned cells; updated.
+    /// Smallest ratio of plastic dissipation to stored energy over owned cells so far.
     pub(super) min_dissipation_ratio: &'a mut f64,
     /// Set to true if any stress is mapped.
     pub(super) has_mapped: &'a mut bool,
 }
 
-/// Runs the kernel with an instruction set; compiled once, in this crate.
+/// Runs the kernel with an instruction set; not generic, so that it is compiled once, in this crate.
 pub(super) fn map_in_lanes(instructions: InstructionSet, work: TotalStressKernel<'_>) {
     instructions.run_kernel::<f64>(work);
 }
@@ -92,7 +92,7 @@ impl<'a> TotalStressKernel<'a> {
         active: &[bool; EIGENSPACE_COUNT],
     ) {
         let count = self.patterns.len() * self.blocks_per_group;
-        // Energy of the initial stress, and the number of the block for which it was computed.
+        // Stored energy of the initial stress, and the number of the block for which it was computed.
         let mut initial_energy = (V::ZERO, usize::MAX);
         let mut batch =
             Batch { count: 0, blocks: [YieldingBlock::EMPTY; BATCH_SIZE], has_last_yielded: false };
@@ -127,7 +127,7 @@ impl<'a> TotalStressKernel<'a> {
         self.blocks_per_group.trailing_zeros()
     }
 
-    /// Returns number and constants of the block at a place of the row.
+    /// Returns the constants of the block at a place of the row, and their number.
     #[inline(always)]
     fn block_constants(&self, block_index: usize) -> (usize, &'a BlockConstants) {
         let pattern = self.patterns[block_index >> self.log2_blocks_per_group()] as usize;
@@ -233,7 +233,7 @@ impl<'a> TotalStressKernel<'a> {
         }
     }
 
-    /// Maps the lanes of a block beyond their sets and accumulates their energies.
+    /// Maps the yielding lanes of a block into their sets and accumulates their energies.
     #[inline(always)]
     fn map_block<V: Vector<f64>>(
         &mut self,
@@ -297,7 +297,7 @@ impl<'a> TotalStressKernel<'a> {
         }
     }
 
-    /// Updates the smallest ratio of dissipation to stored energy over owned cells.
+    /// Updates the smallest ratio of plastic dissipation to stored energy over owned cells.
     #[inline(never)]
     fn update_min_dissipation_ratio<V: Vector<f64>>(
         &mut self,
@@ -325,7 +325,7 @@ impl<'a> TotalStressKernel<'a> {
         }
     }
 
-    /// Returns the mask of the lanes that are cells.
+    /// Returns the mask of the lanes of a block that hold cells.
     #[inline(always)]
     fn cell_lanes(&self, block_index: usize) -> u16 {
         let [first, whole, rest] = self.lane_occupancy;
@@ -401,7 +401,7 @@ impl<'a> TotalStressKernel<'a> {
         lanes
     }
 
-    /// Maps the given lanes of a block; returns the mask of those left to the scalar projection.
+    /// Maps the yielding lanes of a block; returns the mask of those left to the scalar projection.
     #[inline(always)]
     fn map_lanes<V: Vector<f64>>(
         &mut self,
@@ -424,8 +424,8 @@ impl<'a> TotalStressKernel<'a> {
             root.scale_factors,
             active,
         );
-        // Lanes whose mean is recovered from the yield condition, by the scalar function. τ̄ = 1/(1/τ̄) is rounded
-        // there.
+        // In these lanes the scalar function computes the mean stress from the yield condition. The factor of τ̄ allows
+        // for the rounding of 1/(1/τ̄), by which that function computes τ̄.
         let capacity_bound = cone.strength + root.shear * V::from_f64(1.0 - 4.0 * f64::EPSILON);
         let size = cone.friction * (mean.max(-mean) + mapped.mean_drop);
         let remaining_lanes = size.greater_lanes(capacity_bound) & lanes;
@@ -509,7 +509,7 @@ impl<'a> TotalStressKernel<'a> {
         }
     }
 
-    /// Maps lanes by the scalar function.
+    /// Maps the masked lanes of a block by the scalar function.
     #[inline(never)]
     fn map_scalar(
         &mut self,

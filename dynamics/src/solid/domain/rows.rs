@@ -10,24 +10,24 @@ use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::riemann::State;
 use std::ops::Range;
 
-/// Slots of cells and ghosts at the ends of a row.
+/// Storage positions (group and lane) of cells and ghosts at the ends of a row.
 #[derive(Clone)]
 pub(crate) struct RowEnds<T: Real> {
     /// Number of groups of a row.
     groups: usize,
-    /// Slots of the outermost cells at each end, on which ghosts depend; shorter rows are continued periodically.
+    /// Positions of the outermost cells at each end, on which ghosts depend; shorter rows are continued periodically.
     outer_cells: [[LaneIndex; CLOSURE_CELLS]; 2],
     /// Whether a row has a single cell.
     has_single_cell: bool,
     /// Whether a row has fewer cells than its ghosts depend on.
     has_few_cells: bool,
-    /// Slots of the ghosts after the last cell.
+    /// Positions of the ghosts after the last cell.
     ghosts_after_last_cell: [LaneIndex; GHOSTS],
-    /// By group, of the first [`GHOSTS`] of a row, and by depth: mask of the lane that holds that ghost after the last
-    /// cell.
+    /// By group, for the first [`GHOSTS`] groups of a row, and by depth of the ghosts after the last cell: mask of the
+    /// lane that holds the ghost, 0 if the ghost is in another group.
     first_group_masks: [[u16; GHOSTS]; GHOSTS],
-    /// Padding lanes after the last cell. During a sweep the first [`GHOSTS`] hold ghost values, and the sweep changes
-    /// as many after them; otherwise all are zero.
+    /// Positions of the padding lanes after the last cell. During a sweep the first [`GHOSTS`] of them hold ghost
+    /// values, and the sweep changes as many after these; otherwise all are zero.
     padding: Vec<LaneIndex>,
     /// Ghost rule that copies values, the sign of zero included: for periodic ends.
     copying_rule: [T::Lanes; 5],
@@ -138,7 +138,8 @@ impl<T: Real> Rows<'_, T> {
         }
     }
 
-    /// Fills the same ghosts for waves with one-sided reconstruction: one row per lane at a time.
+    /// Fills the ghosts as [`Self::fill_ghosts`] does, for waves with one-sided reconstruction: many rows at a time,
+    /// one per lane.
     #[inline(always)]
     fn fill_one_sided_ghosts<V: Vector<T>>(
         &self,
@@ -196,7 +197,7 @@ impl<T: Real> Rows<'_, T> {
         (rows, end): (Range<usize>, usize),
     ) -> [[T::Lanes; GHOSTS]; 2] {
         let outer_cells = self.ends.outer_cells[end];
-        // Only open boundaries need the third cell.
+        // Only non-reflecting boundaries need the third cell.
         let depths = if closure.has_open_faces { CLOSURE_CELLS } else { GHOSTS };
         let mut velocity = [T::Lanes::ZERO; CLOSURE_CELLS];
         let mut stress = [T::Lanes::ZERO; CLOSURE_CELLS];
@@ -211,7 +212,8 @@ impl<T: Real> Rows<'_, T> {
                     field_data[start + wave.stress + group].lanes()[from];
             }
         }
-        // Ghost rules by row, unless all faces are alike; constants by row, unless there is one pattern.
+        // Ghost rules by row, unless all faces have the same rule; constants by row, unless there is only one lane
+        // pattern.
         let mut by_row = *self.ghost_rule(end, pair, self.first_face / T::Lanes::COUNT);
         if !self.has_uniform_rule(end) {
             for row in rows.clone() {
@@ -284,7 +286,8 @@ impl<T: Real> Rows<'_, T> {
         self.table.constants(pattern, wave)
     }
 
-    /// Zeroes the padding lanes of a field of a row: ghosts, and the lanes that the sweep has changed.
+    /// Sets the padding lanes of a field of a row to zero: the ghosts, and the lanes after them that the sweep has
+    /// changed.
     #[inline(always)]
     pub(crate) fn clear_padding(&self, field_data: &mut [T::Lanes], place: usize, row: usize) {
         let field =
@@ -300,7 +303,10 @@ impl<T: Real> Rows<'_, T> {
         self.boundaries[end].ghost_rule().is_none_or(|ghost_rule| ghost_rule.is_uniform)
     }
 
-    /// Returns the ghost rule at an end, by face: see [`GhostRule::face`](crate::solid::ghosts::GhostRule::face).
+    /// Returns the ghost rule at an end for a group of faces, see
+    /// [`GhostRule::group_coefficients`](crate::solid::ghosts::GhostRule::group_coefficients); at ends without physical
+    /// boundary the rule that copies values.
+    /// [`GhostRule::group_coefficients`](crate::solid::ghosts::GhostRule).
     #[inline(always)]
     fn ghost_rule(&self, end: usize, pair: usize, group: usize) -> &[T::Lanes; 5] {
         match &self.boundaries[end] {
@@ -327,7 +333,8 @@ impl<T: Real> Rows<'_, T> {
         for depth in 0..GHOSTS {
             let own = V::load(&field[groups - 1 - depth]);
             own.shift_in_low(lower_ghosts[depth]).store(&mut ghosts[depth * ghost_stride]);
-            // With the ghosts after the last cell, which are stored in the row below.
+            // Insert the ghosts after the last cell, which are stored in the row itself only at the end of this
+            // function.
             let own =
                 V::load(&field[depth]).blend_lanes(first_group_masks[depth][0], upper_ghosts[0]);
             let own = own.blend_lanes(first_group_masks[depth][1], upper_ghosts[1]);

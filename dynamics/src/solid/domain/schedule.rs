@@ -18,18 +18,19 @@ pub(super) const MAX_PASS_STEPS: usize = 2;
 
 /// Ghosts at the lower end of lines are filled for the first chunk of a sweep, and the next sweep overwrites them. Each
 /// of the 2·[`MAX_PASS_STEPS`] sweeps of a pass must therefore advance by at least [`GHOSTS`] rows in the first chunk,
-/// although each trails the previous one by as many. (In space [`TileSizes`] satisfies this.)
+/// although each sweep trails the previous one by [`GHOSTS`] rows. (In space [`TileSizes`] satisfies this.)
 const _: () = assert!(CHUNK_SIZE >= 2 * MAX_PASS_STEPS * GHOSTS);
 
-/// Returns the progress of rows or layers of which `loaded` have been loaded: loaded, past the first sweep across them,
-/// past the second. Each sweep trails the previous stage by [`GHOSTS`], the half-width of its stencil, until all are
-/// loaded.
+/// Returns the progress of rows or layers of which `loaded` have been loaded: the numbers of those loaded, of those
+/// past the first sweep across them, and of those past the second. Each sweep trails the previous stage by [`GHOSTS`],
+/// the half-width of its stencil, until all are loaded.
 pub(super) fn stage_progress(loaded: usize, all: usize) -> [usize; 3] {
     let completed = |ready: usize| if ready == all { all } else { ready.saturating_sub(GHOSTS) };
     [loaded, completed(loaded), completed(completed(loaded))]
 }
 
-/// Returns the rows or layers that pass each of three stages between two states of progress.
+/// Returns the rows or layers that pass each of the three stages between two states of progress (see
+/// [`stage_progress`]).
 pub(super) fn stage_ranges(before: [usize; 3], ready: [usize; 3]) -> [Range<usize>; 3] {
     std::array::from_fn(|stage| before[stage]..ready[stage])
 }
@@ -51,9 +52,9 @@ const SHARED_CACHE_BYTES: usize = 7 << 20;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TileSizes {
     pub(super) layers: usize,
-    /// Rows of these layers.
+    /// Number of rows of these layers that are loaded at a time.
     pub(super) rows: usize,
-    /// Rows of a block: all layers pass the step in one block before the next block does.
+    /// Number of rows of a block: all layers pass the step in one block before the next block does.
     pub(super) block: usize,
 }
 
@@ -61,8 +62,8 @@ impl TileSizes {
     /// Tiles in the plane, where layers are rows.
     pub(super) const PLANE_TILES: Self = Self { layers: CHUNK_SIZE, rows: 1, block: 1 };
 
-    /// Returns the tiles in space, for rows of `row` bytes. Periodic rows are the ghosts of each other and must all be
-    /// loaded.
+    /// Returns the tile sizes in space, for rows of `row` bytes. Periodic rows are the ghosts of each other and must
+    /// all be loaded.
     pub(super) fn new_in_space(row: usize, is_periodic: bool) -> Self {
         let fits_private_cache = |layers: &usize| layers * CHUNK_SIZE * row <= PRIVATE_CACHE_BYTES;
         let layers = (2 * GHOSTS..=CHUNK_SIZE)

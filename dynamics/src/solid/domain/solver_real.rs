@@ -16,15 +16,15 @@ pub trait SolverReal: Real {
     #[doc(hidden)]
     fn advance_layers(domain: &mut dyn Any, stages: &StepStages<'_>);
 
-    /// Applies the first x and y sweeps to rows of a layer of such a domain.
+    /// Applies the first x and y sweeps to rows of a layer of a `Domain<Self, 2>` or a `Domain<Self, 3>`.
     #[doc(hidden)]
     fn sweep_layer(domain: &mut dyn Any, layer: usize, rows: Range<usize>);
 
-    /// Returns the sums of the energy in owned cells of such a domain.
+    /// Returns the sums of the energy in owned cells of a `Domain<Self, 2>` or a `Domain<Self, 3>`.
     #[doc(hidden)]
     fn energy_sums(domain: &dyn Any) -> EnergySums;
 
-    /// Runs the return mapping in lanes.
+    /// Runs the kernel of the return mapping by projection.
     #[doc(hidden)]
     fn map_stresses(work: ProjectionKernel<'_, Self>, instructions: InstructionSet);
 }
@@ -33,7 +33,8 @@ macro_rules! compiled {
     ($kind:ident $(, $parameter:ident)?) => {
         #[allow(private_interfaces, reason = "nobody else implements or calls it")]
         impl$(<$parameter: Real>)? SolverReal for $kind {
-            // Without it they are inlined into other crates, and all functions that they call are compiled there.
+            // Without `inline(never)`, the functions would be inlined into other crates, and all functions that they
+            // call compiled there.
             #[inline(never)]
             fn advance_layers(domain: &mut dyn Any, stages: &StepStages<'_>) {
                 if let Some(domain) = domain.downcast_mut::<Domain<Self, 2>>() {
@@ -72,6 +73,6 @@ macro_rules! compiled {
 compiled!(f32);
 #[cfg(not(test))]
 compiled!(f64);
-// Tests of this crate use few of these functions.
+// Tests of this crate use few of these functions: a generic implementation compiles only those.
 #[cfg(test)]
 compiled!(T, T);

@@ -8,12 +8,12 @@ use crate::solid::cell_laws::{accelerate, apply_source, integrate_signal};
 use models::solid::waves::SolidField;
 use std::ops::Range;
 
-/// Source on the cells of a domain.
+/// Source distributed over cells of a domain.
 #[derive(Clone)]
 pub(super) struct CellSource {
-    /// Group, lane and share of the source of each cell, in ascending order.
+    /// Group, lane and share of the source of each cell, in ascending order of group and lane.
     cells: Vec<(usize, usize, f64)>,
-    /// Offset of the field, and amplitude.
+    /// Offset of each field on which the source acts, and amplitude.
     amplitudes: Vec<(usize, f64)>,
     signal: Signal,
     /// By half step of the pass: integral of the signal by the midpoint rule, and its change.
@@ -53,7 +53,7 @@ impl CellSource {
         }
     }
 
-    /// Evaluates the signal over a half step of the pass, from its start to its end, s.
+    /// Evaluates the signal over half step `half` of the pass; `interval`: start and end of the half step, s.
     pub(super) fn set_time(&mut self, half: usize, interval: [f64; 2]) {
         self.signal_integrals[half] = integrate_signal(&self.signal, interval);
     }

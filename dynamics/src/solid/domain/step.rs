@@ -1,7 +1,7 @@
 //! Time step by operator splitting.
 //!
-//! A step of Δt is two-cyclic (Marchuk 1968; Strang 1968): with x, y, z the sweeps of half a step along the axes, K the
-//! action of sources and gravity over half a step, and Q that of the local laws over a whole one,
+//! A step of Δt of the state U is two-cyclic (Marchuk 1968; Strang 1968): with x, y, z the sweeps of half a step along
+//! the axes, K the action of sources and gravity over half a step, and Q that of the local laws over a whole step,
 //!
 //! ```text
 //! U ← x y z  then  K Q K  then  z y x.
@@ -41,15 +41,15 @@ use crate::solid::problem::PlasticStep;
 use crate::solid::reconstruction::{GHOSTS, HALO};
 use std::ops::Range;
 
-/// Layers in the three stages of a step: 0 is x y z, 1 is K Q K z, 2 is y x P.
+/// Layers in the three stages of a step: x y z (stage 0), K Q K z (stage 1) and y x P (stage 2).
 pub(super) struct StepStages<'a> {
-    /// Layers that pass each stage now.
+    /// By stage, the layers that pass it now.
     layers: &'a [Range<usize>; 3],
-    /// All layers that pass each stage in this pass.
+    /// By stage, all layers that pass it in this pass.
     pass_layers: &'a [Range<usize>; 3],
-    /// Rows of these layers.
+    /// Rows of these layers that are advanced.
     block: &'a Range<usize>,
-    /// First of the two half steps, counted from the start of the pass.
+    /// Index of the first of the two half steps, counted from the start of the pass.
     first_half: usize,
 }
 
@@ -88,8 +88,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         Ok(())
     }
 
-    /// Advances a block of rows by some steps in all layers. Its last rows, whose stencils reach into the next block,
-    /// are completed with the next block.
+    /// Advances a block of rows by `steps` steps in all layers. Its last rows, whose stencils reach into the next
+    /// block, are completed with the next block.
     fn advance_block<H: HaloExchange<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
@@ -106,7 +106,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mut ready = [[0; 3]; MAX_PASS_STEPS];
         while ready[steps - 1][2] < all {
             let mut loaded = all.min(ready[0][0].saturating_add(self.schedule.tile_sizes.layers));
-            // As late as possible, since a neighbour may lag behind.
+            // Received as late as possible, since a neighbour may lag behind.
             if ready[0][0] <= own.end && own.end < loaded {
                 self.receive_layers(1, &swept, neighbours)?;
             }
@@ -147,7 +147,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.record_watched(layers.clone(), step);
     }
 
-    /// Advances layers by one step. Rows of a layer trail each other from stage to stage as layers do.
+    /// Advances layers by one step, each stage in its layers. Within a layer, each sweep across rows trails the
+    /// previous stage by [`GHOSTS`] rows, as sweeps across layers trail it by [`GHOSTS`] layers.
     pub(super) fn advance_layers(&mut self, stages: &StepStages<'_>) {
         let &StepStages { layers, pass_layers: ends, block, first_half: first } = stages;
         let (all, second) = (self.layout.rows, first + 1);
@@ -158,7 +159,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let rows = self.schedule.next_rows(ready[0], block, at_a_time);
             let before = std::mem::replace(&mut ready, stage_progress(rows.end, all));
             let rows = stage_ranges(before, ready);
-            // x y, already applied to exchanged layers, in `sweep_and_send` or by the neighbour.
+            // Sweeps x y; `sweep_and_send` or a neighbour has already applied them to exchanged layers.
             for layer in layers[0].clone() {
                 if first > 0 || !self.layout.is_in_any_halo(layer) {
                     self.sweep_layer(layer, &rows, first);
@@ -180,7 +181,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             for layer in layers[2].clone() {
                 self.sweep_layer(layer, &rows, second);
                 if self.scheme.plastic_step == PlasticStep::ReturnMapping {
-                    // Row by row: buffers hold one row.
+                    // Row by row, since buffers hold one row.
                     for row in rows[2].clone() {
                         let tile = self.layout.row_segment(row);
                         self.apply_return_mapping(&(layer..layer + 1), &tile, false);
@@ -191,7 +192,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Applies K Q K, with relaxation, and with the reflection if the return mapping is in the middle of the step.
+    /// Applies K Q K, with relaxation, and with the reflection 2P − I if it is applied in the middle of the step.
     fn apply_local_operators(&mut self, layers: &Range<usize>, tile: &RowSegment, first: usize) {
         self.apply_sources(layers, tile, first);
         if self.scheme.plastic_step == PlasticStep::MidpointReflection
@@ -204,8 +205,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             self.relax(layers, tile, Interval::HalfStep);
             self.rotate_spins(layers, tile, Interval::HalfStep);
         } else {
-            // The rotation by the curvature does not commute with the other local laws: half of it before and half
-            // after them.
+            // The rotation by the curvature does not commute with the other local laws: half of the rotation before and
+            // half after them.
             let has_other_laws = !self.local_laws.rotated_offsets.is_empty()
                 || self.local_laws.relaxations.is_some();
             let interval = if has_other_laws { Interval::HalfStep } else { Interval::Step };
@@ -241,8 +242,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Applies K √Q x √Q K. Time integrals use the mean of the states before and after x, which is second order in the
-    /// middle of the step.
+    /// Applies K √Q x √Q K. Time integrals use the mean of the states before and after x, which is second order at
+    /// mid-step.
     fn sweep_at_mid_step(&mut self, layers: &Range<usize>, rows: &Range<usize>, first: usize) {
         for row in rows.clone() {
             let tile = self.layout.row_segment(row);
@@ -269,7 +270,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Adds half a step of the time integrals in a row of some layers.
+    /// Adds the values in a row of some layers to the time integrals, weighted by half a step.
     fn accumulate_row_integrals(&mut self, layers: &Range<usize>, row: usize) {
         let length = self.layout.cells[0];
         for layer in layers.clone() {
@@ -278,7 +279,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Returns the pairs of waves of a sweep along an axis.
+    /// Returns the pairs of waves for the sweep along an axis in half step `half` of the pass.
     pub(super) fn sweep_waves(&self, axis: usize, half: usize) -> &[WavePair] {
         match self.scheme.is_alternating() && axis == 0 && self.schedule.is_first_half_step(half) {
             true => &self.materials.quarter_waves,
@@ -296,7 +297,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let start = (before + half / 2) as f64 * self.step;
             let end = (before + half / 2 + 1) as f64 * self.step;
             let middle = start + 0.5 * self.step;
-            // Middle of each sweep along the first axis.
+            // Time at the middle of each sweep along the first axis.
             let first = self.scheme.is_alternating().then(|| match half % 2 {
                 0 if self.schedule.is_first_half_step(half) => start + 0.125 * self.step,
                 0 => start,

@@ -1,4 +1,4 @@
-//! Return mapping of a domain: selection of the kernel, and the scalar mapping of single cells.
+//! Return mapping of a domain: selection of the kernel, and scalar return mapping of single cells.
 
 use super::layout::RowSegment;
 use super::plastic::ProjectionKernel;
@@ -14,7 +14,7 @@ use std::any::Any;
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Returns the initial stress in a cell, counted with the halo.
+    /// Returns the initial stress in a cell, given its index among all cells, halo included.
     pub(super) fn initial_stress(&self, cell: usize) -> Stress {
         let Some((axis, layers)) = &self.local_laws.initial_stress else {
             return Stress::default();
@@ -49,7 +49,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Applies P without initial stress, if all sets are of one kind.
+    /// Applies P without initial stress, by the kernel for yield sets of one kind.
     fn project_stresses(&mut self, layer: usize, tile: &RowSegment) {
         let Some(sets) = &self.local_laws.sets else { return };
         let mut scalar_lanes = std::mem::take(&mut self.buffers.scalar_lanes);
@@ -72,7 +72,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.buffers.scalar_lanes = scalar_lanes;
     }
 
-    /// Applies P or 2P − I to total stresses.
+    /// Applies P, or 2P − I if `reflects`, to total stresses.
     fn map_total_stresses(&mut self, layer: usize, tile: &RowSegment, reflects: bool) {
         let (first, groups) = self.layout.segment_groups(layer, tile);
         let lanes = T::Lanes::COUNT;
@@ -95,7 +95,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let stresses = stresses.unwrap_or(0)..self.fields().len();
         let is_double = (&self.field_data as &dyn Any).is::<Vec<DoubleLanes>>();
         if !is_double {
-            // In double precision, as is the scalar projection.
+            // Stresses are mapped in double precision, as by the scalar projection.
             for field in stresses.clone() {
                 let own = &self.field_data[first + field * self.layout.pitch..][..groups.len()];
                 convert_to_double::<T>(own, &mut double_row[field * count..][..count]);

@@ -16,7 +16,7 @@ use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
 use std::ops::Range;
 
-/// L1 prefetch distance in lines, by axis; along rows the next row is prefetched.
+/// L1 prefetch distance in lines, by axis; in sweeps along rows the next row is prefetched.
 const PREFETCH_LINES: [Option<usize>; 3] = [None, Some(2), Some(3)];
 
 /// Distance between two groups of a row.
@@ -38,7 +38,8 @@ struct LineBundle {
     lines: usize,
     /// Distance between two lines.
     line_stride: GroupIndex,
-    /// Across the first axis the first row, else the first group of faces at the ends of the lines.
+    /// Index of the first line among the faces at the ends of the lines: a row for lines along the first axis, else a
+    /// group of faces.
     face: usize,
     /// Index of the first line among the carried states of this axis.
     carried: usize,
@@ -65,7 +66,7 @@ impl LineBundle {
 /// Sweeps, their ghosts and the work at boundaries.
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Applies the in-plane sweeps of one half step in one layer: x y in the first half of a step, y x in the second
-    /// (alternating sweeps: y only). Arguments: the rows that pass each of the three stages of
+    /// half (alternating sweeps: only y). `entered`, `middle`, `last`: rows that pass each of the three stages of
     /// [`super::schedule::stage_progress`].
     pub(super) fn sweep_layer(
         &mut self,
@@ -100,7 +101,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Sweeps adjacent rows by half a step along the first axis.
     pub(super) fn sweep_rows(&mut self, rows: Range<usize>, half_step: usize) {
-        // Rows differ in cell length: one row at a time, with the constants of that row.
+        // If rows differ in cell length, they are swept one at a time, with the constants of the row.
         let chunk = if self.materials.row_constants.is_some() { 1 } else { CHUNK_SIZE };
         for start in rows.clone().step_by(chunk) {
             self.fill_row_constants(start);
@@ -147,7 +148,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Fills the ghosts of rows before the work is computed. The sweep kernel fills them itself.
+    /// Fills the ghosts of rows, before the work at boundaries is computed; the sweep kernel fills them again.
     fn fill_row_ghosts(&mut self, bundle: LineBundle) {
         let mut field_data = std::mem::take(&mut self.field_data);
         let (waves, rows) = (self.sweep_waves(0, bundle.half_step), self.bundle_rows(bundle));
@@ -157,8 +158,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.field_data = field_data;
     }
 
-    /// Continues half a step along the last axis over newly finished layers `ready` of the range `ends`, on a segment
-    /// of a row.
+    /// Continues a sweep of half a step along the last axis in a segment of a row. `ready`: layers that the previous
+    /// stage has completed since the last call; `ends`: all layers of the sweep in this pass.
     pub(super) fn sweep_last_axis(
         &mut self,
         ready: &Range<usize>,
@@ -183,9 +184,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.continue_sweep(bundle, ready.start - ends.start..ready.end - ends.start);
     }
 
-    /// Continues a y or z sweep over newly loaded rows or layers; it writes up to [`GHOSTS`] before `ready.end`.
+    /// Continues a sweep across rows or layers: `ready` are the places along the lines that the previous stage has
+    /// completed since the last call. The sweep updates the cells up to [`GHOSTS`] places before `ready.end`, and at
+    /// the upper end of the lines all cells.
     fn continue_sweep(&mut self, bundle: LineBundle, ready: Range<usize>) {
-        // The ghosts at the lower end depend on BESIDE cells: wait until they are loaded.
+        // The ghosts at the lower end depend on [`CLOSURE_CELLS`] cells: wait until these are loaded.
         if ready.is_empty() || ready.end < CLOSURE_CELLS.min(bundle.count) {
             return;
         }
@@ -204,8 +207,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.sweep_path(bundle, start..end);
     }
 
-    /// Sweeps part of the path along lines with the selected instruction set: the groups at `places` are current one
-    /// after the other.
+    /// Sweeps a section of lines with the selected instruction set: the groups at `places` are current one after the
+    /// other.
     fn sweep_path(&mut self, bundle: LineBundle, places: Range<isize>) {
         let LineBundle { axis, half_step, lines, .. } = bundle;
         let mut path = std::mem::take(&mut self.buffers.path);
@@ -273,7 +276,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// prefetches. The sweeps across rows share the fields, to spread the requests.
     fn prefetch_l2_fields(&self, bundle: LineBundle) -> (usize, Range<usize>) {
         let LineBundle { axis, half_step, face, .. } = bundle;
-        // Lag behind the rows loaded last, in units of GHOSTS rows and of GHOSTS layers; in the plane layers are rows.
+        // Distance of this sweep behind the rows loaded last, in units of GHOSTS rows and of GHOSTS layers; in the
+        // plane layers are rows.
         let (part, parts, rows, layers) = match (D, axis, half_step) {
             // In the plane, prefetch only in the last step of a pass: earlier requests would be evicted.
             (2, 1, half_step) if half_step + 2 >= 2 * self.schedule.pass_steps => {
@@ -332,8 +336,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Fills the ghosts at an end of lines across the groups. Beyond a halo their values are arbitrary but must stay
-    /// bounded, since the kernel updates them in each sweep.
+    /// Fills the ghosts at an end of lines across rows. At the outer end of a halo their values are arbitrary but must
+    /// stay bounded, since the kernel updates them in each sweep.
     fn fill_end_ghosts(&mut self, bundle: LineBundle, end: usize) {
         let LineBundle { axis, half_step, count, lines, face, .. } = bundle;
         let boundaries = &self.boundaries.faces[half_step][axis];
@@ -422,7 +426,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         (self.path_group(bundle, line, place as isize), lane)
     }
 
-    /// Reads state and constants at a place of a line, ghosts included.
+    /// Reads state and constants of a pair of waves at a place of a line, ghosts included.
     fn read_cell(
         &self,
         bundle: LineBundle,
@@ -446,7 +450,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         (state, cell.lane(lane))
     }
 
-    /// Returns the area of a face times the duration of the sweep, m² s: work = power per area times this.
+    /// Returns the area of a face times the duration of the sweep, m² s, by which the power per area is multiplied to
+    /// give the work.
     fn face_area_time(&self, LineBundle { axis, half_step, face, .. }: LineBundle) -> f64 {
         let is_quarter = self.scheme.is_alternating()
             && axis == 0
@@ -458,18 +463,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.grid.volume() / spacing * if is_quarter { 0.25 } else { 0.5 } * self.step
     }
 
-    /// Returns the duration of a sweep with interlayers, s; these exclude alternating sweeps.
+    /// Returns the duration of a sweep with interlayers, s, which is half a step: interlayers exclude alternating
+    /// sweeps.
     fn sweep_duration(&self) -> f64 {
         0.5 * self.step
     }
 
-    /// Returns the coordinate of the first place of a line along its axis; along the last axis the layer, counted with
-    /// the halo.
+    /// Returns the coordinate of the first place of a line along its axis; along the last axis this is the index of the
+    /// layer, halo included.
     fn axis_origin(&self, bundle: LineBundle) -> usize {
         if bundle.axis + 1 == D { bundle.first.group / self.layout.layer_groups() } else { 0 }
     }
 
-    /// Adds the work at an end of lines in the sweep that follows.
+    /// Adds the work that the boundary at an end of lines does in the sweep that follows.
     fn accumulate_boundary_work(&mut self, bundle: LineBundle, end: usize) {
         let LineBundle { axis, half_step, lines, .. } = bundle;
         if !matches!(&self.boundaries.faces[half_step][axis][end], BoundaryFaces::Physical(ghost_rule) if ghost_rule.can_do_work)

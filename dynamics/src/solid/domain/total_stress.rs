@@ -1,4 +1,4 @@
-//! Yield sets and initial stresses in lanes of double precision, for the return mapping of total stresses.
+//! Yield sets and initial stresses in SIMD lanes of double precision, for the return mapping of total stresses.
 #![allow(clippy::needless_range_loop, reason = "indices are those of tensors and parts")]
 
 use crate::simd::{LaneGroup, Number, Real, Vector};
@@ -9,7 +9,7 @@ use models::solid::waves::SolidField;
 use models::yield_set::parameters::Mises;
 use models::yield_set::return_mapping::{Cone, EIGENSPACE_COUNT};
 
-/// Block: lanes of double precision. A group in single precision has two blocks.
+/// Block: a group of lanes in double precision. A group in single precision corresponds to two blocks.
 pub(super) type DoubleLanes = <f64 as Real>::Lanes;
 
 /// Number of lanes of a block.
@@ -20,23 +20,25 @@ pub(super) const fn blocks_per_group<T: Real>() -> usize {
     T::Lanes::COUNT / BLOCK_LANES
 }
 
-/// Force and couple stress.
+/// Force stress and couple stress.
 pub(super) type StressTensors<N> = [Tensor<N>; 2];
 
-/// Strength beyond any stress, whose products do not overflow.
+/// Strength beyond any stress, Pa, whose products do not overflow.
 const UNBOUNDED_STRENGTH: f64 = 1e120;
 
 /// Yield sets for total stresses, by lane pattern.
 #[derive(Clone, Default, PartialEq)]
 pub(super) struct TotalStressSets {
     pub(super) shape: StressShape,
-    /// Field of each component of force and couple stress; one field stands for both ij and ji in classical solids.
+    /// Index of the field of each component of force and couple stress; in classical solids one field stands for the
+    /// components ij and ji.
     pub(super) component_fields: StressTensors<Option<usize>>,
-    /// Fields of the components that are stored: without the mirrored ones.
+    /// Index of the field of each component that is stored: as `component_fields`, without the transposed component ji
+    /// of a field that stands for ij and ji.
     pub(super) stored_fields: StressTensors<Option<usize>>,
-    /// Parts of the stress with a nonzero weight in any cone.
+    /// Flags of the eigenspaces of the stress with a nonzero weight in any cone.
     pub(super) active_eigenspaces: [bool; EIGENSPACE_COUNT],
-    /// By pattern, then by block of a group.
+    /// Constants by lane pattern, then by block of a group.
     pub(super) blocks: Vec<BlockConstants>,
 }
 
@@ -47,7 +49,7 @@ pub(super) struct BlockConstants {
     /// Mask of the lanes with a cone.
     pub(super) cone_lanes: u16,
     pub(super) cone: Cone<DoubleLanes>,
-    /// See [`Isotropic::energy_moduli`].
+    /// Elastic moduli, see [`Isotropic::energy_moduli`].
     pub(super) moduli: [[DoubleLanes; 3]; 2],
     pub(super) half_spaces: Vec<BlockHalfSpace>,
     /// Mask of the lanes whose yield set is neither a cone nor a polyhedron.
@@ -57,7 +59,8 @@ pub(super) struct BlockConstants {
 /// Half-space n·s ≤ k in lanes.
 #[derive(Clone, PartialEq)]
 pub(super) struct BlockHalfSpace {
-    /// Indices of components, as in [`TotalStressSets::component_fields`], and components of n.
+    /// Indices \[force or couple stress, i, j\] of components, as in [`TotalStressSets::component_fields`], and
+    /// components of n.
     pub(super) normal: Vec<([usize; 3], DoubleLanes)>,
     pub(super) strength: DoubleLanes,
 }
@@ -91,7 +94,7 @@ impl InitialStress {
     }
 }
 
-/// Returns the initial stress by block of a row of `groups` groups, from the stress by layer across the first axis.
+/// Returns the initial stress by block of a row of `groups` groups, from the stress by layer normal to the first axis.
 pub(super) fn create_initial_stress_blocks<T: Real>(
     layers: &[Stress],
     groups: usize,
@@ -170,7 +173,7 @@ pub(super) fn to_tensors(stress: &Stress) -> StressTensors<f64> {
 }
 
 impl TotalStressSets {
-    /// Creates the yield sets of all lane patterns. The shape of the stresses depends on `media` and on all `initial`
+    /// Creates the yield sets of all lane patterns. The shape of the stresses follows from `media` and all `initial`
     /// stresses.
     pub(super) fn new(media: &[Medium], patterns: &[Vec<u16>], initial: &[Stress]) -> Self {
         let fields = &media[0].fields;
@@ -207,7 +210,8 @@ impl TotalStressSets {
             has_couples: places[1] != [[None; 3]; 3]
                 || initial.iter().any(|own| own.couple != [[0.0; 3]; 3]),
         };
-        // Four shapes have separate compiled loops; other shapes are treated as the general ones.
+        // Four shapes have separate compiled loops; other shapes are treated as unsymmetric stresses with couple
+        // stresses.
         if !shape.is_symmetric || shape.has_couples {
             shape = StressShape { is_symmetric: false, has_couples: true, ..shape };
         }
@@ -229,7 +233,7 @@ impl TotalStressSets {
     }
 }
 
-/// Loads force and couple stress.
+/// Loads force and couple stress into registers.
 #[inline(always)]
 pub(super) fn load_tensors<V: Vector<f64>>(
     tensors: &StressTensors<DoubleLanes>,
@@ -245,7 +249,7 @@ pub(super) fn load_tensors<V: Vector<f64>>(
     loaded
 }
 
-/// Loads moduli.
+/// Loads elastic moduli into registers.
 #[inline(always)]
 pub(super) fn load_moduli<V: Vector<f64>>(moduli: &[[DoubleLanes; 3]; 2]) -> [[V; 3]; 2] {
     let mut loaded = [[V::ZERO; 3]; 2];
@@ -257,7 +261,7 @@ pub(super) fn load_moduli<V: Vector<f64>>(moduli: &[[DoubleLanes; 3]; 2]) -> [[V
     loaded
 }
 
-/// Loads a cone.
+/// Loads the coefficients of a cone into registers.
 #[inline(always)]
 pub(super) fn load_cone<V: Vector<f64>>(cone: &Cone<DoubleLanes>) -> Cone<V> {
     let [mut half_weights, mut stiffnesses, mut rates] = [[V::ZERO; EIGENSPACE_COUNT]; 3];

@@ -5,8 +5,9 @@ use super::compute_fourth_order_ghosts;
 use crate::simd::{Number, Real, Vector};
 use crate::solid::cell::CellConstants;
 
-/// Reflecting closure: flux corrections/(1 − C) by flux, power of C and difference: those of the unfolded arriving wave
-/// over the two outermost cells and their images, outwards.
+/// Reflecting closure: corrections of the flux divided by 1 − C, by flux, power of C and difference. Fluxes: arriving
+/// wave at the last interior face and at the boundary, leaving wave at the last interior face. Differences: those of
+/// the unfolded arriving wave over the two outermost cells and their two images, from the interior outwards.
 pub(super) const REFLECTING_FLUX_COEFFICIENTS: [[[f64; 3]; 4]; 3] = [
     [
         [-0.020542, -0.082548, 0.066958],
@@ -28,9 +29,9 @@ pub(super) const REFLECTING_FLUX_COEFFICIENTS: [[[f64; 3]; 4]; 3] = [
     ],
 ];
 
-/// Non-reflecting closure: (face value − upwind mean)/(1 − C) by face, power of C and difference. Faces: last interior
-/// face and boundary (arriving wave), last interior face (leaving wave). Differences: between the three outermost
-/// cells, in the direction of propagation.
+/// Non-reflecting closure: face value minus mean of the upwind cell, divided by 1 − C, by face, power of C and
+/// difference. Faces: last interior face and boundary (arriving wave), last interior face (leaving wave). Differences:
+/// those between the three outermost cells, in the direction of propagation.
 pub(super) const OPEN_FACE_COEFFICIENTS: [[[f64; 2]; 3]; 3] = [
     [[1.0 / 12.0, 0.33211 + 1.0 / 12.0], [0.25089, -0.24095], [-0.0514, 0.02737]],
     [[0.0, 0.40692], [-0.25572, 0.25506], [0.24459, -0.22165]],
@@ -52,18 +53,21 @@ fn evaluate_polynomials<N: Number, const POWERS: usize, const COUNT: usize>(
     values
 }
 
-/// Coefficients of [`compute_fourth_order_ghosts`]: ghost value corrections per difference beside the boundary. They
-/// depend only on the Courant number of the outermost cell.
+/// Coefficients of [`compute_fourth_order_ghosts`]: corrections of the ghost values per difference beside the boundary.
+/// They depend only on the Courant number C of the outermost cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GhostCoefficients<N> {
     /// 0 at C = 1 (exact shift by one cell, no correction), else 1.
     pub(super) correction_flag: N,
-    /// Reflecting boundary: arriving wave in the nearest and farther ghost; leaving wave, per reflection coefficient.
+    /// Reflecting boundary: arriving wave in the nearest and in the farther ghost, then leaving wave in both, per
+    /// reflection coefficient.
     pub(super) reflecting_weights: [[N; 3]; 4],
-    /// Non-reflecting boundary, per two differences: arriving wave in both ghosts, leaving wave in the nearest ghost;
-    /// last row: leaving wave in the farther ghost, from its nearest ghost and outermost cell values and a difference.
+    /// Non-reflecting boundary, per difference of the two: arriving wave in both ghosts, leaving wave in the nearest
+    /// ghost; last row: leaving wave in the farther ghost, from its values in the nearest ghost and in the outermost
+    /// cell and a difference.
     pub(super) open_weights: [[N; 3]; 4],
-    /// Non-reflecting boundary of several media: coefficient that cancels the upwind difference in the farther ghost.
+    /// Non-reflecting boundary beside several media: coefficient that cancels the upwind difference in the farther
+    /// ghost.
     pub(super) upwind_cancellation: N,
 }
 
@@ -74,7 +78,7 @@ impl<N: Number> GhostCoefficients<N> {
         let courant = N::ONE - one_minus_courant;
         let clamped_one_minus_courant = (one_minus_courant - N::from_f64(1e-6)).max(N::ZERO);
         let per_staying = N::ONE / one_minus_courant.max(N::from_f64(1e-6));
-        // Fourth-order weights divided by 1 − C.
+        // Reconstruction weights of fourth order divided by 1 − C.
         let twelfth = N::from_f64(1.0 / 12.0);
         let upwind = N::HALF * twelfth * (N::ONE + courant) * (N::ONE + N::ONE + courant);
         let central = N::HALF - twelfth * courant * (N::ONE + courant);
@@ -82,7 +86,7 @@ impl<N: Number> GhostCoefficients<N> {
         let (per_upwind, per_downwind) = (N::ONE / upwind, N::ONE / downwind);
         let passed = N::ONE + cell.upwind_weight - cell.central_weight;
 
-        // Ghosts are downwind of the boundary for the arriving wave and upwind for the leaving wave.
+        // Ghosts are downwind of the boundary for the arriving wave and upwind of it for the leaving wave.
         let [inside, at_boundary, outside] = [
             evaluate_polynomials(&REFLECTING_FLUX_COEFFICIENTS[0], courant),
             evaluate_polynomials(&REFLECTING_FLUX_COEFFICIENTS[1], courant),

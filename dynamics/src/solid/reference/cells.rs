@@ -19,13 +19,14 @@ use models::solid::waves::SolidField;
 pub(super) struct CellLaws<T: SolverReal> {
     /// Spin–stress rotation coefficients by medium, over a whole and over half a step.
     spin_rotations: Vec<[SpinStressRotation<T>; 2]>,
-    /// Field indices of rotating fields: a spin and two stresses each.
+    /// Field indices that rotate together: each spin and its two stresses.
     rotated_fields: Vec<[usize; 3]>,
-    /// Rotation planes of the curvature by medium; empty if rows are straight.
+    /// Rotation planes of the curvature of rows, by medium; empty lists if rows are straight.
     curvature_planes: Vec<Vec<LayeredPlane<T>>>,
     /// Relaxation; `None` if nothing relaxes.
     relaxations: Option<MediumRelaxations<T>>,
-    /// Vectorised return mapping, which rounds differently from the scalar one; `None` if it is not used.
+    /// Return mapping by the vectorised kernel of the fused solver, which rounds differently from the scalar
+    /// projection; `None` if the fused solver uses the scalar projection.
     lane_return_mapping: Option<CellMapping<T>>,
 }
 
@@ -41,7 +42,7 @@ struct MediumRelaxations<T> {
 }
 
 impl<T: SolverReal> CellLaws<T> {
-    /// Constants for a problem with these fields.
+    /// Creates the constants for a problem with these fields.
     pub(super) fn new<const D: usize>(problem: &Problem<D>, fields: &[SolidField]) -> Self {
         let Problem { media, step, .. } = problem;
         let rotations = media.iter().map(|medium| {
@@ -89,7 +90,7 @@ impl<T: SolverReal> CellLaws<T> {
 }
 
 impl<T: SolverReal> CellLaws<T> {
-    /// Whether spins rotate or stresses relax.
+    /// Whether spins rotate or stresses relax in any medium.
     pub(super) fn has_rotation_or_relaxation(&self) -> bool {
         !self.rotated_fields.is_empty() || self.relaxations.is_some()
     }
@@ -116,7 +117,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         Some(layers[cell / stride % layers.len()])
     }
 
-    /// Returns the total stress in a cell (permuted index).
+    /// Returns the total stress in a cell, given by its permuted index.
     pub(super) fn permuted_total_stress(&self, cell: usize) -> Stress {
         let deviation = stress_from_fields(self.fields(), &self.cell_state(cell));
         add_scaled(&deviation, &self.initial_stress(cell).unwrap_or_default(), 1.0)
@@ -127,7 +128,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.problem.sources.iter().map(|own| integrate_signal(&own.signal, interval)).collect()
     }
 
-    /// K: applies sources, with integrated signals, and gravity over half a step.
+    /// Operator K: applies sources, with their integrated signals, and gravity over half a step.
     pub(super) fn apply_sources(&mut self, signals: &[[f64; 2]]) {
         for (source, signal) in signals.iter().enumerate() {
             for index in 0..self.problem.sources[source].cells.len() {
@@ -165,7 +166,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Q: rotates spins and antisymmetric stresses.
+    /// Operator Q: rotates spins and antisymmetric stresses over `interval`.
     pub(super) fn rotate_spins(&mut self, interval: Interval) {
         for &places in &self.cell_laws.rotated_fields {
             for (cell, medium) in self.problem.cell_media.iter().enumerate() {
@@ -180,7 +181,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Rotates the state by the curvature of rows.
+    /// Rotates the state by the curvature of rows over `interval`.
     pub(super) fn rotate_by_curvature(&mut self, interval: Interval) {
         let length = self.problem.grid.cells[0];
         for (cell, medium) in self.problem.cell_media.iter().enumerate() {
@@ -201,7 +202,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Relaxes stresses.
+    /// Relaxes stresses over `interval`.
     pub(super) fn relax(&mut self, interval: Interval) {
         let Some(relaxations) = self.cell_laws.relaxations.take() else { return };
         let (normal, shear) = &relaxations.fields;
@@ -223,7 +224,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.cell_laws.relaxations = Some(relaxations);
     }
 
-    /// Relaxes a cell; returns the energy dissipated, J/m³.
+    /// Relaxes the stresses of a cell; returns the energy dissipated, J/m³.
     fn relax_cell<const SHEARS: usize>(
         &mut self,
         cell: usize,
@@ -241,7 +242,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         energy_loss
     }
 
-    /// P: applies the return mapping to all cells.
+    /// Operator P: applies the return mapping to all cells.
     pub(super) fn map_stresses(&mut self) {
         if self.dissipation.plastic_dissipation.is_empty() {
             return;
@@ -265,7 +266,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.cell_laws.lane_return_mapping = Some(lane_return_mapping);
     }
 
-    /// Applies P, or 2P − I if `reflects`, cell by cell with the scalar projection.
+    /// Applies P, or the reflection 2P − I if `reflects`, cell by cell with the scalar projection.
     pub(super) fn map_cells_scalar(&mut self, reflects: bool) {
         (0..self.problem.grid.count()).for_each(|cell| self.map_cell_stress(cell, reflects));
     }
@@ -291,7 +292,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Flushes values near the subnormal range to zero, every few steps.
+    /// Sets values below [`flush_limit`] to zero after every 16th step, in fields and in history variables of
+    /// interlayers.
     pub(super) fn flush_subnormals(&mut self) {
         let Some(limit) = flush_limit::<T>(self.steps) else { return };
         for value in self.fields.iter_mut().flatten() {
@@ -300,7 +302,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.interlayers.flush_below(limit);
     }
 
-    /// Adds `steps` steps to the time integrals.
+    /// Adds the present values to the time integrals, weighted by `steps`·Δt.
     pub(super) fn accumulate_integrals(&mut self, steps: f64) {
         for (place, sums) in &mut self.time_integrals {
             for (sum, value) in sums.iter_mut().zip(&self.fields[*place]) {

@@ -1,4 +1,4 @@
-//! Faces with memory: history variables for each face and wave pair.
+//! Faces with interlayers: history variables for each face and wave pair.
 
 use super::sweep::GridLine;
 use crate::simd::Real;
@@ -28,13 +28,14 @@ struct InterlayerFace<T> {
 #[derive(Clone)]
 pub(super) struct InterlayerFaces<T, const D: usize> {
     faces: Vec<InterlayerFace<T>>,
-    /// By axis and cell above the face, index of its first wave pair; empty if the axis has no interlayers.
+    /// By axis and cell above the face, index in `faces` of the first wave pair of the face; empty if the axis has no
+    /// interlayers.
     first_pair: [Vec<Option<usize>>; D],
     is_periodic: [bool; D],
 }
 
 impl<T: Real, const D: usize> InterlayerFaces<T, D> {
-    /// Interlayers of a problem, at rest.
+    /// Creates the interlayers of a problem, at rest.
     pub(super) fn new(problem: &Problem<D>) -> Self {
         let (grid, layer) = (&problem.grid, problem.grid.faces(D - 1));
         let across: [_; D] = std::array::from_fn(|axis| problem.interlayers_across(axis));
@@ -64,17 +65,17 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
         Self { faces: all, first_pair: first, is_periodic }
     }
 
-    /// Returns V and S of all interlayers.
+    /// Returns the history variables of all interlayers: mean velocity V and mean traction S.
     pub(super) fn history(&self) -> Vec<[T; HISTORY_VARIABLES]> {
         self.faces.iter().map(|own| own.history).collect()
     }
 
-    /// Sets V and S of all interlayers.
+    /// Sets the history variables of all interlayers: mean velocity V and mean traction S.
     pub(super) fn set_history(&mut self, history: &[[T; HISTORY_VARIABLES]]) {
         self.faces.iter_mut().zip(history).for_each(|(face, own)| face.history = *own);
     }
 
-    /// Computes the initial memory of all interlayers from the field values of the adjacent cells.
+    /// Computes the initial history variables of all interlayers from the field values of the adjacent cells.
     pub(super) fn initial_history(
         &self,
         problem: &Problem<D>,
@@ -105,7 +106,8 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
         }
     }
 
-    /// Returns field and cell above the face of the first interlayer with non-finite memory.
+    /// Returns the first interlayer with a non-finite history variable: the corresponding field and the cell above the
+    /// face.
     pub(super) fn non_finite_field(&self, problem: &Problem<D>) -> Option<(SolidField, usize)> {
         self.faces.iter().find_map(|face| {
             Some((non_finite_field(wave_pair(face, problem), face.history)?, face.cell))
@@ -135,7 +137,7 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
         (-ghosts..count + ghosts).filter_map(at).collect()
     }
 
-    /// Stores the memory of the interlayers of a line after its sweep.
+    /// Stores the history variables of the interlayers of a line after its sweep.
     pub(super) fn store_line(
         &mut self,
         pair: usize,

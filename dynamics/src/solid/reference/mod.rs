@@ -1,7 +1,7 @@
-//! Reference solver: the scheme of the fused solver in plain form.
+//! Reference solver: the scheme of the fused solver, applied line by line and cell by cell.
 //!
-//! Fields are arrays by field and cell, sweeps run line by line on one thread, and every sweep accounts for its
-//! numerical dissipation, so that the ledger is full: no term is computed as a residual.
+//! Fields are arrays by field and cell, sweeps run line by line on one thread, and every sweep computes its numerical
+//! dissipation, so that the ledger is full: no term is computed as a residual.
 //!
 //! | file | contents |
 //! |---|---|
@@ -11,8 +11,8 @@
 //! | `cells` | sources, gravity, rotation, relaxation, return mapping, flushing of subnormals, time integrals |
 //! | `output` | fields at the time of the solver, records, snapshots, energies |
 //!
-//! Results equal those of [`Domain`](crate::solid::domain::Domain) bit for bit: both use the same formulas
-//! ([`mod@line`], `cell_laws`, `ghosts`), which tests verify with random problems. Sums over cells are exact and
+//! Results equal those of [`Domain`](crate::solid::domain::Domain) bit for bit, which tests verify with random
+//! problems: both solvers use the same formulas ([`mod@line`], `cell_laws`, `ghosts`). Sums over cells are exact and
 //! therefore equal, too.
 
 mod cells;
@@ -34,7 +34,8 @@ use interlayers::InterlayerFaces;
 use models::solid::waves::SolidField;
 use sweep::ReferenceWavePair;
 
-/// Fields on a rectangular grid and their laws, without lanes, tiles, halo or threads.
+/// Reference solver of a solid: fields on a rectangular grid and their laws, without SIMD lanes, tiles, halo or
+/// threads.
 #[derive(Clone)]
 pub struct Reference<T: SolverReal, const D: usize> {
     /// Problem with the axes in the order of the sweeps.
@@ -49,7 +50,7 @@ pub struct Reference<T: SolverReal, const D: usize> {
     waves: [Vec<ReferenceWavePair<T>>; D],
     /// Wave pairs along the first axis by layer, for sweeps of half a step, if cell lengths vary by layer; else empty.
     row_waves: Vec<Vec<ReferenceWavePair<T>>>,
-    /// Wave pairs along the first axis, for sweeps of a quarter of a step.
+    /// Wave pairs along the first axis, for sweeps of a quarter of a step (alternating sweeps).
     quarter_waves: Vec<ReferenceWavePair<T>>,
     boundaries: [[BoundaryFaces<T>; 2]; D],
     /// Cell laws.
@@ -61,7 +62,8 @@ pub struct Reference<T: SolverReal, const D: usize> {
     work: WorkSums,
     /// Dissipation by cell, J/m³.
     dissipation: CellDissipation,
-    /// Field indices of velocities and spins, and Δt times the sum of their values by cell.
+    /// Field indices of velocities and spins, and by cell their sums by the trapezoidal rule (alternating sweeps:
+    /// midpoint rule), without its end correction.
     time_integrals: Vec<(usize, Vec<f64>)>,
     /// Cells recorded after each step.
     watched_cells: Vec<usize>,
@@ -71,7 +73,7 @@ pub struct Reference<T: SolverReal, const D: usize> {
 }
 
 impl<T: SolverReal, const D: usize> Reference<T, D> {
-    /// A solid at rest.
+    /// Creates the solver of a solid at rest.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -79,7 +81,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         Self::with_first_axis(0, problem)
     }
 
-    /// A solid at rest with `axis` swept first; the others keep their order.
+    /// Creates the solver of a solid at rest, with `axis` swept first; the others keep their order.
     ///
     /// # Errors
     /// See [`DomainError`].
@@ -141,8 +143,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.fields().iter().position(|own| *own == field)
     }
 
-    /// Returns the stored values of a field (first axis fastest), without completing the step; `None` if there is no
-    /// such field.
+    /// Returns the stored values of a field (first axis fastest), without the completion of the step that output
+    /// applies for alternating sweeps; `None` if there is no such field.
     pub fn values(&self, field: SolidField) -> Option<Vec<T>> {
         self.field_index(field).map(|place| self.permutation.unpermute(self.fields[place].clone()))
     }
@@ -156,7 +158,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Initialises interlayers with the motion of the adjacent cells, see
+    /// Initialises interlayers with the mean velocity of the adjacent cells and without stress, see
     /// [`Domain::initialise_interlayers`](crate::solid::domain::Domain::initialise_interlayers).
     pub fn initialise_interlayers(&mut self) {
         let place = |field| self.field_index(field);
@@ -165,8 +167,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.interlayers.set_history(&memory);
     }
 
-    /// Returns V and S of all interlayers, in the order of
-    /// [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
+    /// Returns the history variables of all interlayers (mean velocity V, m/s, and mean traction S, Pa), in the order
+    /// of [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
     pub fn interlayer_history(&self) -> Vec<[T; 2]> {
         self.interlayers.history()
     }
@@ -183,7 +185,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 }
 
-/// Converts a face index to a group and a lane.
+/// Converts a face index to its storage position: a group and a lane.
 fn lane_index<T: Real>(face: usize) -> LaneIndex {
     (face / T::Lanes::COUNT, face % T::Lanes::COUNT)
 }

@@ -58,14 +58,14 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         cell.map(|cell| self.permutation.original_cell(cell))
     }
 
-    /// Records all fields of these cells after each step, and discards earlier records.
+    /// Records all output quantities of these cells after each step, and discards earlier records.
     pub fn watch_cells(&mut self, cells: &[usize]) {
         self.records.clear();
         self.watched_cells =
             cells.iter().map(|cell| self.permutation.permuted_cell(*cell)).collect();
     }
 
-    /// Records all fields of the watched cells in the present state.
+    /// Records all output quantities of the watched cells in the present state.
     pub fn record_watched(&mut self) {
         let mut records = std::mem::take(&mut self.records);
         let boundaries = self.closing_boundaries();
@@ -77,7 +77,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.records = records;
     }
 
-    /// Returns the records since the last call, by step, watched cell and field.
+    /// Returns the records since the last call, by step, watched cell and output quantity.
     pub fn take_records(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.records)
     }
@@ -101,7 +101,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         fields.into_iter().map(|values| self.permutation.unpermute(values)).collect()
     }
 
-    /// Appends the output quantities of a cell; `row`: completed fields of its row.
+    /// Appends the output quantities of a cell; `row`: fields of its row at the time of the solver, from
+    /// [`Self::complete_row`].
     fn output_cell(&self, cell: usize, row: &[Vec<T>], values: &mut Vec<f64>) {
         let x = cell % self.problem.grid.cells[0];
         let state: Vec<T> = row.iter().map(|field| field[x]).collect();
@@ -111,7 +112,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         for (&field, value) in self.fields().iter().zip(&state) {
             values.push(stress_component(field, &stress).unwrap_or_else(|| value.to_f64()));
         }
-        // End correction of the trapezoidal rule; alternating sweeps use the midpoint rule.
+        // End correction of the trapezoidal rule: subtracts half of the last value; alternating sweeps use the midpoint
+        // rule.
         let last = if self.problem.scheme.is_alternating() { 0.0 } else { 0.5 * self.problem.step };
         for (place, sums) in &self.time_integrals {
             let sum = sums[cell] - last * self.fields[*place][cell].to_f64();
@@ -162,8 +164,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         values
     }
 
-    /// Adds the fraction `fraction` of the change of a cell by a sweep to the fields of its row; `x`: position in the
-    /// row.
+    /// Adds `fraction` times the change of a cell by the sweep of a wave pair to the fields `values` of its row; `x`:
+    /// position in the row.
     fn add_completion(
         &self,
         values: &mut [Vec<T>],

@@ -1,4 +1,4 @@
-//! Sequence of operations of a time step; theory and references: `step` of the fused solver.
+//! Sequence of operations of a time step; notation, theory and references: `step` of the fused solver.
 
 use super::Reference;
 use crate::solid::cell_laws::Interval;
@@ -24,7 +24,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// U ← x y z, K Q K, z y x, then P; or 2P − I in the middle of Q, which includes relaxation.
+    /// Advances by a two-cyclic step: U ← x y z, K Q K, z y x, then P; or 2P − I in the middle of Q, which includes
+    /// relaxation.
     fn advance_two_cyclic(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
@@ -49,7 +50,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// K Q K with relaxation, and with the reflection 2P − I in the middle if the scheme requires it.
+    /// Applies K Q K with relaxation, and with the reflection 2P − I in the middle if the scheme requires it.
     fn apply_local_operators(&mut self, sources: &[Vec<[f64; 2]>; 2]) {
         self.apply_sources(&sources[0]);
         match self.problem.scheme.plastic_step {
@@ -61,8 +62,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
                 self.rotate_spins(Interval::HalfStep);
             }
             _ => {
-                // The rotation by the curvature does not commute with the other laws: half of it before, half after
-                // them.
+                // The rotation by the curvature does not commute with the other laws: half of the rotation before, half
+                // after them.
                 let has_other_laws = self.cell_laws.has_rotation_or_relaxation();
                 let interval = if has_other_laws { Interval::HalfStep } else { Interval::Step };
                 self.rotate_by_curvature(interval);
@@ -76,7 +77,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.apply_sources(&sources[1]);
     }
 
-    /// U ← x y z, K √Q x √Q K, z y, then P; the very first x by a quarter of a step.
+    /// Advances by a step with alternating sweeps: U ← x y z, K √Q x √Q K, z y, then P; the very first x is by a
+    /// quarter of a step.
     fn advance_alternating(&mut self, start: f64, end: f64) {
         let step = self.problem.step;
         let middle = start + 0.5 * step;
@@ -94,7 +96,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.apply_sources(&sources[0]);
         self.rotate_spins(Interval::HalfStep);
         self.relax(Interval::HalfStep);
-        // Mean of the states before and after the sweep: second order at mid-step.
+        // Time integrals use the mean of the states before and after the sweep, which is second order at mid-step.
         self.accumulate_integrals(0.5);
         self.sweep(0, middle);
         self.accumulate_integrals(0.5);

@@ -20,18 +20,19 @@ pub(super) struct ReferenceWavePair<T: Real> {
     /// Cell length along the axis, m, and fraction of a time step per sweep.
     spacing: f64,
     step_fraction: f64,
-    /// Field indices.
+    /// Indices of velocity and stress of the pair among the fields.
     pub(super) velocity: usize,
     pub(super) stress: usize,
     /// Cell constants by medium.
     pub(super) cells: Vec<CellConstants<T>>,
     ghost_coefficients: Vec<GhostCoefficients<T>>,
-    /// Indices of the passive stresses of any medium, and by medium the coupling ratio r = ds′/ds.
+    /// Field indices of the passive stresses, which any medium couples to the pair, and by medium the coupling ratio
+    /// ds′/ds of the passive stress s′ to the stress s of the pair.
     pub(super) passive_stresses: Vec<(usize, Vec<T>)>,
 }
 
 impl<T: Real> ReferenceWavePair<T> {
-    /// A wave pair along an axis with cell length `spacing`, m, and sweeps of a fraction of the time step.
+    /// Creates a wave pair along an axis with cell length `spacing`, m, and sweeps of `step_fraction` of the time step.
     pub(super) fn new<const D: usize>(
         problem: &Problem<D>,
         (axis, spacing): (usize, f64),
@@ -70,7 +71,7 @@ impl<T: Real> ReferenceWavePair<T> {
     }
 }
 
-/// The cells of a line, and its index among the faces of its boundaries.
+/// The cells of a line, and the index of the line among the faces of its boundaries.
 #[derive(Clone, Copy)]
 pub(super) struct GridLine {
     pub(super) axis: usize,
@@ -85,13 +86,13 @@ impl GridLine {
         self.first + place * self.stride
     }
 
-    /// Position at a depth from an end of the line; wraps around in shorter lines.
+    /// Returns the place at a depth from an end of the line; it wraps around if the line has fewer cells.
     fn index_from_end(&self, end: usize, depth: usize) -> usize {
         [depth % self.count, self.count - 1 - depth % self.count][end]
     }
 }
 
-/// Fields of a wave pair along a line with ghosts.
+/// Velocities, stresses and constants of a wave pair along a line, ghosts included, and the accounts of its cells.
 pub(super) struct LineFields<T> {
     pub(super) velocity: Vec<T>,
     pub(super) stress: Vec<T>,
@@ -124,14 +125,15 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         (self.waves[axis], self.row_waves) = (waves, row_waves);
     }
 
-    /// Sweeps by a quarter of a step along the first axis.
+    /// Sweeps by a quarter of a step along the first axis, with boundary values at `time`, s.
     pub(super) fn sweep_quarter_step(&mut self, time: f64) {
         let waves = std::mem::take(&mut self.quarter_waves);
         self.sweep_axis(0, |_| &waves, time);
         self.quarter_waves = waves;
     }
 
-    /// Sweeps along an axis; `waves`: wave pairs of a line by its face index.
+    /// Sweeps along an axis, with boundary values at `time`, s; `waves` returns the wave pairs of a line, given its
+    /// face index.
     fn sweep_axis<'a>(
         &mut self,
         axis: usize,
@@ -164,7 +166,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     ) {
         for (pair, wave) in waves.iter().enumerate() {
             let time = wave.step_fraction * self.problem.step;
-            // Accounts are powers per area.
+            // Accounts are powers per area: the factor is area times duration, m² s.
             let face_time = self.problem.grid.volume() / wave.spacing * time;
             let boundaries = &self.boundaries[line.axis];
             self.fill_line(line_fields, line, (pair, wave), boundaries);
@@ -231,7 +233,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         (state, wave.cells[usize::from(self.problem.cell_media[cell])])
     }
 
-    /// Computes the ghosts beyond an end, nearest first.
+    /// Computes states and constants of the ghosts beyond an end of a line, nearest first.
     fn compute_end_ghosts(
         &self,
         line: GridLine,
@@ -267,7 +269,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         };
         std::array::from_fn(|depth| {
             let (mut source_state, cell) = at(end, depth);
-            // A line of one cell: the second ghost is an image by the opposite boundary, too.
+            // In a line of one cell the second ghost is the image of the ghost at the other end.
             if let (BoundaryFaces::Physical(other), true) =
                 (&boundaries[1 - end], depth >= line.count)
             {
@@ -277,7 +279,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         })
     }
 
-    /// Computes the power per area of the boundary at an end of a line before its sweep, W/m², positive inwards.
+    /// Computes the power per area that the boundary supplies at an end of a line in the sweep that follows, W/m²,
+    /// positive inwards.
     fn boundary_power(
         &self,
         line_fields: &LineFields<T>,

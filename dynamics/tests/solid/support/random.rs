@@ -5,12 +5,12 @@ use super::noise;
 /// Generator whose n-th number is [`noise`] of the seed plus n.
 pub struct NoiseSequence {
     seed: u64,
-    /// Number of values drawn_count.
+    /// Number of values drawn.
     drawn_count: u64,
 }
 
 impl NoiseSequence {
-    /// Creates a generator from a seed. Seeds should differ by more than the number of values drawn_count.
+    /// Creates a generator from a seed. Seeds should differ by more than the number of values drawn.
     pub fn new(seed: u64) -> Self {
         Self { seed, drawn_count: 0 }
     }
@@ -20,7 +20,7 @@ impl NoiseSequence {
         self.seed
     }
 
-    /// Returns the number of values drawn_count.
+    /// Returns the number of values drawn.
     pub fn drawn_count(&self) -> u64 {
         self.drawn_count
     }

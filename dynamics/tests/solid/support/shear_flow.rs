@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_6, TAU};
 use wellposed_dynamics::flow::{Closure, FlowProblem};
 
-/// Returns simple shear along x₁ at 50 1/s in a box of 10 cm, with the noncoaxiality angle Δ, rad.
+/// Returns simple shear along x₁ at the shear rate 50 1/s in a box of 10 cm, with the non-coaxiality angle Δ, rad.
 pub fn simple_shear(closure: Closure, points: usize, noncoaxiality: f64) -> FlowProblem {
     let rate = 25.0;
     FlowProblem {
@@ -15,7 +15,8 @@ pub fn simple_shear(closure: Closure, points: usize, noncoaxiality: f64) -> Flow
         pressure: 1000.0,
         velocity_gradient: [[0.0, 2.0 * rate], [0.0, 0.0]],
         stress_angle: TAU / 8.0 - noncoaxiality,
-        // ω − s₂₁ = −Q_D sin 2Δ/sin φ
+        // Spin ω from ω − s₂₁ = −Q_D sin 2Δ/sin φ, with the half-vorticity s₂₁, the deviatoric strain rate Q_D and the
+        // friction angle φ.
         spin: -rate - rate * (2.0 * noncoaxiality).sin() / FRAC_PI_6.sin(),
         spin_acceleration: 0.0,
         points: [points; 2],

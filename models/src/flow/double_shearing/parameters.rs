@@ -5,10 +5,10 @@ use crate::common::input::InputError;
 use crate::common::parameter::to_constant_array;
 use crate::flow::state::{FlowRule, MohrCoulomb, check_dilatancy};
 
-/// Checked constants (Spencer 1964; Mehrabadi & Cowin 1978).
+/// Double-shearing model with checked constants (Spencer 1964; Mehrabadi & Cowin 1978).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DoubleShearing {
-    /// Yield condition.
+    /// Mohr–Coulomb yield condition.
     pub coulomb: MohrCoulomb,
     /// Angle of dilatancy ν, rad; 0 ≤ ν < φ.
     pub dilatancy_angle: f64,
@@ -39,10 +39,11 @@ impl DoubleShearing {
         FlowRule::new_double_shearing(self.coulomb.friction_angle, self.dilatancy_angle)
     }
 
-    /// Leading growth rate over k for ν = 0, m/s:
+    /// Leading growth rate divided by the wave number k for ν = 0, m/s:
     /// `|cos β − sin φ| √(q / [ρ sin φ (1 − sin φ cos β)])`, β = 2(Ψ_Σ − ψ_K).
     ///
-    /// `deviator` q in Pa, `density` in kg/m³.
+    /// `deviator` q in Pa, `density` ρ in kg/m³, `beta` β in rad; Ψ_Σ is the stress angle, ψ_K the angle of the wave
+    /// vector.
     pub fn leading_coefficient(&self, deviator: f64, density: f64, beta: f64) -> f64 {
         let sin_phi = self.coulomb.friction_angle.cr_sin();
         (beta.cr_cos() - sin_phi).abs()

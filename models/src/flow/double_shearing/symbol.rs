@@ -25,7 +25,7 @@ pub fn write_symbol(
     write_flow_rule(system, 2, &columns, &rule, flow);
     write_mass(system, 4, &columns, flow);
 
-    // Material rotation: the term 2 e_r Dψ/Dt.
+    // Material rotation ω = Dψ/Dt: the term 2 e_r Dψ/Dt, where e_r is the rotation coefficient of the flow rule.
     let rotation = 2.0 * rule.rotation_coefficient;
     system.a[(3, columns.angle)] = rotation;
     for j in 0..2 {

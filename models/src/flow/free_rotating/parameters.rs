@@ -5,7 +5,8 @@ use crate::common::parameter::to_constant_array;
 use crate::flow::double_shearing::parameters::DoubleShearing;
 use crate::flow::state::MohrCoulomb;
 
-/// Checked constants, the same as in the double-shearing model (de Josselin de Jong 1977).
+/// Double-sliding free-rotating model (de Josselin de Jong 1977) with checked constants, the same as in the
+/// double-shearing model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeRotating(pub DoubleShearing);
 

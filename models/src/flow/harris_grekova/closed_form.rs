@@ -29,11 +29,11 @@ pub fn closed_form(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<Closed
 /// Returns the verdict for ν = 0 and any gradients and accelerations of the background (Harris & Grekova 2005,
 /// eqs 149–152, corrected).
 ///
-/// The dispersion polynomial is a quadratic in ς. Its leading root is
-/// [`HarrisGrekova::leading_coefficient`] k², its other root and both roots in the layers around
-/// 𝒜 = cos β − sin φ = 0 are −ik·V + O(1). So the model is well-posed for cos 2Δ > 0. For
-/// cos 2Δ < 0 the coefficient as a function of cos β has one minimum, 0 at cos β = sin φ, and its maximum
-/// at β = π: (cos β − sin φ)²/(1 − sin φ cos β) is 1 + sin φ at β = π and 1 − sin φ at β = 0.
+/// The dispersion polynomial is a quadratic in ς. Its leading root is [`HarrisGrekova::leading_coefficient`] k²; its
+/// other root, and both roots in the layers of directions around 𝒜 = cos β − sin φ = 0, are −ik·V + O(1). So the model
+/// is well-posed for cos 2Δ > 0. For cos 2Δ < 0 the coefficient as a function of cos β has one minimum, 0 at
+/// cos β = sin φ, and its maximum at β = π: (cos β − sin φ)²/(1 − sin φ cos β) is 1 + sin φ at β = π and 1 − sin φ at
+/// β = 0. Then in the direction β = π
 ///
 /// ```text
 /// Re ς/k² → q (1 + sin φ) / (2 ρ Q_D |cos 2Δ|)

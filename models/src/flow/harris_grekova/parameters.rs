@@ -22,10 +22,10 @@ pub(super) const ROTATIONAL_STRENGTH: Parameter = Parameter::new_required(
 )
 .with_range(AllowedRange::NotNegative);
 
-/// Checked constants (Harris & Grekova 2005, section 2).
+/// Harris–Grekova model with checked constants (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HarrisGrekova {
-    /// Yield condition of the symmetric part of the stress.
+    /// Mohr–Coulomb yield condition of the symmetric part of the stress.
     pub coulomb: MohrCoulomb,
     /// Angle of dilatancy ν, rad; 0 ≤ ν < φ.
     pub dilatancy_angle: f64,
@@ -78,8 +78,9 @@ impl HarrisGrekova {
 
     /// Bound on the non-coaxiality |Δ|, rad, below which the leading growth rate is not positive in any direction.
     ///
-    /// For ν = 0 the bound is π/4 (eq. 152). For ν > 0, with β = 2(Ψ_Σ − ψ_K) and e = φ − ν, the coefficient
-    /// of the highest power of ς is proportional to
+    /// For ν = 0 the bound is π/4 (Harris & Grekova 2005, eq. 152). For ν > 0, with e = φ − ν and β = 2(Ψ_Σ − ψ_K)
+    /// (stress angle Ψ_Σ, angle ψ_K of the wave vector), the coefficient of the highest power of ς in the dispersion
+    /// polynomial is proportional to
     /// `cos 2Δ cos ν [cos e + sin ν sin φ − (sin φ cos e + sin ν) cos β] + sin 2Δ sin ν cos φ cos e sin β`,
     /// which has the same sign in all directions if and only if
     ///
@@ -95,14 +96,15 @@ impl HarrisGrekova {
         0.5 * opposite.cr_atan2(nu.cr_sin() * (phi - nu).cr_cos())
     }
 
-    /// Computes the leading growth rate over k² for ν = 0, `lim ς/k²` as k → ∞, m²/s (eq. 149 with the printed factor
-    /// corrected):
+    /// Computes the leading growth rate divided by k² for ν = 0, `lim ς/k²` as k → ∞, m²/s (Harris & Grekova 2005,
+    /// eq. 149, with the printed factor corrected):
     ///
     /// ```text
     /// −q (cos β − sin φ)² / [2 ρ Q_D cos 2Δ (1 − sin φ cos β)],  β = 2(Ψ_Σ − ψ_K).
     /// ```
     ///
-    /// `deviator` q in Pa, `density` in kg/m³, `shear_rate` Q_D in 1/s, angles in rad.
+    /// `deviator` q in Pa, `density` ρ in kg/m³, `shear_rate` Q_D in 1/s, `noncoaxiality` Δ and `beta` β in rad; Ψ_Σ is
+    /// the stress angle, ψ_K the angle of the wave vector.
     pub fn leading_coefficient(
         &self,
         deviator: f64,

@@ -1,8 +1,8 @@
 //! The Harris–Grekova equations linearised with frozen coefficients.
 //!
-//! Balances of momentum, spin and (for ν > 0) mass, and the two lines of the flow rule with the intrinsic spin as the
-//! material rotation. For ν = 0 these are Harris & Grekova (2005), eqs (81)–(87), corrected; for ν > 0, which the paper
-//! omits, the density is a further unknown.
+//! Balances of momentum, spin and (for a dilatancy angle ν > 0) mass, and the two lines of the flow rule with the
+//! intrinsic spin as the material rotation. For ν = 0 these are Harris & Grekova (2005), eqs (81)–(87), corrected; for
+//! ν > 0, which the paper omits, the density is a further unknown.
 
 use super::parameters::HarrisGrekova;
 use crate::common::rounding::Rounded;

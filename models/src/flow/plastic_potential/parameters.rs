@@ -7,10 +7,10 @@ use crate::common::rounding::Rounded;
 use crate::flow::parameters::DILATANCY_ANGLE;
 use crate::flow::state::{FlowRule, MohrCoulomb};
 
-/// Checked constants; associated when ν = φ.
+/// Plastic-potential model with checked constants; the flow is associated if ν = φ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlasticPotential {
-    /// Yield condition.
+    /// Mohr–Coulomb yield condition.
     pub coulomb: MohrCoulomb,
     /// Angle of dilatancy ν, rad; 0 ≤ ν < π/2.
     pub dilatancy_angle: f64,
@@ -39,7 +39,7 @@ impl PlasticPotential {
         Ok(Self { coulomb, dilatancy_angle })
     }
 
-    /// The flow rule: tr d = 2 Q_D sin ν, coaxial.
+    /// The coaxial flow rule tr d = 2 Q_D sin ν, with the shear rate Q_D.
     pub fn flow_rule(&self) -> FlowRule {
         let dilatant = self.dilatancy_angle > 0.0;
         FlowRule {
@@ -55,13 +55,14 @@ impl PlasticPotential {
         }
     }
 
-    /// Computes the leading growth rate over k², m²/s, in the direction with β = 2(Ψ_Σ − ψ_K), `beta` in rad:
+    /// Computes the leading growth rate divided by k², m²/s, in the direction with β = 2(Ψ_Σ − ψ_K) = `beta`, rad
+    /// (stress angle Ψ_Σ, angle ψ_K of the wave vector):
     ///
     /// ```text
     /// −q (cos β − sin ν)(cos β − sin φ) / {2 ρ Q_D [1 + sin ν sin φ − (sin ν + sin φ) cos β]}
     /// ```
     ///
-    /// which is positive exactly if cos β lies between sin ν and sin φ. `deviator` q in Pa, `density` in kg/m³,
+    /// which is positive exactly if cos β lies between sin ν and sin φ. `deviator` q in Pa, `density` ρ in kg/m³,
     /// `shear_rate` Q_D in 1/s.
     pub fn leading_coefficient(
         &self,
@@ -77,15 +78,16 @@ impl PlasticPotential {
             / (2.0 * density * shear_rate * (1.0 + sin_nu * sin_phi - (sin_nu + sin_phi) * cos))
     }
 
-    /// Sector of unstable directions as the interval of |β|, rad: [π/2 − max(φ, ν), π/2 − min(φ, ν)]; empty for
-    /// associated flow, φ = ν.
+    /// Sector of unstable directions as the interval of |β|, rad: [π/2 − max(φ, ν), π/2 − min(φ, ν)], with
+    /// β = 2(Ψ_Σ − ψ_K) as in [`leading_coefficient`](Self::leading_coefficient); empty for associated flow, φ = ν.
     pub fn unstable_sector(&self) -> [f64; 2] {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
         [phi.max(nu), phi.min(nu)].map(|angle| std::f64::consts::FRAC_PI_2 - angle)
     }
 
-    /// Computes the largest leading growth rate over k², `q tan²((φ − ν)/2) / (2 ρ Q_D)` in m²/s, and cos β of its
-    /// direction, `sin((φ + ν)/2) / cos((φ − ν)/2)`. `deviator` q in Pa, `density` in kg/m³, `shear_rate` Q_D in 1/s.
+    /// Computes the maximum over all directions of the leading growth rate divided by k², in m²/s,
+    /// `q tan²((φ − ν)/2) / (2 ρ Q_D)`, and cos β of its direction, `sin((φ + ν)/2) / cos((φ − ν)/2)`. `deviator` q in
+    /// Pa, `density` ρ in kg/m³, `shear_rate` Q_D in 1/s.
     pub fn fastest_growth(&self, deviator: f64, density: f64, shear_rate: f64) -> (f64, f64) {
         let half_difference = 0.5 * (self.coulomb.friction_angle - self.dilatancy_angle);
         let half_sum = 0.5 * (self.coulomb.friction_angle + self.dilatancy_angle);

@@ -1,5 +1,5 @@
 //! The plastic-potential equations linearised with frozen coefficients: momentum, dilatancy
-//! `tr d = sin ν [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ]`, coaxiality, and mass where ν > 0.
+//! `tr d = sin ν [(d₁₁ − d₂₂) cos 2ψ + 2 d₁₂ sin 2ψ]`, coaxiality, and mass if the dilatancy angle ν is positive.
 
 use super::parameters::PlasticPotential;
 use crate::common::system::LinearisedSystem;

@@ -1,4 +1,4 @@
-//! Sweep kernel of lines with interlayers, apart from that of other lines, which thus have no overhead.
+//! Sweep kernel of lines with interlayers, separate from the kernel of other lines, which thus has no overhead.
 
 use super::super::interlayer_faces::GroupFace;
 use super::super::layout::GroupIndex;
@@ -12,7 +12,7 @@ use crate::solid::reconstruction::Slopes;
 use crate::solid::riemann::{InterfaceState, State, update_cell};
 use models::interface::elastic::ElasticInterlayer;
 
-/// Adjacent lines with interlayers.
+/// Adjacent lines of groups with interlayers.
 pub(crate) struct InterlayerLines<'a, T: Real> {
     pub(crate) lines: SweepLines<'a, T>,
     /// Lower faces of the groups of the path.
@@ -152,7 +152,7 @@ impl<T: Real> InterlayerLines<'_, T> {
         State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
     }
 
-    /// Writes a group; its passive stresses change in proportion to its stress.
+    /// Writes the updated state of a group; its passive stresses change in proportion to its stress.
     #[inline(always)]
     fn store_group<V: Vector<T>>(
         &mut self,

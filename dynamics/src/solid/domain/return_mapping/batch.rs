@@ -1,4 +1,4 @@
-//! Batch of blocks of trial stresses beyond their yield sets, for which Newton's method runs together.
+//! Batch of blocks of trial stresses beyond their yield sets, in which Newton's method runs together.
 #![allow(clippy::needless_range_loop, reason = "indices are those of parts")]
 
 use super::super::total_stress::StressTensors;
@@ -11,18 +11,19 @@ use models::yield_set::return_mapping::{
 /// Number of blocks of a batch: enough independent iterations to hide the latency of divisions and roots.
 pub(super) const BATCH_SIZE: usize = 8;
 
-/// Block with lanes beyond their sets.
+/// Block with lanes beyond their yield sets.
 #[derive(Clone, Copy)]
 pub(super) struct YieldingBlock<V> {
     pub(super) block_index: usize,
-    /// Masks of the lanes mapped in this batch, and of those left to the scalar projection.
+    /// Mask of the lanes mapped in this batch, and mask of those left to the scalar projection.
     pub(super) lanes: u16,
     pub(super) scalar_lanes: u16,
-    /// ½p|s̄|² of the parts with nonzero weight, all others being unused; then the shear capacity r.
+    /// Weighted squares ½p|s̄|² of the trial stress s̄ in the active eigenspaces, Pa², unused in the others; then the
+    /// shear capacity r, Pa.
     pub(super) squares: [V; EIGENSPACE_COUNT],
     pub(super) shear_capacity: V,
     pub(super) iterate: NewtonIterate<V>,
-    /// Mean, diagonal of the deviator and |s̄|² of a symmetric stress.
+    /// Mean, diagonal of the deviator and squared norm |s̄|² of the deviator of a symmetric trial stress.
     pub(super) symmetric_parts: (V, [V; 3], V),
 }
 
@@ -37,7 +38,7 @@ impl<V: Number> YieldingBlock<V> {
         symmetric_parts: (V::ZERO, [V::ZERO; 3], V::ZERO),
     };
 
-    /// Stores an iterate, for the parts with nonzero weight.
+    /// Stores an iterate of Newton's method, with the scale factors of the active eigenspaces.
     #[inline(always)]
     pub(super) fn set_iterate(
         &mut self,
@@ -56,7 +57,7 @@ impl<V: Number> YieldingBlock<V> {
         }
     }
 
-    /// Returns the parts of the trial stress.
+    /// Returns the decomposition of the trial stress into eigenspaces.
     #[inline(always)]
     pub(super) fn stress_parts(
         &self,
@@ -81,7 +82,7 @@ impl<V: Number> YieldingBlock<V> {
         }
     }
 
-    /// Returns the equation of the block and its present iterate.
+    /// Returns the consistency equation of the block and its present iterate.
     #[inline(always)]
     pub(super) fn equation<'a>(
         &self,
@@ -114,7 +115,7 @@ pub(super) struct Batch<V> {
     pub(super) has_last_yielded: bool,
 }
 
-/// Blocks of a batch whose iteration has not converged.
+/// Indices of the blocks of a batch whose iteration has not converged.
 pub(super) struct PendingBlocks {
     pub(super) count: usize,
     pub(super) indices: [u8; BATCH_SIZE],

@@ -1,4 +1,5 @@
-//! Trial stresses in lanes, tests whether they are within their yield sets, and the energy changes of their mapping.
+//! Trial stresses in SIMD lanes, tests whether they are within their yield sets, and the energy changes of their
+//! mapping.
 
 use super::super::total_stress::StressTensors;
 use crate::simd::{Number, Vector};
@@ -12,7 +13,7 @@ use models::yield_set::return_mapping::{
 pub(super) struct EnergyChange<V> {
     pub(super) dissipation: V,
     pub(super) initial_stress_work: V,
-    /// Ratio of dissipation to stored energy if negative, else zero.
+    /// Ratio of plastic dissipation to stored energy if negative, else zero.
     pub(super) dissipation_ratios: V,
 }
 
@@ -21,15 +22,15 @@ impl<V: Number> EnergyChange<V> {
         Self { dissipation: V::ZERO, initial_stress_work: V::ZERO, dissipation_ratios: V::ZERO };
 }
 
-/// Trial stress in lanes, and its parts.
+/// Trial stress in lanes, and its decomposition into eigenspaces.
 pub(super) struct TrialStress<V> {
     pub(super) stress: StressTensors<V>,
     pub(super) parts: EigenspaceDecomposition<V>,
-    /// Weighted invariants ½p|s̄|² of the parts.
+    /// Weighted squares ½p|s̄|² of the trial stress s̄ by eigenspace, Pa².
     pub(super) weighted_invariants: [V; EIGENSPACE_COUNT],
     /// Square of the equivalent shear stress τ̄, Pa².
     pub(super) squared_shear: V,
-    /// Shear capacity r.
+    /// Shear capacity r = k − κσ̄_m, Pa.
     pub(super) shear_capacity: V,
 }
 
@@ -53,7 +54,7 @@ impl<V: Vector<f64>> TrialStress<V> {
         }
     }
 
-    /// Whether all lanes are within the set, by a sufficient test.
+    /// Whether all lanes are within the set, by a sufficient condition.
     #[inline(always)]
     pub(super) fn is_inside(&self) -> bool {
         !self.squared_shear.any_gt(self.shear_capacity * self.shear_capacity)
@@ -68,7 +69,8 @@ impl<V: Vector<f64>> TrialStress<V> {
         let size = shear + cone.friction * mean.max(-mean) + cone.strength;
         let excess = shear - self.shear_capacity;
         let possible = excess.greater_lanes(V::from_f64(YIELD_ROUNDING) * size);
-        // The excess is mostly far greater, so that the root in the rounding bound of the components is not needed.
+        // The excess is mostly far greater than the rounding errors, so that the square root in their bound is not
+        // needed.
         let allowed = V::from_f64(1.0 / YIELD_ROUNDING) * excess - size;
         let [force, couple] = cone.rounding_weights;
         let [deviator, antisymmetric, couple_deviator, couple_mean, couple_antisymmetric] =
@@ -98,8 +100,8 @@ impl<V: Vector<f64>> TrialStress<V> {
 }
 
 /// Whether a symmetric stress is within the set in all lanes, by fewer operations than [`TrialStress::is_inside`]: the
-/// deviator's |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + 2 Σ σᵢⱼ² (sums over i < j) differs from that of the parts by a few roundings,
-/// of which the condition allows 32.
+/// |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + 2 Σ σᵢⱼ² (sums over i < j) of the deviator differs from that of the decomposition by a few
+/// rounding errors, while the yield condition allows for 32 of them ([`YIELD_ROUNDING`]).
 #[inline(always)]
 pub(super) fn is_symmetric_stress_inside<V: Vector<f64>>(
     shape: StressShape,
