@@ -127,8 +127,7 @@ fn yield_normals_are_gradients_of_the_yield_function() {
     assert_eq!(random_interlayer(&mut random).half_spaces().count(), 8);
 }
 
-/// The yield normal of a deviator that is 1e-9 times the pressure is exact to rounding, since the differences of the
-/// normal stresses are exact.
+/// The normal at a deviator of 1e-9 times the pressure is exact to rounding, since stress differences are exact.
 #[test]
 fn yield_normal_is_exact_under_high_pressure() {
     let set = Mises::new_drucker_prager(1.0, 0.5, 0.5);
@@ -568,8 +567,7 @@ fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface()
         assert!((&curvature - curvature.transpose()).amax() < 1e-14 * curvature.amax());
         let least = curvature.clone().symmetric_eigenvalues().min();
         assert!(least > -1e-14 * curvature.amax(), "{least:e}");
-        // Scaling of the deviatoric and couple stress does not change the flow direction: the curvature along this
-        // stress is zero.
+        // Scaling of the stress does not change the flow direction: the curvature along it is zero.
         let along = DVector::from_fn(components.len(), |i, _| {
             let mut deviator = tensor;
             let mean = (0..3).map(|i| deviator.force[i][i]).sum::<f64>() / 3.0;
@@ -597,7 +595,6 @@ fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface()
         }
     }
     println!("{worst:e}");
-    // The tolerance allows for the errors of central differences over ±h: h² times third derivatives, and rounding
-    // errors divided by h.
+    // Tolerance: errors of central differences, h² times third derivatives and rounding errors over h.
     assert!(worst < 1e-6);
 }

@@ -31,8 +31,8 @@ impl<T: Real> CellConstants<T> {
 
     /// Creates the constants as [`Self::new`] does, for
     /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder) in problems with several media or interlayers.
-    /// With [`Self::interface_weights`] no energy grows for C ≥ 0.02. Slower waves use the weights for C = 0.02, which
-    /// is also stable, since for the same fluxes a smaller Courant number leaves less energy; this adds at most 2 % of
+    /// With the weights of `interface_weights` no energy grows for C ≥ 0.02. Slower waves use the weights for
+    /// C = 0.02, which is also stable, since for the same fluxes a smaller Courant number leaves less energy; this adds at most 2 % of
     /// the first-order dissipation.
     pub fn with_interfaces(impedance: f64, courant: f64) -> Self {
         Self::with_reconstruction_courant(courant.max(0.02), impedance, courant)

@@ -55,8 +55,7 @@ fn fill_with_noise<T: SolverReal, const D: usize>(split: &mut DecomposedDomain<T
     }
 }
 
-/// Computes the complex shear modulus μ(ς), Pa, from the rate equations of spring and dashpot: for a strain e ∝ exp(ςt)
-/// the viscous strain is e/(1 + ςτ), with the relaxation time τ.
+/// Complex shear modulus μ(ς), Pa: for a strain e ∝ exp(ςt) spring and dashpot have the viscous strain e/(1 + ςτ).
 fn shear_modulus(rate: Complex, time: f64) -> Complex {
     let viscous = (rate * time + 1.0).inv();
     MU + BRANCH_MODULUS * (1.0 - viscous)
@@ -76,8 +75,7 @@ fn find_root(f: impl Fn(Complex) -> Complex, start: Complex) -> Complex {
     b
 }
 
-/// A damped plane wave exp(ςt + ik·x) with the complex rate ς and `mode_numbers` periods along each axis of the unit
-/// box; the damping rate is −Re ς.
+/// A plane wave exp(ςt + ik·x), damped at −Re ς, with `mode_numbers` periods along each axis of the unit box.
 struct DampedPlaneWave<const D: usize> {
     mode_numbers: [usize; D],
     /// Direction of the velocity.
@@ -138,8 +136,7 @@ impl<const D: usize> DampedPlaneWave<D> {
             (gradient(i, j) + gradient(j, i)) * 0.5 - volume * (kronecker(i, j) / 3.0)
         };
         let m = isotropic(*theory, 1.0).microrotation;
-        // Components about the third axis, for waves in the plane: (curl v)₃ is twice the rotation rate of the
-        // material.
+        // About x₃, for waves in the plane: (curl v)₃ is twice the rotation rate of the material.
         let curl = Complex::i() * (p[1] * k[0] - p[0] * k[1]);
         let spin = m.map_or(Complex::ZERO, |m| {
             curl * (2.0 * m.alpha) / (rate * rate * m.inertia + 4.0 * m.alpha)
@@ -202,8 +199,7 @@ impl<const D: usize> DampedPlaneWave<D> {
             }
             sum
         };
-        // The rate is measured between two times, since initial values and output change the amplitude once, which is
-        // not part of the rate.
+        // Measured between two times, since initial values and output change the amplitude once.
         split.advance(steps / 4);
         let first = amplitude(&split);
         split.advance(steps - steps / 4);
@@ -330,8 +326,7 @@ fn mixed_problem<const D: usize>(cells: [usize; D], theory: Theory, scheme: Sche
     Problem::new(grid, four_media(theory, step, D), cell_media, sides, step, scheme)
 }
 
-/// Verifies that energy never grows from random states, viscous strains included, with steps far shorter and far longer
-/// than the relaxation time.
+/// Verifies that energy never grows from random states with viscous strains, for steps far shorter and longer than τ.
 #[test]
 fn energy_never_grows() {
     for splitting in SPLITTINGS {
@@ -415,8 +410,7 @@ fn the_ledger_closes() {
     }
 }
 
-/// Verifies the stored energy of a domain against the energy of the springs of the relaxing solid, computed from the
-/// state of each cell.
+/// Verifies the stored energy of a domain against that of the springs of the solid, computed from the state by cell.
 #[test]
 fn stored_energy_is_that_of_the_springs() {
     let theory = Theory::Cosserat;
@@ -452,8 +446,7 @@ fn snapshot_bits<T: SolverReal>(own: &Snapshot<T>) -> (Vec<Vec<u64>>, Vec<Vec<u6
     (own.fields.iter().map(of).collect(), sums.collect())
 }
 
-/// Compares bit by bit runs with several decompositions and instruction sets, runs resumed from a snapshot, and the
-/// reference solver.
+/// Compares runs bit by bit: decompositions, instruction sets, resumed from a snapshot, and the reference solver.
 fn compare_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory) {
     for splitting in SPLITTINGS {
         for plastic_step in [PlasticStep::ReturnMapping, PlasticStep::MidpointReflection] {
