@@ -110,27 +110,34 @@ impl<'a> SolidJob<'a> {
         Bytes(PROGRAM_MEMORY + solver + lines + grid.cell_count() as f64 * copies)
     }
 
-    /// Returns the numbers of cells in the axis order of the solver: in three dimensions with alternating splitting the
-    /// last axis with a reflecting boundary is moved to the front.
+    /// Returns the numbers of cells in the axis order of the solver, as
+    /// [`Problem::first_axis`](dynamics::problem::Problem::first_axis) decides: in three dimensions with alternating
+    /// splitting the last axis with a reflecting boundary is moved to the front.
     fn solver_cells(&self) -> Vec<usize> {
         let SolidRun { grid, scheme, .. } = self.dynamics;
         let mut cells = grid.cells.clone();
         if cells.len() == 3 && scheme.splitting == DimensionalSplitting::Alternating {
-            let reflects = |axis: &usize| {
+            let is_reflecting = |own: &FaceCondition| match own.condition {
+                BoundaryConditionKind::Free
+                | BoundaryConditionKind::Fixed
+                | BoundaryConditionKind::Mixed { .. } => true,
+                BoundaryConditionKind::Symmetry
+                | BoundaryConditionKind::Antisymmetry
+                | BoundaryConditionKind::Periodic
+                | BoundaryConditionKind::NonReflecting => false,
+            };
+            let has_reflecting_face = |axis: &usize| {
                 [false, true].into_iter().any(|is_upper| {
-                    let boundary = BoundaryFace { axis: *axis, is_upper };
-                    let is_of_boundary =
-                        |own: &&FaceCondition| own.face == boundary && own.rectangle.is_none();
-                    let last = self.dynamics.boundary_conditions.iter().rev().find(is_of_boundary);
-                    !last.is_some_and(|own| {
-                        matches!(
-                            own.condition,
-                            BoundaryConditionKind::Periodic | BoundaryConditionKind::NonReflecting
-                        )
-                    })
+                    let face = BoundaryFace { axis: *axis, is_upper };
+                    // From the last condition of the whole face on; a face without one is free.
+                    let conditions = &self.dynamics.boundary_conditions;
+                    let of_face: Vec<_> =
+                        conditions.iter().filter(|own| own.face == face).collect();
+                    let whole = of_face.iter().rposition(|own| own.rectangle.is_none());
+                    whole.is_none_or(|whole| of_face[whole..].iter().any(|own| is_reflecting(own)))
                 })
             };
-            let first = (0..3).rev().find(reflects).unwrap_or(0);
+            let first = (0..3).rev().find(has_reflecting_face).unwrap_or(0);
             cells[..=first].rotate_right(1);
         }
         cells
