@@ -1,6 +1,6 @@
 //! Well-posedness analysis: from a linearised system to its dispersion roots, characteristics, growth and verdict.
 //!
-//! Entry points are [`flows::FlowWorkspace`] and [`solids::SolidAssessor`]; programs and bindings call these. All other
+//! Entry points are [`flows::FlowWorkspace`] and [`solids::SolidAssessor`]; programs call these. All other
 //! modules are their algorithms. The analysis takes a [`models::LinearisedSystem`] as data and is independent of the
 //! model:
 //!

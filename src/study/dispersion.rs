@@ -133,7 +133,16 @@ pub fn compute_dispersion(
         [p.frequency, p.growth_rate, p.phase_speed, p.group_speed].into_iter().all(f64::is_finite)
     };
     let ends = [wave.wave_number, max_wave_number];
-    if !ends.iter().all(|&k| groups.iter().all(|group| group.points_at(k).iter().all(is_finite))) {
+    let is_group_finite = |group: &BranchGroup| {
+        ends.iter().all(|&k| group.points_at(k).iter().all(is_finite))
+            && group.speeds().iter().flatten().all(|speed| speed.is_finite())
+            && group
+                .cut_offs()
+                .iter()
+                .chain(&group.short_wave_limits())
+                .all(|frequency| frequency.is_finite())
+    };
+    if !groups.iter().all(is_group_finite) {
         let error = InputError {
             input: "model",
             rejected_value: "numbers whose waves cannot be followed".into(),
