@@ -162,7 +162,7 @@ const INVALID_INPUTS: &[(&str, &str, &str)] = &[
     (
         "cells = [32, 24]",
         "cells = [200000, 200000]",
-        "folder/x.toml:14: grid.cells: 200000 × 200000 points; expected at most 268435456 in all",
+        "folder/x.toml:14: grid.cells: 200000 × 200000 points; expected at most 268435456 in total",
     ),
     (
         "length = [0.2, 0.1]",
