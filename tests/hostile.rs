@@ -313,7 +313,7 @@ fn case_size_is_limited() {
         + &(0..11).map(|i| format!("{line}name = 'line{i}'\n")).collect::<String>();
     fs::write(here.join("case.toml"), &case).unwrap();
     let (_, stderr) = run_with_exit_code(2, &here, "run case.toml --out out --dry-run");
-    assert!(stderr.contains("at most 100000 in all"), "{stderr}");
+    assert!(stderr.contains("at most 100000 in total"), "{stderr}");
 }
 
 /// Verifies that SIGINT, SIGTERM and SIGHUP end `map` with exit code 130 and without files, and do not crash `check`.

@@ -194,7 +194,7 @@ fn invalid_settings_are_refused() {
     for (set, message) in [
         ("load[3].amplitude=1", "load: the index 3 of 3; expected an index from 0 to 2"),
         ("load.amplitude=1", "load: a list of 3; write load[0] with an index from 0 to 2"),
-        ("grid[0].cells=1", "grid: the index 0; grid is no list"),
+        ("grid[0].cells=1", "grid: the index 0; grid is not a list"),
         ("grid.cells[0]=1", "grid.cells: the index 0; set the value as a whole"),
         ("grid.cells.x=1", "grid.cells: no section; a key inside it cannot be set"),
         (

@@ -92,7 +92,7 @@ fn invalid_input_is_refused_with_line_key_and_remedy() {
         ("amplitude = [1, 2]", "amplitude = 1", "75: source[0].amplitude: found the integer 1; expected a list of 2 finite numbers in N/m (force vector)"),
         ("branch = 2", "branch = 4", "110: initial[2].branch: found the integer 4; expected a whole number from 1 to 3 (1 is the branch of highest frequency)"),
         ("field = 'sigma33'", "field = 'sigma34'", &format!("123: initial[4].field: found 'sigma34'; did you mean 'sigma33'? allowed: {FIELD_NAMES}")),
-        ("normal = [0, 1]", "normal = [0, 0]", "118: initial[3].normal: found [0, 0]; expected a list of 2 numbers, not all 0 (points into the shape)"),
+        ("normal = [0, 1]", "normal = [0, 0]", "118: initial[3].normal: found [0, 0]; expected a list of 2 numbers, not all 0 (normal vector that points into the shape)"),
         ("m31 = 4", "m33 = 4", "129: initial_stress.m33: unknown key; did you mean 'm31'? allowed here: sigma11, sigma12, sigma21, sigma22, sigma33, m31, m32, m13, m23"),
         ("acceleration = [0, -9.81]", "acceleration = [1, -9.81]", "130: gravity.balanced: found true, the default, with the acceleration [1.0, -9.81]; give an acceleration along one axis, or set balanced = false"),
         // receivers and output
@@ -135,12 +135,12 @@ fn time_domain_runs_need_a_solid_and_a_grid() {
     for (entry, end) in [
         (
             "[[initial]]\nkind = 'rotation'\n",
-            "initial[0].kind: found a microrotation in a solid without spin; a Cosserat solid in \
+            "initial[0].kind: found a microrotation in a solid without spin; use a Cosserat solid in \
              model.kind, or another kind here",
         ),
         (
             "[[source]]\nkind = 'couple'\n",
-            "source[0].kind: found a couple in a solid without spin; a Cosserat solid in \
+            "source[0].kind: found a couple in a solid without spin; use a Cosserat solid in \
              model.kind, or another kind here",
         ),
         (
