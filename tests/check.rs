@@ -12,9 +12,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use support::bundled_case;
 use wellposed::case::{Case, SweepParameter};
 use wellposed::cli::{self, Error, Options, OutputFormat};
+use wellposed::report::Report;
 use wellposed::setup::check::solid::WavePlan;
-use wellposed::study::check::CheckExtent;
 use wellposed::study::check::solid::compute_branch_results;
+use wellposed::study::check::{CheckExtent, CheckOutcome};
 use wellposed::study::{self, ignore_progress};
 
 fn create_check_options(file: PathBuf, sets: &[&str], out: Option<PathBuf>) -> Options {
@@ -533,4 +534,20 @@ fn studies_report_progress_and_can_be_cancelled() {
             assert!(matches!(result, Err(wellposed::Error::Cancelled)), "{name}: {result:?}");
         }
     }
+}
+
+/// Verifies that the verdict of a medium names a forbidden band that disagrees although all waves agree.
+#[test]
+fn verdict_names_disagreeing_forbidden_band() {
+    let settings = ["check.numbers=[1]", "check.directions_deg=[0]", "check.cells=[12, 16]"];
+    let path = bundled_case("cosserat/forbidden-band.toml");
+    let case = wellposed::load(path, settings).expect("a case");
+    let mut found =
+        wellposed::check_agreement(&case, CheckExtent::Short, &ignore_progress).expect("a result");
+    assert!(found.to_text(&case).contains(": all agree"));
+    let CheckOutcome::Solid(solid) = &mut found.outcome else { panic!("a solid") };
+    solid.media[0].agrees = Some(false);
+    solid.media[0].forbidden_bands[0].agrees = false;
+    let text = found.to_text(&case);
+    assert!(text.contains(": forbidden bands DISAGREE") && !text.contains("all agree"), "{text}");
 }

@@ -68,7 +68,8 @@ impl MediumCheck {
         let failed = self.rows.iter().filter(|row| row.agrees == Some(false)).count();
         let verdict = match (failed, self.agrees) {
             (_, None) => String::new(),
-            (0, _) => ": all agree".to_owned(),
+            (0, Some(true)) => ": all agree".to_owned(),
+            (0, Some(false)) => ": forbidden bands DISAGREE".to_owned(),
             (some, _) => format!(": {some} DISAGREE"),
         };
         let _ = writeln!(
