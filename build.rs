@@ -1,4 +1,5 @@
-//! Sets the environment variable `WELLPOSED_COMMIT` to the Git commit, which `--version` prints.
+//! Sets the environment variable `WELLPOSED_COMMIT`, which is read at compile time and printed by `--version`, to the
+//! abbreviated hash of the Git commit, or to `unknown`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,16 +9,16 @@ fn main() {
     println!("cargo::rustc-env=WELLPOSED_COMMIT={}", read_commit().unwrap_or("unknown".into()));
 }
 
-/// Returns the abbreviated hash of the Git commit; `None` if this package is not the root of a repository, for example
-/// if it was copied into another one.
+/// Returns the abbreviated hash of the Git commit; `None` if Git cannot be run or this package is not the root of a
+/// repository, for example if it was copied into another one.
 fn read_commit() -> Option<String> {
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR")?);
     let top = run_git(&root, &["rev-parse", "--show-toplevel"])?;
     if Path::new(&top).canonicalize().ok()? != root.canonicalize().ok()? {
         return None;
     }
-    // A commit or a checkout changes one of these files. Absent files are not watched, since Cargo would then rebuild
-    // at each call.
+    // A commit or a checkout changes one of these files, or a file in the directory `refs/heads`. Absent files are not
+    // watched, since Cargo would then rebuild at each call.
     for name in ["HEAD", "refs/heads", "packed-refs"] {
         let path = root.join(run_git(&root, &["rev-parse", "--git-path", name])?);
         if path.exists() {

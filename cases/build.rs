@@ -28,7 +28,8 @@ fn list_of_cases() -> String {
     list
 }
 
-/// Collects the paths of all case files in the subfolders of `folder`, with slashes as separators on every system.
+/// Collects the paths of the case files inside `folder` that lie in a direct subfolder of the current folder, with
+/// slashes as separators on every system.
 fn collect(folder: &Path, paths: &mut Vec<String>) {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     for path in entries.map(|entry| entry.path()) {

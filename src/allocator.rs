@@ -1,6 +1,7 @@
-//! Global allocator of the program. Rust aborts the process when an allocation fails; this allocator ends it with an
-//! error message and exit code 2, as for every other case that is too large for the memory. The results folder is left
-//! as if the process had been killed, so that a run can be resumed.
+//! Global allocator of the program. Rust aborts the process when an allocation fails; if a request below
+//! `FALLIBLE_SIZE` fails, this allocator ends the process with an error message and exit code 2, as for every other
+//! case that is too large for the memory. The results folder is left as if the process had been killed, so that a run
+//! can be resumed.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;

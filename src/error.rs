@@ -6,13 +6,13 @@ use crate::study::simulate::IllPosedness;
 /// Reason why a study failed or its result could not be reported.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The case is invalid.
+    /// The case cannot be read or is invalid.
     #[error(transparent)]
     Case(#[from] CaseError),
     /// The equations of the flow are ill-posed, and `SimulationSettings::accept_ill_posed` is not set.
     #[error("{0}; SimulationSettings::accept_ill_posed runs it all the same")]
     IllPosed(IllPosedness),
-    /// The map does not fit into memory.
+    /// The points of the map cannot be allocated.
     #[error("no memory for a map of {points} points: ask for fewer")]
     Memory {
         /// Number of points of the map.
@@ -27,16 +27,16 @@ pub enum Error {
     /// A result cannot be serialised.
     #[error("a result that cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// A picture could not be drawn.
+    /// A picture cannot be drawn, for example since a list of its values has the wrong length.
     #[error(transparent)]
     Figure(#[from] figures::FigureError),
-    /// A table could not be created.
+    /// A table cannot be created, since a row has more or fewer cells than the header.
     #[error(transparent)]
     Table(#[from] files::csv::RowLengthError),
-    /// An archive of arrays could not be created.
+    /// An NPZ archive of arrays cannot be created.
     #[error(transparent)]
     Archive(#[from] files::npz::NpzError),
-    /// A snapshot could not be created.
+    /// A snapshot (VTK file) or a list of snapshots cannot be created.
     #[error(transparent)]
     Snapshot(#[from] files::vti::VtiError),
 }

@@ -1,9 +1,9 @@
 //! Well-posedness of continuum models of granular media: from a case file to a verdict.
 //!
-//! A case file describes a medium and a state. `wellposed` linearises the equations there and says whether they are
-//! well-posed, and if not how fast short waves grow and in which direction; solves the equations in the time domain;
-//! and compares both. The program `wellposed` does this on the command line; this library runs the same studies and
-//! returns values, without files.
+//! A case file describes a medium and a state. `wellposed` linearises the equations at this state and says whether they
+//! are well-posed, and if not how fast short waves grow and in which direction; solves the equations in the time
+//! domain; and compares the predicted with the simulated frequencies and growth rates. The program `wellposed` does
+//! this on the command line; this library runs the same studies and returns values, without files.
 //!
 //! # Studies
 //!
@@ -43,8 +43,8 @@
 //!
 //! This package contains [`study`], whose functions return values; [`setup`], which creates problems of the crates
 //! below from a case; [`report`], which renders values as text, JSON, tables and pictures; and [`cli`], the verbs of
-//! the command line. It contains no physics and no numerics. [`mod@case`] is the crate that reads and writes case
-//! files.
+//! the command line. This package contains no physics and no numerics. [`mod@case`] is the crate that reads and writes
+//! case files.
 //!
 //! All crates are re-exported: a program needs no other dependency, and registers its own model with
 //! `wellposed::models::registry::register_solid`. [`CASES`] holds the texts of the cases shipped with the program.
@@ -88,7 +88,8 @@ use std::path::Path;
 #[doc = include_str!("../docs/library.md")]
 pub struct LibraryPage;
 
-/// Version, with the commit if the program was built from a repository: `0.1.0 (abcdef123)`.
+/// Version and, in parentheses, the abbreviated hash of the Git commit: `0.1.0 (abcdef123)`; `unknown` in place of the
+/// hash if the package was not built from its repository.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("WELLPOSED_COMMIT"), ")");
 
 /// Empty list of settings, for [`load`].
@@ -97,7 +98,8 @@ pub const NO_SETTINGS: [&str; 0] = [];
 /// Reads a case file and applies `key=value` settings; the last setting of a key takes precedence.
 ///
 /// # Errors
-/// The file cannot be read, or the file or a setting is invalid; the error states the place and the allowed values.
+/// The file cannot be read, or the file or a setting is invalid; for an invalid value of a key, the error states the
+/// place and the allowed values.
 ///
 /// # Examples
 /// ```

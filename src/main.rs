@@ -186,7 +186,8 @@ fn parse_yield_set(name: String) -> Result<Yield, String> {
     registry::find_yield_set(&name).ok_or_else(|| format!("no yield set is called {name}"))
 }
 
-/// Parses the wall time between checkpoints, s; with 0 a checkpoint is written after every batch of steps.
+/// Parses the smallest wall time between checkpoints, s, at least 0; with 0 a checkpoint is written after every batch
+/// of steps.
 fn parse_seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds >= 0.0);
     seconds.ok_or_else(|| "expected a finite number of at least 0, in seconds".to_owned())
@@ -232,7 +233,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints the usage error, or the requested help.
+/// Prints the usage error, with exit code 2, or the requested help or version, with exit code 0.
 fn report_usage_error(error: &clap::Error) -> ExitCode {
     let arguments: Vec<String> =
         std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();

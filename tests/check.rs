@@ -312,7 +312,8 @@ fn missing_measurement_has_a_reason() {
     }
 }
 
-/// Verifies waves in double shearing with rotating stress axes: ψ̇ = −49 rad/s at the deviatoric strain rate Q_D = 1/s.
+/// Verifies waves in double shearing with rotating stress axes: ψ̇ = −9 − 50 sin 32°/sin 24° = −74 rad/s at the shear
+/// rate Q_D = 50 1/s.
 #[test]
 fn waves_with_rotating_stress_axes_agree_with_prediction() {
     let sets = [

@@ -29,7 +29,8 @@ fn document_paths() -> Vec<String> {
     others.map(str::to_owned).into_iter().chain(pages).collect()
 }
 
-/// Paths of all files and folders of the repository, relative to the root; folders end with a slash.
+/// Paths of all files and folders of the repository, relative to the root, except `.git`, `target` and `out` in it;
+/// folders end with a slash.
 fn list_repository_paths() -> BTreeSet<String> {
     fn collect_paths(folder: &Path, prefix: &str, names: &mut BTreeSet<String>) {
         for entry in fs::read_dir(folder).expect("a folder") {
@@ -166,7 +167,8 @@ fn paths_in_documents_exist() {
     assert!(count > 100, "{count}");
 }
 
-/// Commands of the program in a block: lines that begin with its name, joined with their continuation lines.
+/// Arguments of the commands of the program in a block: lines that begin with `wellposed` or with
+/// `cargo run --release --`, joined with their continuation lines.
 fn extract_commands(block: &str) -> Vec<String> {
     let joined = block.replace("\\\n", " ");
     let command = |line: &str| {

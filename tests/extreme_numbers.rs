@@ -8,7 +8,7 @@ use std::path::Path;
 
 const TEST_FOLDER: &str = "extreme-numbers";
 
-/// Checks that a run with the settings is refused, naming `key`.
+/// Checks that a run with the settings and its dry run are refused with a message that contains `key` and `message`.
 fn assert_refused(here: &Path, settings: &str, key: &str, message: &str) {
     let arguments = format!("run case.toml --out out --threads 1 --accept-ill-posed {settings}");
     for more in ["", " --dry-run"] {

@@ -250,8 +250,8 @@ fn check_spectra() {
                 (pair(matrix), pair(rows), pair(frozen_matrix))
             };
             let largest = expected.iter().map(|root| root.norm()).fold(0.0, f64::max);
-            // Near the directions without leading decay the leading terms almost cancel: their rounding error is that
-            // of the perturbed fields, 1e-16 divided by the size of the perturbation relative to the background.
+            // Near the directions without leading decay the leading terms almost cancel. Their relative rounding error
+            // is about ε/δ, with the perturbation δ = 5e-6 of the background in the central differences.
             let viscous = background.flow.stress.deviator.value * number * number
                 / (2.0 * problem.density * background.flow.shear_rate)
                 / (2.0 * background.flow.noncoaxiality).cos().abs();

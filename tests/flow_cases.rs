@@ -329,7 +329,8 @@ fn execute_dry_run(folder: &Path, case: &str) -> Result<String, Error> {
     Ok(String::from_utf8(stdout).unwrap())
 }
 
-/// Verifies that states which are not uniform in the frame of the mean flow are refused.
+/// Verifies that states are refused that are not uniform in the frame of the mean flow, not on yield, dilatant, out of
+/// range, or on a grid larger than the free memory.
 #[test]
 fn states_without_solver_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -54,9 +54,9 @@ fn peak_time(time: &[f64], values: &[f64]) -> f64 {
     time[middle] + time[1] * 0.5 * (a - c) / (a - 2.0 * b + c)
 }
 
-/// Amplitude, N/m, and radius, m, of the bell of the load of `lamb-2d.toml` on the half-plane [`REFERENCE_SOLID`]; its
-/// time function is [`RICKER`].
+/// Amplitude of the load of `lamb-2d.toml` on the half-plane [`REFERENCE_SOLID`], N/m; its time function is [`RICKER`].
 const LOAD_AMPLITUDE: f64 = -1e5;
+/// Radius of the bell over which this load is distributed, m.
 const LOAD_RADIUS: f64 = 1.0;
 
 /// Displacements u₁ and u₂ (m) at points due to a force on the surface x₂ = 0, distributed as the bell, with the
@@ -65,7 +65,7 @@ const LOAD_RADIUS: f64 = 1.0;
 /// Potentials φ = A exp(q_p x₂) and ψ = B exp(q_s x₂), with q² = k² + s²/c², satisfy zero shear stress and the
 /// pressure of the load on the surface. The sum over k represents a spatially periodic load; its period is so
 /// large that waves of the images do not arrive. The sum over s = a + iω represents a motion repeated after the
-/// time T, twice the requested duration, and reduced by the factor exp(aT).
+/// time T, twice the requested duration, and reduced by the factor exp(−aT).
 fn compute_displacements(
     solid: &IsotropicSolid,
     time: &[f64],
@@ -127,7 +127,7 @@ fn compute_displacements(
 }
 
 /// Verifies Lamb's problem in plane strain. Displacements converge to the quadrature with nearly second order;
-/// tolerances on the finer grid are 1.5 times the errors found with 40 cells per Rayleigh wavelength. Speeds follow
+/// tolerances on the finer grid are 1.5 times the errors found with 37 cells per Rayleigh wavelength. Speeds follow
 /// from the peaks at receivers on the surface, far enough for the Rayleigh wave to be isolated, and below the load.
 #[test]
 fn plane_lamb_problem_converges_to_quadrature() {

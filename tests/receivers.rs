@@ -53,8 +53,8 @@ fn receivers_interpolate_with_fourth_order() {
             errors.map(|(at, record)| (record.1[0] - exact(at)).abs()).fold(0.0, f64::max)
         });
         println!("{errors:?}");
-        // The periodic continuation of the bell has a kink at the periodic boundary, where its value is e^−4: error
-        // h · 2·3/2.25 · e^−4, of first order in the cell size h.
+        // The periodic continuation of the bell has a kink half a period from its centre, at x₁ = 5.5, away from all
+        // receivers; for it the bound is a coarse one.
         if boundaries.is_empty() {
             for (error, h) in errors.iter().zip([0.1f64, 0.05]) {
                 // Extrapolation by half a cell beyond the centres: (½·3/2·5/2·7/2)/4! h⁴ |f⁗| along one axis, with

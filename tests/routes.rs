@@ -22,8 +22,8 @@ use wellposed::study::MapOptions;
 /// Tolerance of the relative difference of two coefficients.
 const COEFFICIENT_TOLERANCE: f64 = 1e-9;
 
-/// Tolerance of the angle between two directions, rad: the maximum of a smooth function is located with the square
-/// root of the rounding error.
+/// Tolerance of the angle between two directions, rad: about √ε, since a smooth function varies only at second order
+/// near its maximum.
 const DIRECTION_TOLERANCE: f64 = 1e-7;
 
 /// Comparison of both routes for one state of a model.

@@ -151,7 +151,7 @@ fn parse_bundled_case(name: &str) -> Table {
     text.parse().unwrap()
 }
 
-/// Sets the wave number explicitly, since it has a unit and its default is not zero.
+/// Sets the wave number explicitly if the case does not, since it has a unit and its default is not zero.
 fn with_explicit_wave(mut case: Table) -> Table {
     let wave = case.entry("wave").or_insert(Table::new().into()).as_table_mut().unwrap();
     wave.entry("number").or_insert(Value::Float(1000.0));

@@ -67,7 +67,8 @@ pub struct TimeStepRefinement {
     pub rates_by_steps: Vec<(usize, Rate)>,
     /// Rate extrapolated to zero time step, 1/s.
     pub limit: Rate,
-    /// Bound on the error of the limit by extrapolation and rounding, 1/s.
+    /// Tolerance of the limit, 1/s: estimated error of the extrapolation plus a bound on rounding errors and on the
+    /// nonlinear self-interaction of the wave.
     pub tolerance: f64,
 }
 
@@ -89,7 +90,9 @@ impl ModeResult {
         Some((own.limit - self.predicted_rate).max_norm() <= own.tolerance)
     }
 
-    /// Order of convergence in the time step; `None` if the error is at the level of rounding.
+    /// Order of convergence in the time step, from the differences between measured and predicted rate at the largest
+    /// and at the smallest step; `None` without measurement, or if the difference at the smallest step is within the
+    /// tolerance.
     pub fn convergence_order(&self) -> Option<f64> {
         let own = self.measurement.as_ref().ok()?;
         let [(few, coarse), .., (many, fine)] = own.rates_by_steps.as_slice() else { return None };

@@ -69,7 +69,8 @@ pub struct PlaneWave<const D: usize> {
 /// Error of a comparison.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AgreementError {
-    /// The energy of the solid is not positive definite.
+    /// The energy of the solid is not positive definite, or the normals of its active conditions are linearly
+    /// dependent.
     #[error("a solid without positive energy, or dependent active conditions")]
     IndefiniteEnergy,
     /// The background stress does not satisfy the active yield conditions with equality.
@@ -95,14 +96,15 @@ pub enum AgreementError {
     /// A simulation exceeds the allowed number of cell updates.
     #[error("a wave of {updates:.1e} cell-updates at {wave_number} 1/m")]
     TooManyCellUpdates {
-        /// Cell updates: cells times steps.
+        /// Number of cell updates: cells times steps.
         updates: f64,
         /// The wave number, 1/m.
         wave_number: f64,
         /// Allowed number of cell updates.
         max_updates: f64,
     },
-    /// The constraint or the matrix pencil of a flow is singular.
+    /// The evolution of a wave is not determined: the constraint or the matrix pencil of the flow is singular, or the
+    /// mean flow is no longer fully deforming.
     #[error("a state in which the equations do not determine how waves evolve")]
     SingularEquations,
     /// The solver rejects the flow.
@@ -139,7 +141,7 @@ pub enum MeasurementError {
     /// The solver rejects the solid on this grid.
     #[error(transparent)]
     Domain(#[from] dynamics::problem::DomainError),
-    /// Amplitudes of a wave in a solid vanish or overflow.
+    /// Amplitudes of a wave in a solid vanish, overflow or are NaN.
     #[error("amplitudes that vanish or are not finite")]
     VanishingAmplitude,
     /// The solver rejects the flow in the box of the wave.
@@ -151,7 +153,7 @@ pub enum MeasurementError {
     /// The solver stops before the end of the measurement.
     #[error("the solver stops at {:.3e} s: {}", .0.time, .0)]
     SolverStopped(dynamics::flow::LeftDomain),
-    /// Amplitudes of a wave in a flow overflow.
+    /// Amplitudes of a wave in a flow overflow or are NaN.
     #[error("amplitudes that are not finite")]
     NonFiniteAmplitude,
 }

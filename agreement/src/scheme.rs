@@ -171,8 +171,8 @@ impl<const D: usize> EnergyForm<D> {
     }
 
     /// Stress normal to the yield surface, as a vector of unknowns, for which every active condition has unit value
-    /// in energy coordinates (unit distance from the surface). `None` without active conditions, or if a plastic
-    /// multiplier is not positive.
+    /// in energy coordinates (unit distance from the surface). `None` without active conditions, if their normals are
+    /// linearly dependent, or if a plastic multiplier is not positive.
     pub fn yield_normal_stress(&self) -> Option<DVector<f64>> {
         if self.normals.is_empty() {
             return None;
@@ -270,8 +270,8 @@ impl<const D: usize> EnergyForm<D> {
 /// Canonical orthonormal basis of the span of orthonormal columns, a function of the span only: projections of the
 /// coordinate axes, orthogonalised by Gram–Schmidt.
 fn canonical_basis(columns: &ComplexMatrix) -> Vec<DVector<Complex64>> {
-    /// Minimum length of an accepted projection: with at most 24 axes the longest projection is at least 1/√24 > 0.1
-    /// long.
+    /// Minimum length of an accepted projection: with at most 24 axes the longest of the projections onto a space of
+    /// any dimension is at least 1/√24 > 0.1 long.
     const MIN_PROJECTION_LENGTH: f64 = 0.1;
     let (size, count) = columns.shape();
     let mut chosen: Vec<DVector<Complex64>> = Vec::new();

@@ -128,8 +128,8 @@ impl BranchResult {
         }
     }
 
-    /// Order of convergence of the measured rate between the coarsest and the finest grid; `None` if the error is at
-    /// the level of rounding.
+    /// Order of convergence of the measured rate between the coarsest and the finest grid; `None` without measurement,
+    /// with one grid only, or if the error on one of the two is at most ten times its tolerance.
     pub fn convergence_order(&self) -> Option<f64> {
         let own = self.measurement.as_ref().ok()?;
         let [first, .., last] = own.grids.as_slice() else { return None };
@@ -153,7 +153,7 @@ pub struct BandGap {
     /// Upper end, rad/s.
     pub upper_frequency: f64,
     /// Measured frequencies next to the gap: the largest below its upper end and the smallest above its lower end,
-    /// rad/s.
+    /// rad/s; `None` if there is no such frequency.
     pub nearest_frequencies: [Option<f64>; 2],
     /// Whether no measured frequency is in the gap, within the discretisation error and the tolerance.
     pub is_confirmed: bool,

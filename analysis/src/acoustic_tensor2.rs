@@ -144,13 +144,13 @@ impl AcousticTensor2 {
     }
 
     /// Sectors of complex speeds: first and last direction, rad, the first in \[0, π); ends by bisection. `[0, π]` if
-    /// speeds are complex in all directions.
+    /// speeds are complex in all sampled directions. Sectors between two samples, half a degree apart, are missed.
     pub fn flutter_sectors(&self) -> Vec<[f64; 2]> {
         let is_complex = |theta: f64| self.strongest_flutter(theta).0 > 0.0;
         find_sectors(sample_angles(), PI / DIRECTIONS as f64, PI, BISECTION_STEPS, is_complex)
     }
 
-    /// Whether some c² is zero in all directions.
+    /// Whether the smallest real c² is zero within rounding in all sampled directions.
     pub fn is_always_stationary(&self) -> bool {
         let (tolerance, offset) =
             (ZERO_SPEED_TOLERANCE * self.max_squared_speed, 0.5 * PI / DIRECTIONS as f64);
@@ -158,7 +158,7 @@ impl AcousticTensor2 {
     }
 
     /// Directions of the wave normal in which a speed vanishes, rad, in \[0, π), ascending: simple and double zeros of
-    /// c². Empty if a speed vanishes in [all directions](Self::is_always_stationary).
+    /// the smallest real c². Empty if a speed vanishes in [all directions](Self::is_always_stationary).
     pub fn zero_speed_directions(&self) -> Vec<f64> {
         if self.is_always_stationary() {
             return Vec::new();

@@ -20,7 +20,8 @@ pub struct RealCharacteristic {
     pub angle: f64,
     /// Bound on the error of the angle, rad.
     pub bound: f64,
-    /// Multiplicity as a root of the full determinant.
+    /// Multiplicity as a root of the full determinant: 1 for each factor that changes sign, 2 for each that touches
+    /// zero.
     pub multiplicity: usize,
     /// Family: the fields that may jump across the characteristic, such as "stress and velocity", or "streamline".
     pub family: String,
@@ -193,7 +194,8 @@ fn irreducible_blocks(matrix: &[Vec<[Rounded; 2]>]) -> Option<Vec<(Vec<usize>, V
     Some(blocks)
 }
 
-/// Determinant of a block as a binary form in (ξ₁, ξ₂), up to a positive factor; `None` if a coefficient is not finite.
+/// Determinant of a block as a binary form in (ξ₁, ξ₂), up to a positive factor; `None` if it is a structural zero, if
+/// a coefficient is not finite, or if the block is too large.
 fn determinant(
     matrix: &[Vec<[Rounded; 2]>],
     rows: &[usize],
@@ -240,7 +242,7 @@ fn merge_characteristic(
     }
 }
 
-/// Renames the families "spin" and "density" of characteristics along the velocity to "streamline".
+/// Adds "streamline" to the families of characteristics along the velocity, in place of "spin" and "density".
 fn name_streamlines(system: &LinearisedSystem<2>, real: &mut [RealCharacteristic]) {
     let [v1, v2] = system.velocity;
     if v1 == 0.0 && v2 == 0.0 {

@@ -12,7 +12,8 @@ use crate::scaling::ScaledSystem;
 use models::Rounded;
 use smallvec::smallvec;
 
-/// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; empty for an irreducible pattern.
+/// Factors of the corner coefficient for ς = O(k^m), m = `slope`\[0\]/`slope`\[1\]; empty if the pattern has one block
+/// only or no transversal, or if the determinant of a block is not a single term.
 pub(crate) fn factor_corner_coefficient(
     scaled: &ScaledSystem,
     slope: [i64; 2],

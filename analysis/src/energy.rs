@@ -19,7 +19,8 @@ use std::f64::consts::PI;
 const DIRECTIONS: usize = 40;
 const DECADES: i32 = 2;
 
-/// Defects of energy conservation, each relative to the largest of the compared numbers.
+/// Defects of energy conservation, relative to the largest of the compared numbers, and numbers of unknowns and of zero
+/// roots. Growths are NaN if the symmetriser is not positive definite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyConservation {
     /// Smallest eigenvalue of the symmetriser of the elastic equations after scaling to unit diagonal: positive if the
@@ -29,9 +30,9 @@ pub struct EnergyConservation {
     pub asymmetry: f64,
     /// Deviation ‖Q + Qᵀ‖ of the symmetrised source matrix from antisymmetry.
     pub antisymmetry_defect: f64,
-    /// Largest |Re ς|/|ς| of elastic waves over the sampled wave vectors.
+    /// Largest ratio max |Re ς|/max |ς|, over the roots at a wave vector, of elastic waves at all sampled wave vectors.
     pub elastic_growth: f64,
-    /// Largest |Re ς|/|ς| of waves while yielding over the sampled wave vectors.
+    /// The same ratio of waves while yielding.
     pub yielding_growth: f64,
     /// Number of unknowns of the rate equations.
     pub unknown_count: usize,
@@ -91,7 +92,8 @@ pub fn measure_energy_conservation<const D: usize>(
     }
 }
 
-/// Largest |Re ς|/|ς| over the sampled waves, in energy coordinates given by the Cholesky factor `factor`.
+/// Largest ratio max |Re ς|/max |ς|, over the roots at a wave vector, at all sampled wave vectors, in energy
+/// coordinates given by the Cholesky factor `factor`; NaN if the factor is singular or the eigenvalues do not converge.
 fn max_growth<const D: usize>(
     rates: &RateEquations<D>,
     factor: &DMatrix<f64>,

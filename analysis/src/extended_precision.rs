@@ -27,7 +27,8 @@ fn fast_two_sum(a: f64, b: f64) -> ExtendedReal {
     ExtendedReal { high, low: b - (high - a) }
 }
 
-/// Error-free product of two doubles (TwoProduct with Veltkamp's splitting, Dekker 1971).
+/// Error-free product of two doubles that neither overflows nor underflows (TwoProduct with Veltkamp's splitting,
+/// Dekker 1971).
 fn two_product(a: f64, b: f64) -> ExtendedReal {
     fn split_veltkamp(x: f64) -> (f64, f64) {
         let t = 134_217_729.0 * x; // 2²⁷ + 1
@@ -107,7 +108,7 @@ mod tests {
         let x = ExtendedReal::from(1.0) + ExtendedReal::from(tiny);
         let square = x * x + ExtendedReal::from(-1.0);
         assert_eq!(square.high, 2.0 * tiny);
-        // 0.1 · 10 misses 1 by the representation error of 0.1, 2⁻⁵⁴ exactly.
+        // Ten times the double nearest to 0.1 exceeds 1 by exactly 2⁻⁵⁴, ten times its representation error.
         let rest = ExtendedReal::from(0.1) * ExtendedReal::from(10.0) + ExtendedReal::from(-1.0);
         assert_eq!(rest.high, (-54f64).exp2());
     }

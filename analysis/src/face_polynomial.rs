@@ -79,7 +79,7 @@ impl FacePolynomial {
         self.coefficients.iter().map(|form| form.len().saturating_sub(1)).max().unwrap_or(0)
     }
 
-    /// Angles in [0, π) at which the coefficient of c^`power` vanishes.
+    /// Angles in [0, π) at which the coefficient of c^`power` vanishes, except exact zeros on the axes (0 and π/2).
     pub(crate) fn zeros_of_coefficient(&self, power: usize) -> StackList<f64> {
         let form = &self.coefficients[power];
         let first = form.iter().take_while(|c| c.is_zero()).count();
@@ -171,7 +171,7 @@ impl FacePolynomial {
     }
 
     /// Climbs from `start` to a local maximum of Re c over the angle, a zero of the derivative, by bisection and secant
-    /// steps; returns Re c and the angle.
+    /// steps; returns Re c and the angle. Without a bracketed zero, as at a kink, the climb ends there.
     fn locate_local_maximum(&self, start: f64) -> (f64, f64) {
         let slope = |angle: f64| -> (f64, f64) {
             let Some(root) = self
@@ -259,14 +259,15 @@ impl FacePolynomial {
         by_angle / by_root
     }
 
-    /// Sum of the moduli of all terms at a root of modulus `modulus`, the scale of rounding.
+    /// Bound on the sum of the moduli of all terms at a root of modulus `modulus` and any real angle, the scale of
+    /// rounding.
     pub(crate) fn sum_of_moduli(&self, modulus: f64) -> f64 {
         let sum = |form: &StackList<RoundedComplex>| form.iter().map(|f| f.modulus()).sum::<f64>();
         self.coefficients.iter().rev().fold(0.0, |total, form| total * modulus + sum(form))
     }
 
-    /// Coefficients of the powers of x up to `count` in E(c + x) at a complex angle, and their first and second
-    /// derivatives with respect to the angle.
+    /// Coefficients of the powers of x from 0 to `count` inclusive in E(c + x) at a complex angle, and their first and
+    /// second derivatives with respect to the angle.
     pub(crate) fn taylor_coefficients(
         &self,
         angle: Complex64,

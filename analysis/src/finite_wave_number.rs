@@ -14,7 +14,8 @@ use std::f64::consts::PI;
 const GENERIC_WAVE_NUMBER: f64 = 1.37e3;
 
 /// Finds a direction in which the coefficient of the highest power of ς vanishes at a finite wave number while a root
-/// with positive real part passes through infinity; returns the direction and whether this is certain.
+/// with positive real part passes through infinity; returns the direction and whether this is certain. `None` if there
+/// is no such direction, or if the highest power of ς also has a doubtful term.
 pub(crate) fn find_unbounded_direction(
     certain: &[DispersionTerm],
     doubtful: &[DispersionTerm],

@@ -4,7 +4,7 @@
 //! With P = Σ ςⁱ F_ij(κ₁, κ₂) the roots at wave number k → ∞ in a fixed direction are
 //! ς ≈ c k^m, where m runs through the slopes of the Newton polygon of the points (i, j) with
 //! F_ij ≠ 0 and c through the roots of the edge polynomials ([`newton_polygon`](crate::newton_polygon)). Signs of
-//! the F_ij at the corners of the polygon change only at their zeros, which are found exactly
+//! the F_ij at the corners of the polygon change only at their zeros, which are found with error bounds
 //! ([`BinaryForm::zeros`]); between them the worst direction is searched. In a layer around each zero ("degenerate
 //! direction") other terms dominate (module `layers`).
 
@@ -92,8 +92,8 @@ pub struct DegenerateDirection {
 pub struct Assessment {
     /// The verdict.
     pub verdict: Verdict,
-    /// The Newton polygon in a general direction: (order, number of roots) of the growing or decaying roots, largest
-    /// order first; orders ≤ 0, which are bounded, are omitted.
+    /// The Newton polygon in a general direction: (order, number of roots) of its edges of positive order, largest
+    /// order first; roots of orders ≤ 0, which are bounded, are omitted.
     pub orders: StackList<(GrowthOrder, usize)>,
     /// Degenerate directions, ascending.
     pub degenerate_directions: StackList<DegenerateDirection>,
@@ -346,7 +346,7 @@ fn search_directions(edge: &PolygonEdge, zeros: &[FormZero], accumulator: &mut G
     for (left, right) in sectors(angles) {
         let ratio = |angle: f64| {
             let [upper, lower] = [&last.form, &first.form].map(|f| f.evaluate_at_angle(angle));
-            // At a common zero the ratio is lost to rounding.
+            // Next to the ends of the sector, or where F₁ is lost to rounding, the ratio is taken as 0.
             let edge = (angle - left).min(right - angle) < 1e-9f64.min(1e-3 * (right - left));
             let lost = edge || lower.bound > 1e-2 * lower.value.abs();
             if lost { 0.0 } else { (upper.value / lower.value).abs().cr_powf(power) }

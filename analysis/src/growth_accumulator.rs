@@ -28,7 +28,7 @@ impl GrowthAccumulator {
         }
     }
 
-    /// Records growth in a layer.
+    /// Records growth in a layer, unless it repeats the largest known coefficient of the same order (`LAYER_EXCESS`).
     pub(crate) fn record_layer_growth(
         &mut self,
         order: GrowthOrder,

@@ -109,8 +109,8 @@ impl KelvinEvolution {
         self.admissible_basis.adjoint() * &self.rate_matrix * &self.admissible_basis
     }
 
-    /// Eigenvalues (1/s) and unit eigenvectors of [`reduced_rate_matrix`](Self::reduced_rate_matrix), by descending
-    /// growth rate. Empty if the iteration does not converge.
+    /// Eigenvalues (1/s) of [`reduced_rate_matrix`](Self::reduced_rate_matrix) by descending growth rate, each with its
+    /// unit eigenvector in the evolving unknowns. Empty if the iteration does not converge.
     pub fn modes(&self) -> Vec<(Complex64, Vec<Complex64>)> {
         let (reduced, scales, unit) = balance_matrix(self.reduced_rate_matrix());
         let size = reduced.nrows();
@@ -130,9 +130,9 @@ impl KelvinEvolution {
     }
 }
 
-/// Integrates a Kelvin wave with initial wave vector `wave` (1/m) in v = Γx; returns the evolving unknowns at the
-/// beginning and at the ends of `count` equal time intervals. Radau IIA collocation of fifth order (Hairer & Wanner
-/// 1996, IV.5), L-stable, with `steps` steps per interval.
+/// Integrates a Kelvin wave with initial wave vector `wave` (1/m) and evolving unknowns `start` in v = Γx; returns the
+/// evolving unknowns at the beginning and at the ends of `count` equal intervals of the `duration` (s). Radau IIA
+/// collocation of fifth order (Hairer & Wanner 1996, IV.5), L-stable, with `steps` steps per interval.
 ///
 /// `system` returns the linearised equations at a time (s), so the uniform mean flow may depend on time. Coefficients
 /// of constraints, as in k·v = 0, must not.
@@ -180,8 +180,8 @@ pub fn integrate_kelvin_wave(
 }
 
 /// Balances a square matrix (Parlett & Reinsch 1969): returns D⁻¹AD/u, D and u, with powers of two in D and u, such
-/// that rows and columns have comparable norms and the largest entry is about one. Hence units of the unknowns do not
-/// affect the bits of results.
+/// that rows and columns have comparable norms and the largest entry is about one. Hence the accuracy of the
+/// eigenvectors hardly depends on the units of the unknowns.
 fn balance_matrix(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f64>, f64) {
     const MAX_SWEEPS: usize = 100;
     let size = matrix.nrows();
@@ -220,7 +220,8 @@ fn balance_matrix(mut matrix: DMatrix<Complex64>) -> (DMatrix<Complex64>, Vec<f6
     (matrix.unscale(unit), scales, unit)
 }
 
-/// Orthonormal basis of the orthogonal complement of `rows` (Gram–Schmidt with reorthogonalisation); `None` if empty.
+/// Orthonormal basis of the vectors of length `size` that all `rows` map to zero (Gram–Schmidt with
+/// reorthogonalisation); `None` if there are none.
 fn orthogonal_complement(
     rows: &[nalgebra::RowDVector<Complex64>],
     size: usize,

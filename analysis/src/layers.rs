@@ -33,7 +33,7 @@ struct ChartTerm {
     value: RoundedComplex,
 }
 
-/// Location of a chart, for reports.
+/// Direction of a chart, for reports, and how many charts may still be nested in it.
 #[derive(Clone, Copy)]
 pub(crate) struct ChartLocation {
     /// The degenerate direction, rad.
@@ -47,8 +47,9 @@ struct Chart {
     terms: StackList<ChartTerm, 64>,
     /// Common denominator of the powers of k.
     power_denominator: i64,
-    /// Upper bounds on the orders m of x and τ of y.
+    /// Exclusive upper bound on the order m of x; `None` if m is not bounded.
     order_bound: Option<GrowthOrder>,
+    /// Exclusive upper bound on the order τ of y.
     offset_order_bound: GrowthOrder,
 }
 
@@ -248,7 +249,7 @@ fn search_chart(chart: &Chart, place: ChartLocation, accumulator: &mut GrowthAcc
     }
 }
 
-/// Whether the offset tan `angle` is neither zero nor infinite.
+/// Whether the offset tan `angle` is neither zero nor infinite: `angle` is more than 1e-9 rad from 0, π/2 and π.
 fn is_off_axes(angle: &f64) -> bool {
     angle.cr_sin().abs() > 1e-9 && (angle - FRAC_PI_2).abs() > 1e-9
 }
@@ -378,7 +379,7 @@ fn continue_facet_roots(
 struct TriangularFacet([(usize, usize, u8); 3]);
 
 /// Scales c and d so that the coefficients of a facet of three terms become powers of i; returns the scaled facet and
-/// the scale of c. `None` for other facets.
+/// the scale of c. `None` unless the facet has three terms, each with a real or an imaginary coefficient.
 fn normalise_triangle(facet: &Facet) -> Option<(TriangularFacet, f64)> {
     let [p, q, r] = facet.terms[..] else { return None };
     let lowest = |f: fn(&ChartTerm) -> usize| facet.terms.iter().map(f).min().unwrap_or(0);
@@ -404,7 +405,7 @@ fn normalise_triangle(facet: &Facet) -> Option<(TriangularFacet, f64)> {
 }
 
 impl TriangularFacet {
-    /// Supremum of Re c of the face polynomial, cached per thread.
+    /// Supremum of Re c of the face polynomial, cached per thread; `None` if it is not positive or not bounded.
     fn supremum(self) -> Option<f64> {
         thread_local! {
             static SUPREMA: RefCell<Vec<(TriangularFacet, Option<f64>)>> = const { RefCell::new(Vec::new()) };
@@ -430,7 +431,7 @@ impl TriangularFacet {
     }
 }
 
-/// Error bound of an offset tan `angle`, for an angle accurate to rounding.
+/// Error bound of an offset tan `angle`, for an angle accurate to 1e-14 rad.
 fn offset_error_bound(angle: f64) -> f64 {
     1e-14 * (1.0 + angle.cr_tan().powi(2))
 }

@@ -48,9 +48,9 @@ pub(crate) fn search_golden_section(
     Bracket { ends: [a, b], inner_points: [x, y] }
 }
 
-/// Position of the maximum of a unimodal function in [a, b], to a relative 1e-12 of |a| + |b|.
+/// Position of the maximum of a unimodal function in [a, b], to within 1e-12 (|a| + |b|).
 pub(crate) fn argmax_unimodal(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
-    /// Steps that shrink the interval to 3e-13 of its initial length.
+    /// Maximum number of steps; they shrink the interval to 3e-13 of its initial length.
     const MAX_STEPS: usize = 60;
     search_golden_section(f, [a, b], MAX_STEPS, Some(1e-12)).midpoint()
 }
@@ -70,7 +70,8 @@ pub(crate) fn bisect(
 }
 
 /// Sectors of a period in which a predicate holds, as first and last angle; ends are refined by `bisections` bisections
-/// between each of the `samples` and the angle a `step` later. The whole period if the predicate holds everywhere.
+/// between each of the `samples` and the angle a `step` later. The last sector may end beyond the period. If the
+/// predicate is the same at all samples: the whole period if it holds, else no sector.
 pub(crate) fn find_sectors(
     samples: impl Iterator<Item = f64>,
     step: f64,

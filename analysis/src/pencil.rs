@@ -37,7 +37,7 @@ pub enum PencilRoots {
 pub struct Pencil {
     /// The system in scaled units.
     pub scaled: ScaledSystem,
-    /// Dispersion polynomial; undefined if the system is not square.
+    /// Dispersion polynomial; if the system is not square, that of an earlier system.
     pub polynomial: DispersionPolynomial,
     is_singular: bool,
 }
@@ -116,7 +116,8 @@ impl Pencil {
         PencilRoots::Regular { infinite: size - finite.len(), finite }
     }
 
-    /// The finite generalised eigenvalues ς, 1/s, of the equilibrated pencil; empty if QZ does not converge.
+    /// The finite generalised eigenvalues ς, 1/s, of the equilibrated pencil; empty if an entry is not finite or QZ
+    /// does not converge.
     pub fn generalised_eigenvalues(&self, k: f64, direction: f64) -> Vec<Complex64> {
         self.compute_generalised_eigenvalues(&mut Qz::default(), k, direction).to_vec()
     }

@@ -59,7 +59,7 @@ impl BoundedCoefficient {
 #[derive(Clone, Debug, Default)]
 struct Monomials {
     exponents: Vec<[u8; 3]>,
-    /// Index of the product of each monomial with ς, κ₁, κ₂.
+    /// Index of the product of each monomial with ς, κ₁, κ₂; `u16::MAX` if its total degree is too high.
     product_indices: Vec<[u16; 3]>,
     /// Entry d is the number of monomials of total degree ≤ d.
     count_up_to_degree: Vec<usize>,
@@ -229,7 +229,7 @@ impl DispersionPolynomial {
 
     /// Coefficients, in scaled units, of the powers of ς + ik·V (the root in the frame of the material) at the wave
     /// vector k = `k` (cos θ, sin θ), by ascending power. Leading coefficients that are zero within their rounding
-    /// bound are omitted, so the degree is the number of finite roots.
+    /// bound are omitted (but for the last one left), so the degree is the number of finite roots.
     pub fn coefficients_at(&self, k: f64, direction: f64) -> Vec<ExtendedComplex> {
         let (sin, cos) = direction.cr_sin_cos();
         let k_scaled = k / self.wave_number_unit;
@@ -272,7 +272,7 @@ impl DispersionPolynomial {
     }
 
     /// All finite roots ς, 1/s, at the wave vector of magnitude `k` (1/m) and `direction` (rad), by the Aberth–Ehrlich
-    /// method on the exact polynomial from `guesses` (any number, 1/s).
+    /// method on the exact polynomial. The `guesses` (1/s) are used as starting points if there is one per root.
     pub fn roots(&self, k: f64, direction: f64, guesses: &[Complex64]) -> Vec<Complex64> {
         let coefficients = self.coefficients_at(k, direction);
         let (sin, cos) = direction.cr_sin_cos();
@@ -294,8 +294,9 @@ struct BlockWorkspace {
     polynomial: DispersionPolynomial,
 }
 
-/// Dispersion polynomial of a square block, up to a positive factor; `entry` (i, j) returns the coefficients of A, B¹,
-/// B², C. `None` if a coefficient is not finite or the block is too large.
+/// Dispersion polynomial of a square block, in scaled units, so that each term has a positive factor of its own;
+/// `entry` (i, j) returns the coefficients of A, B¹, B², C. `None` if a coefficient is not finite or the block is too
+/// large.
 pub(crate) fn block_determinant(
     size: usize,
     entry: impl Fn(usize, usize) -> [Rounded; 4],

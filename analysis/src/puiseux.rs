@@ -20,7 +20,7 @@ pub(crate) struct Monomial {
 pub(crate) struct BoundedRoot {
     pub(crate) value: Complex64,
     pub(crate) multiplicity: usize,
-    /// Bound on the error of the value.
+    /// Bound on the distance of `value` from the root.
     pub(crate) bound: f64,
 }
 
@@ -71,7 +71,8 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
     if end <= first + 1 {
         return StackList::new();
     }
-    // Low-order coefficients that may be zero are dropped; `neglected` bounds the error this makes in the others.
+    // Coefficients that may be zero are dropped before the first and after the last one that is not. At x, `neglected`
+    // bounds the sum of the low-order terms dropped, divided by x^`first` like the rest.
     let neglected = |x: Complex64| {
         let part = |(i, c): (usize, &RoundedComplex)| {
             (c.modulus() + c.bound) * x.norm().powi(i as i32 - first as i32)
@@ -116,8 +117,9 @@ pub(crate) fn solve_nonzero_roots(polynomial: &[RoundedComplex]) -> StackList<Bo
     found
 }
 
-/// A root of the given multiplicity near a point, if all derivatives of lower order vanish within their bounds;
-/// `neglected` bounds the coefficients neglected in the polynomial.
+/// A root of the given multiplicity near a point, if all derivatives of order below multiplicity − 1 vanish there
+/// within four times their bounds and the root is accurate to a tenth of its modulus (not required of a simple root);
+/// `neglected` bounds the terms neglected in the polynomial at a point.
 fn find_multiple_root(
     polynomial: &[RoundedComplex],
     neglected: impl Fn(Complex64) -> f64,

@@ -27,7 +27,7 @@ const EQUILIBRATION_SWEEPS: usize = 6;
 /// Placeholder for the logarithm of zero.
 const LOG_OF_ZERO: f64 = -1e6;
 
-/// Workspace of the QZ algorithm: a pencil and its eigenvalues. Keep one per thread.
+/// Workspace of the QZ algorithm: a pencil L − λR and its eigenvalues. Keep one per thread.
 #[derive(Clone, Debug)]
 pub struct Qz {
     size: usize,
@@ -130,7 +130,7 @@ impl Qz {
                 (self.left[i][j], self.right[i][j]) = (left(i, j), right(i, j));
             }
         }
-        // Specialised for the sizes of the models, with loops of constant length.
+        // Specialised for the sizes 4, 5 and 6, with loops of constant length.
         match self.size {
             4 => self.scale_by_powers_of_two::<4>(),
             5 => self.scale_by_powers_of_two::<5>(),
@@ -336,8 +336,8 @@ impl Qz {
         let (left, right) = (&mut self.left, &mut self.right);
         let (mut end, mut steps, mut exceptional) = (size, 0, Complex64::ZERO);
         while end > 1 {
-            // In the first steps only entries small relative to their neighbours are deflated, and none in R: stricter
-            // than thresholds ε‖L‖, ε‖R‖, and more accurate for eigenvalues far from the others.
+            // Thresholds ε²‖L‖, ε²‖R‖ in the first ten steps, ε‖L‖, ε‖R‖ later; entries of L are also deflated below ε
+            // times their diagonal neighbours. Small thresholds are more accurate for eigenvalues far from the others.
             let share = if steps < 10 { EPSILON * EPSILON } else { EPSILON };
             let (floor, singular) =
                 ((share * left_norm).max(2.0 * ZERO_THRESHOLD), share * right_norm);
@@ -407,7 +407,8 @@ impl Qz {
     }
 }
 
-/// Wilkinson's shift: the eigenvalue of rows and columns k, k + 1 nearest to the last entry of the matrix
+/// Wilkinson's shift: the eigenvalue nearest to the last entry of this matrix, made of rows and columns k, k + 1 of L
+/// (`left`) and R (`right`):
 ///
 /// ```text
 /// (a b) (p q)⁻¹   (a/p  (b − q a/p)/s)
@@ -458,7 +459,8 @@ fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// Base-two logarithm of the larger of |Re z| and |Im z|, within 0.09; [`LOG_OF_ZERO`] for zero.
+/// Base-two logarithm of the larger of |Re z| and |Im z|, within 0.09 for normal numbers; about −1022 for subnormal
+/// numbers, [`LOG_OF_ZERO`] for zero.
 #[inline(always)]
 fn approximate_log2(z: Complex64) -> f64 {
     const MANTISSA_SCALE: f64 = (1u64 << 52) as f64;
@@ -475,7 +477,7 @@ fn round_to_integer(x: f64) -> f64 {
     (x + ROUNDING_SHIFT) - ROUNDING_SHIFT
 }
 
-/// Product z 2^e.
+/// Product z 2^e; an exponent beyond ±2044 is replaced by ±2044.
 #[inline(always)]
 fn multiply_by_power_of_two(z: Complex64, e: i32) -> Complex64 {
     let power = |e: i32| f64::from_bits(((e + 1023) as u64) << 52);

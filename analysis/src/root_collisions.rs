@@ -9,17 +9,21 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// An angle at which roots collide.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RootCollision {
+    /// Angle α, rad; not reduced to [0, π).
     pub(crate) angle: f64,
+    /// The multiple root c at `angle`.
     pub(crate) root: BoundedRoot,
     /// Whether the angle is accurate to rounding; false where branches touch.
     pub(crate) is_accurate: bool,
 }
 
-/// Collisions of roots next to `angle`: all multiple roots, with refined angles.
+/// Collisions of roots next to `angle` (rad), with refined angles: only multiple roots that split at neighbouring
+/// angles.
 ///
 /// Roots that are neutral at angles on both sides of the collision cross; they do not fold. At a crossing of n branches
-/// of E(c, α) = 0 the derivatives ∂E/∂α and ∂E/∂c vanish together with their first n − 2 derivatives in c. This zero is
-/// simple unless two branches touch, so Newton's iteration locates it to full accuracy. On the axes the angle is exact.
+/// of E(c, α) = 0 all derivatives of order below n vanish. Newton's iteration is applied to the two of highest order in
+/// c, ∂ⁿ⁻¹E/∂cⁿ⁻¹ = ∂ⁿ⁻¹E/∂α∂cⁿ⁻² = 0, whose common zero is simple unless two branches touch; it is then located to
+/// full accuracy. If `angle` is within 0.01 rad of 0, π/2 or π, the roots at exactly that angle are included too.
 pub(crate) fn find_collisions(face: &FacePolynomial, angle: f64) -> StackList<RootCollision> {
     let mut found: StackList<RootCollision> = StackList::new();
     let mut include = |angle: f64, near: Option<Complex64>, is_accurate: bool| {
@@ -74,11 +78,12 @@ pub(crate) fn find_collisions(face: &FacePolynomial, angle: f64) -> StackList<Ro
     found
 }
 
-/// Number of Newton steps from a zero of the discriminant to rounding accuracy, with two in reserve.
+/// Number of Newton steps from a zero of the discriminant; a collision is accurate if the last three are below 1e-12.
 const NEWTON_STEPS: usize = 12;
 
 /// Locates the crossing of `count` branches near `angle` and the root c by Newton's iteration: angle, root, and whether
-/// convergence was quadratic (branches cross) and not linear (branches touch).
+/// convergence was quadratic (branches cross) and not linear (branches touch). `None` if the iteration leaves the
+/// neighbourhood or does not converge, or if E does not vanish at its limit.
 fn locate_crossing(
     face: &FacePolynomial,
     angle: f64,
@@ -116,7 +121,7 @@ fn locate_crossing(
     holds.then_some((place.re, root, is_accurate))
 }
 
-/// Whether a multiple root splits at neighbouring angles.
+/// Whether a multiple root splits: at one of the angles 1e-3 rad away the nearest root has a lower multiplicity.
 fn is_split_nearby(face: &FacePolynomial, angle: f64, root: &BoundedRoot) -> bool {
     [1e-3, -1e-3].into_iter().any(|offset| {
         let distance = |r: &BoundedRoot| (r.value - root.value).norm();

@@ -30,7 +30,7 @@ pub fn solve(coefficients: &[Complex64]) -> StackList<Complex64> {
 }
 
 /// All roots of a polynomial with double-double coefficients, so that even ill-conditioned roots are accurate to nearly
-/// working precision; `guesses` are used if their number is the degree.
+/// working precision. The `guesses` are used if there is one per root, all are finite, and no root is exactly zero.
 pub fn solve_extended(
     coefficients: &[ExtendedComplex],
     guesses: &[Complex64],
@@ -68,8 +68,8 @@ fn evaluate_with_derivative(coefficients: &[Complex64], x: Complex64) -> (Comple
     (value, slope)
 }
 
-/// Starting points: the finite `guesses` if there is one per root, else points on circles whose radii are the slopes of
-/// the Newton polygon of the moduli.
+/// Starting points: the `guesses`, slightly perturbed, if there is one per root and all are finite; else points on
+/// circles whose logarithmic radii are the negative slopes of the Newton polygon of the logarithms of the moduli.
 fn initial_guesses(coefficients: &[Complex64], guesses: &[Complex64]) -> StackList<Complex64> {
     let degree = coefficients.len() - 1;
     let usable = guesses.len() == degree && guesses.iter().all(|g| g.is_finite());
@@ -132,7 +132,8 @@ fn iterate_aberth(
                 .sum();
             let step = newton / (1.0 - newton * others);
             if !step.is_finite() {
-                // The sum over the other roots cancels the correction: continue from a nearby point.
+                // The derivative is zero, or the sum over the other roots cancels the correction: continue from a
+                // nearby point.
                 roots[i] *= cr_from_polar(1.001, 0.01);
                 continue;
             }

@@ -82,7 +82,7 @@ pub struct WaveMode {
 pub struct ForbiddenBand {
     /// Lower end, rad/s.
     pub lower: f64,
-    /// Upper end, rad/s.
+    /// Upper end, rad/s; may be infinite.
     pub upper: f64,
 }
 
@@ -114,7 +114,8 @@ pub fn squared_speeds<const D: usize>(
 }
 
 /// All roots ς along the unit vector `normal` at the wave number `k` (1/m), 1/s, relaxation included: the eigenvalues
-/// of the first-order equations. Roots that are zero within rounding (self-equilibrated stresses) are omitted.
+/// of the first-order equations. Roots that are zero within rounding (self-equilibrated stresses) are omitted. A single
+/// NaN if an entry is not finite or the iteration does not converge.
 pub fn roots<const D: usize>(
     equations: &RateEquations<D>,
     normal: [f64; D],
@@ -293,7 +294,7 @@ impl WaveFamily {
         all
     }
 
-    /// The branches at the wave number `k` (1/m), by ascending ω², with their slopes
+    /// The branches at the wave number `k` (1/m), by ascending Re ω², with their slopes
     /// x*(2kΓ + N₁)x (Hellmann–Feynman; for matrices that are not Hermitian by central differences).
     pub fn modes(&self, k: f64) -> Vec<WaveMode> {
         if !self.is_hermitian {
@@ -340,7 +341,7 @@ impl WaveFamily {
     /// ω² → eig P (N₀ − N₁ Γ⁺ N₁) P.
     /// ```
     ///
-    /// P is the projector onto the null space. Empty if no speed is zero, or Γ is not Hermitian.
+    /// P is the projector onto the null space. Empty if no speed is zero, or D is not symmetric.
     pub fn squared_short_wave_limits(&self) -> Vec<f64> {
         if !self.is_hermitian {
             return Vec::new();
@@ -366,7 +367,7 @@ impl WaveFamily {
         limits
     }
 
-    /// Frequency intervals in which no wave of the family propagates, ascending; empty unless every ω² is real. Assumes
+    /// Frequency intervals in which no wave of the family propagates, ascending; empty if D is not symmetric. Assumes
     /// branches monotonic in k, as for two velocities: with ω² = λ, (λ − ak²)(λ − d) = c²k² and ad ≥ c² give dλ/dk² ≥ 0
     /// on both branches. Each branch begins at a cut-off and ends at a short-wave limit or at infinity; larger families
     /// have a branch from zero to infinity.
@@ -438,7 +439,7 @@ fn eigenvalues_2x2(matrix: &ComplexMatrix) -> [Complex64; 2] {
 /// κ, 1/m: U = Re û exp(i(κ·x − ωt)), in the order of the unknowns.
 ///
 /// Solves L⁻¹(iκB + Q)L⁻ᵀ y = −iω y with A = LLᵀ and a skew-Hermitian matrix; û = L⁻ᵀy. Empty if the equations have no
-/// symmetric form.
+/// symmetric form with a positive definite A. Zero frequencies are omitted.
 pub fn plane_waves<const D: usize>(
     equations: &RateEquations<D>,
     wave_vector: [f64; D],

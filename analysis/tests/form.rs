@@ -31,7 +31,7 @@ fn zero_angle([a, b]: [i64; 2]) -> f64 {
     (-(a as f64)).atan2(b as f64).rem_euclid(PI)
 }
 
-/// Verifies simple zeros of forms up to degree 8, some with definite quadratic factors: exactly these zeros are found,
+/// Verifies simple zeros of forms up to degree 7, some with definite quadratic factors: exactly these zeros are found,
 /// each within its bound, and the bounds are small.
 #[test]
 fn simple_zeros_are_all_found_within_their_bounds() {
@@ -78,7 +78,8 @@ fn simple_zeros_are_all_found_within_their_bounds() {
     println!("{count} zeros, greatest error {worst:.1e}, greatest bound {greatest_bound:.1e}");
 }
 
-/// Verifies that a form does not change sign at its exactly double zeros and does so at triple zeros.
+/// Verifies that an exactly double zero is found once and without change of sign, and that a triple zero is found
+/// within 1e-3 rad.
 #[test]
 fn double_and_triple_zeros_are_distinguished() {
     verify_repeated_zeros(false);
@@ -127,8 +128,8 @@ fn verify_repeated_zeros(axes: bool) {
     }
 }
 
-/// Verifies two zeros at distances of 1e-2 to 1e-12: two crossings while the form between them exceeds its rounding,
-/// otherwise one touching zero.
+/// Verifies two zeros at distances from about 0.2 down to 6e-9 rad: two crossings while the form between them exceeds
+/// its rounding, otherwise one touching zero.
 #[test]
 fn nearly_double_zeros_are_separated_or_merged() {
     let random = &mut seeded_generator(23);

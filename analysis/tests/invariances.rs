@@ -52,8 +52,8 @@ fn finite_roots(sample: &FlowSample, k: f64, direction: f64) -> Vec<Complex64> {
     }
 }
 
-/// Verifies that two verdicts agree in name and order, up to a `factor` of the coefficient and a `turn` (rad) of the
-/// direction.
+/// Verifies that two verdicts agree in name, order and, up to a `factor`, coefficient; if growth is unbounded at finite
+/// k, also in direction, up to a `turn` (rad).
 fn assert_same_verdict(before: &Verdict, after: &Verdict, factor: impl Fn(f64) -> f64, turn: f64) {
     match (before, after) {
         (
@@ -107,7 +107,8 @@ fn rotate_gradients(turn: f64, state: MaterialState) -> MaterialState {
     }
 }
 
-/// Verifies that rotating all vectors and angles rotates the direction of the verdict and leaves the roots unchanged.
+/// Verifies that rotating all vectors and angles leaves the verdict and the roots unchanged and rotates the direction
+/// in which growth is unbounded at finite k.
 #[test]
 fn rotating_the_axes_rotates_the_verdict() {
     for (_, mut random, sample) in random_samples(0x107a) {

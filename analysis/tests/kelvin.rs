@@ -169,7 +169,8 @@ fn integrated_wave_agrees_with_runge_kutta() {
         for (rate, mode) in &modes {
             let image = &at(0.0).rate_matrix * nalgebra::DVector::from_column_slice(mode);
             let reduced = at(0.0).reduced_rate_matrix().norm();
-            // Modes are admissible, and eigenvectors of the rate matrix up to the motion of the constraint.
+            // A mode z is admissible and z*Gz is its rate; Gz also has a component normal to the admissible subspace,
+            // since the constraint changes with k.
             let along: Complex64 = mode.iter().take(2).zip(wave).map(|(v, k)| v * k).sum();
             assert!(along.norm() < 1e-12);
             let own: Complex64 = mode.iter().zip(image.iter()).map(|(z, r)| z.conj() * r).sum();

@@ -110,7 +110,8 @@ fn condition_number(exact: &System256, wave: [f64; 2], root: Complex256) -> f64 
 }
 
 /// Verifies the pencils of the models at random states and waves: small backward errors, as many finite eigenvalues as
-/// the exact polynomial has roots (up to 0.1 % of the states), and no more well-conditioned roots missed than by faer.
+/// the exact polynomial has roots in at least 99.9 % of the states, and, in the first fifth of the states, no more
+/// well-conditioned roots missed than by faer.
 #[test]
 fn model_pencils_have_small_backward_errors() {
     const STATE_COUNT: u64 = 21_000;
@@ -294,8 +295,8 @@ fn diagonal_pencils_are_solved_to_rounding_at_any_scale() {
     }
 }
 
-/// Verifies that extreme scales of rows, columns and units change eigenvalues by powers of two only, and that entries
-/// of extreme scales leave small backward errors.
+/// Verifies that extreme scales of rows, columns and units (powers of two) change eigenvalues by the ratio of the units
+/// only, to 1e-7, and that entries of extreme scales leave small backward errors.
 #[test]
 fn extreme_scales_change_eigenvalues_by_powers_of_two() {
     for seed in 0..6_000 {

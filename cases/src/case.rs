@@ -36,7 +36,7 @@ enum Purpose {
 /// A case as stated in its case file, with default values filled in.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Name of the result folder; by default the file name without extension.
+    /// Name of the result folder: letters, digits, `-`, `_` and `.`; by default derived from the name of the case file.
     pub name: String,
     /// Title of the case, one line; may be empty.
     pub title: String,
@@ -83,7 +83,8 @@ impl Case {
     /// Reads a case file; `sets` are the `--set` options (`key=value`), which override its values.
     ///
     /// # Errors
-    /// The file or an option is invalid; the error gives position, key, value found and values allowed.
+    /// The file cannot be read, is larger than [`MAX_FILE_SIZE`] or is not TOML, or a key of the file or of an option
+    /// is unknown, missing or unused or has an invalid value.
     pub fn load(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
         Self::load_for_purpose(path, sets, Purpose::Analysis)
     }
@@ -91,7 +92,7 @@ impl Case {
     /// Reads the case file of a time-domain simulation; `sets` as in [`load`](Self::load).
     ///
     /// # Errors
-    /// The case has no section `[grid]` (reported first), or an error of [`load`](Self::load).
+    /// The case has no section `[grid]`, or an error of [`load`](Self::load).
     pub fn load_simulation(path: &Path, sets: &[String]) -> Result<Self, CaseError> {
         Self::load_for_purpose(path, sets, Purpose::Simulation)
     }
@@ -124,7 +125,8 @@ impl Case {
     /// override its values.
     ///
     /// # Errors
-    /// The text or an option is invalid; the error gives position, key, value found and values allowed.
+    /// The text is not TOML or has too many tables or keys, or a key of the text or of an option is unknown, missing or
+    /// unused or has an invalid value.
     pub fn parse(text: &str, file: &str, sets: &[String]) -> Result<Self, CaseError> {
         Self::parse_for_purpose(text, file, sets, Purpose::Analysis)
     }
@@ -242,7 +244,7 @@ impl Case {
         self.material.set_number(parameter, value);
     }
 
-    /// Adds the position in the case file to an input error of a model.
+    /// Adds the position in the case file, or the option, to an input error of a model.
     pub fn locate_error(&self, error: InputError) -> CaseError {
         self.material.locate_error(error)
     }
@@ -303,8 +305,8 @@ impl Case {
         case
     }
 
-    /// Formats the resolved case as TOML: all values used by its kind of model, defaults included. Numbers have the
-    /// shortest form that parses to the same double.
+    /// Formats the resolved case as TOML: all values used by its kind of model or by the kinds of `[compare]`, defaults
+    /// included. Numbers have the shortest form that parses to the same double.
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         if !self.title.is_empty() {
@@ -341,7 +343,8 @@ impl Case {
     }
 }
 
-/// Returns the error of a missing section `[grid]`, with the remedy for the kind of model.
+/// Returns the error of a case without simulation: a missing section `[grid]`, or a kind of flow that cannot be
+/// simulated.
 fn missing_grid_error(places: &KeyPositions, kind: ModelKind) -> CaseError {
     match kind {
         ModelKind::Flow(flow) if flow.rotation() == RotationKind::Free => {

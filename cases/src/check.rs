@@ -4,7 +4,7 @@ use super::error::CaseError;
 use super::section::{SectionReader, TableWriter};
 use crate::schema::{AllowedRange, CountConstraint, KeyGroup, KeySchema, TableSchema, ValueType};
 
-/// Options of `wellposed check`; absent options are chosen by the model.
+/// Options of `wellposed check`; `None` for values that the program chooses to suit the model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CheckOptions {
     /// Wave numbers, 1/m; positive.
@@ -19,7 +19,7 @@ pub struct CheckOptions {
 /// Maximum number of grids of a convergence study.
 pub const MAX_GRIDS: usize = 5;
 
-/// Minimum number of cells per period: fewer do not resolve a wave.
+/// Minimum of the grid sizes: with fewer cells per period a wave is not resolved.
 pub const MIN_CELLS: usize = 8;
 
 /// Schema of the section `[check]`.

@@ -13,21 +13,22 @@ use models::flow::{FlowKind, Model, RotationKind};
 /// Result of converting the state of a case to another kind of model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvertedCase {
-    /// The case with all quantities used by the new kind of model.
+    /// The case of the new kind of model; quantities not used by this kind have been dropped.
     pub case: Case,
     /// Non-coaxiality of the state, degrees, if it was lost because the new kind of model is coaxial by definition.
     pub lost_noncoaxiality_deg: Option<f64>,
 }
 
-/// Converts an angle from degrees to radians. Full turns are removed in degrees, where the reduction is exact: the sine
-/// of 1e308° is well-defined, whereas the sine of 1.7e306 rad is rounding noise. The reduction does not change angles
+/// Converts an angle from degrees to radians. Full turns are removed in degrees, where the remainder is exact; the
+/// rounding error of 1e308° in radians would exceed a full turn. The reduction does not change angles of magnitude
 /// below a full turn.
 pub fn degrees_to_radians(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()
 }
 
 impl Case {
-    /// Returns the same state for another kind of model; quantities not used by `kind` are dropped.
+    /// Returns the same state for another kind of model. Dropped are quantities not used by `kind`, a yield set that
+    /// `kind` does not admit, the section `[compare]` and, if the kind changes, the simulation.
     pub fn convert_to_kind(&self, kind: ModelKind) -> Self {
         let yields =
             self.material.yield_set.filter(|set| kind.admissible_yield_sets().contains(set));
@@ -43,11 +44,12 @@ impl Case {
         case
     }
 
-    /// Returns the same state for another kind of model. A given spin is replaced by the non-coaxiality
-    /// `noncoaxiality_deg` (degrees) that the model of this case derived from the spin.
+    /// Returns the same state for another kind of model. A given spin that `kind` does not use is replaced by the
+    /// non-coaxiality `noncoaxiality_deg` (degrees), which the model of this case derived from the spin.
     ///
-    /// Without the replacement a kind without spin would be given a different, coaxial state. For the plastic
-    /// potential, which is coaxial by definition, the lost non-coaxiality is returned for a warning.
+    /// Without the replacement a kind without spin would be given a different, coaxial state. If `kind` is coaxial by
+    /// definition, the non-coaxiality is set to 0; a lost value other than a multiple of 180° is returned for a
+    /// warning.
     pub fn convert_with_noncoaxiality(
         &self,
         kind: ModelKind,
@@ -161,7 +163,8 @@ impl Case {
     /// Returns the uniform mean flow of a time-domain simulation.
     ///
     /// # Errors
-    /// The state is not a uniform, fully deforming, isochoric flow in the co-moving frame.
+    /// The case describes a solid, a constant or the state is invalid, a quantity of [`ZERO_IN_UNIFORM_FLOW`] is not 0,
+    /// the flow is not fully deforming, or the spin does not determine the stress angle.
     pub fn solve_mean_flow(&self) -> Result<DeformingFlow, CaseError> {
         for name in ZERO_IN_UNIFORM_FLOW {
             let Some(value) = Key::find_by_name(name)

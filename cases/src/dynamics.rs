@@ -79,7 +79,7 @@ pub struct SolidRun {
     pub regions: Vec<MaterialRegion>,
     /// Boundary conditions. Faces without a condition are traction-free; where entries overlap, the last one applies.
     pub boundary_conditions: Vec<FaceCondition>,
-    /// Boundary loads; superposed on each other and on the boundary conditions.
+    /// Boundary loads. Loads on the same component are summed; a load replaces the boundary condition of its component.
     pub loads: Vec<FaceLoad>,
     /// Sources inside the grid.
     pub sources: Vec<PointSource>,
@@ -97,7 +97,7 @@ pub struct SolidRun {
 }
 
 impl SolidRun {
-    /// Returns all time functions: of loads, sources and initial pulses.
+    /// Returns all time functions: of loads, sources and initial plane pulses.
     pub(crate) fn time_functions(&self) -> impl Iterator<Item = &TimeFunction> {
         let initial = self.initial_terms.iter().filter_map(|part| match part {
             InitialStateTerm::PlanePulse(pulse) => Some(&pulse.waveform),
@@ -107,11 +107,11 @@ impl SolidRun {
         loads.chain(self.sources.iter().map(|source| &source.time_function)).chain(initial)
     }
 
-    /// Reads all sections in `root` except `[grid]`, for a case of material `material`; `material_of` reads the
-    /// material of a region, `folder` is the folder of the case file.
+    /// Reads all time-domain sections in `root` except `[grid]`, for a case of material `material`; `material_of` reads
+    /// the material of a region, `folder` is the folder of the case file.
     ///
     /// # Errors
-    /// A key is unknown or missing, or a value is invalid.
+    /// A key is unknown or missing, a value is invalid, or a sample file cannot be read.
     pub(crate) fn read(
         root: &SectionReader,
         grid: SolidGrid,
@@ -121,7 +121,7 @@ impl SolidRun {
     ) -> Result<Self, CaseError> {
         let theory = match material.kind {
             ModelKind::Solid(solid) => solid.theory,
-            ModelKind::Flow(_) => Theory::Classical, // an error is reported with the grid of a flow
+            ModelKind::Flow(_) => Theory::Classical, // unreachable: this function reads solids only
         };
         let components = StateComponent::all_components(theory, grid.dimensions());
         let reader =
@@ -178,10 +178,12 @@ impl SolidRun {
         self.positions.error_at(path, found, allowed)
     }
     /// Computes the region index of each cell, an index into [`regions`](Self::regions), with the first axis fastest; 0
-    /// in all cells without regions. A cell belongs to the region that contains the cell centre.
+    /// in all cells without regions. A cell belongs to the region that contains the cell centre, else to the region of
+    /// shape [`RegionShape::Complement`].
     ///
     /// # Errors
-    /// Regions overlap, a cell is in no region, a region contains no cell, or memory allocation fails.
+    /// Two regions contain the same cell centre, a cell is in no region, a region contains no cell, or memory
+    /// allocation fails.
     pub fn compute_cell_media(&self) -> Result<Vec<u16>, CaseError> {
         let count = self.grid.cell_count();
         let mut media = Vec::new();
@@ -227,7 +229,8 @@ impl SolidRun {
         }
     }
 
-    /// Finds the region other than [`RegionShape::Complement`] that contains a point; `None` if no region contains it.
+    /// Finds the region other than [`RegionShape::Complement`] that contains a point; `None` if no region contains it,
+    /// an error if two do.
     fn find_region(&self, x: &[f64]) -> Result<Option<usize>, CaseError> {
         let mut holders =
             (0..self.regions.len()).filter(|&region| self.regions[region].shape.contains(x));

@@ -15,7 +15,7 @@ use toml::de::{DeTable, DeValue};
 
 /// Maximum number of sections, entries of lists of tables, and inline tables.
 const MAX_TABLES: usize = 100_000;
-/// Maximum number of keys.
+/// Maximum number of keys, estimated by the number of `=` in the text.
 const MAX_KEYS: usize = 500_000;
 
 /// Parsed values of a case by key, before their interpretation.

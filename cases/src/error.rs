@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Position in the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SourcePosition {
-    /// A line of a case file.
+    /// A line of a case file or of a sample file.
     Line {
         /// Path of the file as given.
         file: String,
@@ -31,7 +31,7 @@ impl std::fmt::Display for SourcePosition {
 /// Error of a case file, with a one-line message.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CaseError {
-    /// The file cannot be read.
+    /// The file cannot be read, is too large, or has too many tables or keys.
     #[error("{}: {cause}; name a case file (wellposed cases lists some, wellposed new writes one)", .path.display())]
     Unreadable {
         /// Path of the file.
@@ -39,12 +39,12 @@ pub enum CaseError {
         /// Cause, e.g. as given by the operating system.
         cause: String,
     },
-    /// The text is not TOML.
+    /// The text is not TOML or not UTF-8.
     #[error("{place}: {cause}; write 'key = value' or '[section]', each key once")]
     Syntax {
         /// Position of the error.
         place: SourcePosition,
-        /// Message of the parser, with the text of the line.
+        /// Message of the parser with the text of the line, or a note that a byte is not UTF-8.
         cause: String,
     },
     /// A key is unknown, missing or unused, or has an invalid value.
@@ -52,9 +52,9 @@ pub enum CaseError {
     Key {
         /// Position of the key.
         place: SourcePosition,
-        /// Key with its section.
+        /// Key with its section, or the text of an option without a valid key.
         key: String,
-        /// Value found.
+        /// Description of the fault: the invalid value found, or that the key is unknown, missing or unused.
         found: String,
         /// Values allowed, or the remedy.
         allowed: String,

@@ -58,7 +58,7 @@ pub(crate) fn schemas_for_kind(kind: ModelKind) -> Vec<&'static TableSchema> {
 /// Sections of a time-domain simulation of a flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowRun {
-    /// Kind of material rotation, which determines the field that evolves with the velocity. Never
+    /// Kind of material rotation, which determines which field, if any, evolves with the velocity. Never
     /// [`RotationKind::Free`].
     pub rotation: RotationKind,
     /// Section `[grid]`: the periodic box.
@@ -81,7 +81,7 @@ impl FlowRun {
     /// Reads all time-domain sections in `root`; `folder` is the folder of the case file.
     ///
     /// # Errors
-    /// A key is unknown or missing, or a value is invalid.
+    /// A key is unknown or missing, a value is invalid, or an archive cannot be read.
     pub(crate) fn read(
         root: &SectionReader,
         rotation: RotationKind,

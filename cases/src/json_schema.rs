@@ -138,8 +138,8 @@ fn build_value_condition(section: &str, key: &str, words: &[&str]) -> Value {
     })
 }
 
-/// Builds the condition that the model, or a flow of `[compare]`, is one of `kinds` and, if `sets` is not empty, that
-/// the yield set is one of `sets`.
+/// Builds the condition that the model, or for kinds of flow a model of `[compare]`, is one of `kinds` and, if `sets`
+/// is not empty, that the yield set is one of `sets`.
 fn build_model_condition(kinds: &[&str], sets: &[&str]) -> Value {
     let own = build_value_condition("model", "kind", kinds);
     let compared = json!({ "properties": { "compare": { "properties": { "kinds": { "contains": { "enum": kinds } } }, "required": ["kinds"] } }, "required": ["compare"] });
@@ -152,7 +152,8 @@ fn build_model_condition(kinds: &[&str], sets: &[&str]) -> Value {
     }
 }
 
-/// Returns the kinds of model and the yield sets that require the key.
+/// Returns the kinds of model and the yield sets that require the key, among `kinds` and `sets`, which use it. If
+/// `sets` is not empty, all of `kinds` are returned.
 fn find_requiring_models<'a>(
     key: &Key,
     kinds: Vec<&'a str>,
@@ -204,7 +205,7 @@ fn add_scalar_key(
         || *section == "compare"
         || key.name == "yield.kind"
     {
-        // The key is required in its section for every kind of model.
+        // A key required in its section is required for every kind of model that has the section.
         if is_required {
             let mut slot = &mut *properties;
             for (depth, section) in sections.iter().enumerate() {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub(super) struct KeyPositions {
     /// Positions in the file and in options; shared by the case and its regions.
     position_table: Arc<PositionTable>,
-    /// Full names of the keys overridden by a region.
+    /// Full names of the keys and sections that a region overrides or does not inherit.
     aliases: BTreeMap<&'static str, String>,
 }
 
@@ -69,12 +69,12 @@ impl KeyPositions {
         }
     }
 
-    /// Records the full name of a key overridden by a region.
+    /// Records the full name of a key or section that a region overrides or does not inherit.
     pub(super) fn add_alias(&mut self, key: &'static str, name: String) {
         self.aliases.insert(key, name);
     }
 
-    /// Returns whether the region overrides a key.
+    /// Returns whether the region overrides or does not inherit a key.
     pub(super) fn has_alias(&self, key: &str) -> bool {
         self.aliases.contains_key(key)
     }
@@ -84,12 +84,13 @@ impl KeyPositions {
         self.position_table.lines.contains_key(name)
     }
 
-    /// Returns the full name of a key.
+    /// Returns the full name of a key: in a region the name recorded by [`add_alias`](Self::add_alias), if any.
     fn resolve_alias<'k>(&'k self, key: &'k str) -> &'k str {
         self.aliases.get(key).map_or(key, String::as_str)
     }
 
-    /// Returns the position of a key, else of its innermost enclosing section, else of the file.
+    /// Returns the position of a key, else of its innermost enclosing section, else an option that set a key inside it,
+    /// else the file.
     pub(super) fn locate(&self, key: &str) -> SourcePosition {
         let mut name = self.resolve_alias(key);
         loop {

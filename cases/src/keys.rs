@@ -24,7 +24,8 @@ impl Key {
         keys().iter().find(|key| key.name == name)
     }
 
-    /// Returns the allowed names of a text key; `None` if any text is allowed.
+    /// Returns the allowed names of a key whose value is a text or a list of texts; `None` if any text is allowed or
+    /// the key is a number.
     pub fn allowed_names(&self) -> Option<Vec<String>> {
         let kinds = |kinds: Vec<ModelKind>| kinds.into_iter().map(|kind| kind.name().to_owned());
         Some(match self.name {

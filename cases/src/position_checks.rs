@@ -3,8 +3,8 @@
 use crate::error::CaseError;
 use crate::section::{SectionReader, join_with_commas};
 
-/// Relative tolerance for positions outside the grid: the computed bound origin + cells × spacing differs from the
-/// intended decimal number by rounding (100 × 0.29 < 29).
+/// Tolerance for positions outside the grid, relative to the extent of the grid along the axis: the computed bound
+/// origin + cells × spacing differs from the intended decimal number by rounding (100 × 0.29 < 29).
 const RELATIVE_TOLERANCE: f64 = 1e-12;
 
 /// Checks that a position, the value of `key` along `axes`, is within the `bounds` of the grid or box.

@@ -86,9 +86,9 @@ named_enum! {
 pub struct ReceiverPoint<F> {
     /// Name of the record; unique.
     pub name: String,
-    /// Position, m; inside the grid.
+    /// Position, m; inside the grid or box, or on its boundary.
     pub position: Vec<f64>,
-    /// Interpolation between cells.
+    /// Interpolation between cells; always [`Interpolation::Nearest`] in a flow.
     pub interpolation: Interpolation,
     /// Recorded fields.
     pub fields: Vec<F>,

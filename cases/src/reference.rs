@@ -83,7 +83,7 @@ pub fn generate_reference() -> String {
 }
 
 fn is_in_section(key: &Key, section: &str) -> bool {
-    // Both axes of a map have the same keys; they are listed once.
+    // The keys of both axes of a map are listed in one table.
     key.split_section().0 == section || (section == "map.x" && key.split_section().0 == "map.y")
 }
 

@@ -24,7 +24,8 @@ pub struct TableSchema {
     pub is_required: bool,
     /// Remedy for messages if the table is missing.
     pub(crate) remedy: &'static str,
-    /// Keys of the table, in the order of the reference page.
+    /// Keys of the table, in the order of the reference page; empty for `[initial_stress]`, whose keys are stress
+    /// components.
     pub groups: &'static [KeyGroup],
 }
 
@@ -118,13 +119,13 @@ pub enum ValueType {
     Text,
     /// A list of texts.
     TextList,
-    /// Text of letters, digits, `-`, `_` and `.`.
+    /// Text of 1 to 255 letters, digits, `-`, `_` and `.`.
     Name,
     /// Eight hexadecimal digits.
     Hexadecimal,
     /// True or false.
     Boolean,
-    /// A number.
+    /// A number in this range.
     Number(AllowedRange),
     /// A whole number with this minimum.
     WholeNumber(u64),
@@ -142,7 +143,7 @@ pub enum ValueType {
     PerAxis(ListLength),
     /// A number for each axis, not all 0.
     Direction,
-    /// A list with a minimum length of numbers in a range.
+    /// A list of numbers in a range, with this minimum length.
     NumberList(usize, AllowedRange),
     /// A list of whole numbers.
     CountList {
@@ -157,9 +158,10 @@ pub enum ValueType {
     ModeNumbers,
     /// A square matrix with a row for each axis.
     Tensor,
-    /// Samples: at least two pairs of the two named quantities; the first quantity strictly increases.
+    /// Samples: at least two pairs of numbers, the first of which strictly increases; the two texts describe a pair and
+    /// the first numbers in messages.
     Samples([&'static str; 2]),
-    /// A point, or a list of points.
+    /// A point, or a list of points, at most as many as there are axes.
     PointList,
     /// A whole number of at least 2, or a list of whole numbers of at least 2.
     PointCounts,

@@ -226,8 +226,8 @@ impl<'a> SectionReader<'a> {
         })
     }
 
-    /// Reads a list of quantities without repetition, whose names are in `among` and which `find` finds by name; `None`
-    /// if absent.
+    /// Reads a list of quantities without repetition; `None` if absent. `find` finds a quantity by its name; `among`
+    /// are the names listed in messages.
     pub(super) fn read_distinct_list<T: PartialEq>(
         &self,
         key: &str,

@@ -74,7 +74,7 @@ const EXAMPLE_FLOW_RUN: &[ExampleSection] = &[
     ("limits", &[]),
 ];
 
-/// Section `[compare]`, commented out, with kinds of model that use no key which other flows lack.
+/// Section `[compare]`, commented out; its kinds of model use only keys that all flows use.
 const COMPARE_COMMENT: &str = "\
 # compare.kinds = [\"double-shearing\", \"plastic-potential\"]  # wellposed point: models compared at this state
 ";
@@ -88,7 +88,7 @@ const DERIVED_KEYS: [&str; 5] = [
     "background.stress_angle_rate_deg",
 ];
 
-/// Generates the template of a case of one state: all keys used by the medium, with unit and meaning.
+/// Generates the template of a case of one state: the keys used by the medium, with unit and meaning.
 pub fn generate_state_template(medium: impl Into<MediumKind>) -> String {
     generate_template(medium.into(), TemplateKind::SingleState)
 }
@@ -248,7 +248,7 @@ fn choose_example_axes(medium: MediumKind) -> [String; 2] {
     let keys = || keys().iter().filter(move |key| key.is_used_by(medium));
     let named =
         |end: &str| keys().find(|key| key.name.starts_with("yield.") && key.name.ends_with(end));
-    // Sweep of the first constant of a section about its example value.
+    // Sweep of the first required constant with a unit in a section, about its example value.
     let around = |section: &str| {
         let constants = keys().filter(|key| key.name.starts_with(section));
         let example = |key: &Key| match key.presence_for(medium) {

@@ -87,7 +87,7 @@ pub(super) fn parse_text(value: &DeValue) -> Option<String> {
     value.as_str().filter(|text| !text.chars().any(char::is_control)).map(str::to_owned)
 }
 
-/// Parses a finite number; integers are accepted if a double represents them exactly.
+/// Parses a finite number; integers are accepted up to a magnitude of 2⁵³, to which doubles represent them exactly.
 pub(super) fn parse_number(value: &DeValue) -> Option<f64> {
     const MAX_EXACT_INTEGER: i64 = 1 << f64::MANTISSA_DIGITS;
     match value {
@@ -183,7 +183,7 @@ pub(super) fn describe_value(value: &DeValue) -> String {
     }
 }
 
-/// Formats a short list of numbers; `None` for longer lists and for other items.
+/// Formats a list of 1 to 9 numbers; `None` for empty and longer lists and for other items.
 pub(super) fn format_short_list(value: &DeValue) -> Option<String> {
     const MAX_ITEMS: usize = 9;
     let array = value.as_array().filter(|array| (1..=MAX_ITEMS).contains(&array.len()))?;

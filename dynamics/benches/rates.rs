@@ -284,7 +284,7 @@ fn measure_triad(bytes: usize, threads: usize) -> f64 {
     best
 }
 
-/// Returns all rows of the table, in the order of their grid sizes.
+/// Returns all rows of the table, by number of dimensions and then by grid size.
 fn benchmark_rows() -> Vec<BenchmarkRow> {
     let instructions = InstructionSet::widest();
     let (is_reference, is_single_precision, threads, media) =

@@ -13,8 +13,9 @@ const DIGIT_COUNT: usize = (1074_usize + 1024).div_ceil(DIGIT_BITS) + 2;
 /// Maximum number of terms between two carry propagations: a term adds less than 2³² to a digit, which holds up to 2⁶³.
 const MAX_PENDING_TERMS: u32 = 1 << 30;
 
-/// Number of terms per vector, and maximum number of splitting levels of [`ExactSum::add_terms`].
+/// Number of terms per vector in [`ExactSum::add_terms`].
 const GROUP_SIZE: usize = 8;
+/// Maximum number of splitting levels of [`ExactSum::add_terms`].
 const MAX_LEVELS: usize = 3;
 
 /// Exact sum of `f64` terms.
@@ -69,8 +70,8 @@ impl ExactSum {
     ///
     /// For the anchor A = 3/2 · 2ᵉ, with e so large that no partial sum of the terms t reaches 2ᵉ, h = (t + A) − A is t
     /// rounded to a multiple of ulp(A), t − h is exact, and so are sums of all h (Demmel & Nguyen 2015, *Parallel
-    /// reproducible summation*). The remainders t − h are split in the same way; after [`MAX_LEVELS`] levels they are
-    /// added one by one.
+    /// reproducible summation*). The remainders t − h are split in the same way. They are added one by one after
+    /// [`MAX_LEVELS`] levels, or if e is outside −900 … 899.
     #[inline(always)]
     pub(crate) fn add_terms(&mut self, terms: &mut [f64]) {
         let (groups, rest) = terms.as_chunks_mut::<GROUP_SIZE>();
@@ -87,7 +88,8 @@ impl ExactSum {
             if greatest == 0 {
                 break rest.iter().for_each(|term| self.add(*term));
             }
-            // Exponent e of the anchor A: that of the largest term, plus log₂ of the number of terms, plus two bits.
+            // Exponent e of the anchor A: that of the largest term, plus log₂ of the number of terms in groups (rounded
+            // up to a power of two), plus two.
             let bits = (GROUP_SIZE * groups.len()).next_power_of_two().trailing_zeros() as i32 + 2;
             let exponent = (greatest >> 52) as i32 - 1023 + bits;
             if levels == MAX_LEVELS || !(-900..900).contains(&exponent) {
@@ -148,7 +150,7 @@ impl ExactSum {
         (-1.0, own.digits)
     }
 
-    /// Returns the sum, rounded to nearest; +0 if it is zero.
+    /// Returns the sum, rounded to nearest; +0 if it is zero, the sum of the non-finite terms if there are any.
     pub(crate) fn to_f64(&self) -> f64 {
         if self.non_finite_sum != 0.0 {
             return self.non_finite_sum;
@@ -165,7 +167,8 @@ impl ExactSum {
         sign * scale_by_power_of_two((upper << 1 | sticky) as f64, (low * DIGIT_BITS) as i32 - 1075)
     }
 
-    /// Returns a few numbers whose exact sum is this sum, for checkpoints.
+    /// Returns numbers whose exact sum is this sum if it is in the range of `f64`, for checkpoints: one for each digit
+    /// that is not zero, and the sum of the non-finite terms if there are any.
     pub(crate) fn to_terms(&self) -> Vec<f64> {
         let (sign, digits) = self.sign_and_magnitude();
         let part = |(index, digit): (usize, &i64)| {
@@ -208,7 +211,7 @@ mod tests {
     use super::ExactSum;
     use testkit::random::RandomNumbers;
 
-    /// Random numbers of many magnitudes and either sign.
+    /// Random numbers of either sign: uniform in [−1, 1] times a factor log-uniform in [1/`exponents`, `exponents`].
     fn random_terms(seed: u64, count: usize, exponents: f64) -> Vec<f64> {
         let mut random = RandomNumbers::new(seed);
         let mut term =
@@ -322,7 +325,7 @@ mod tests {
         assert_eq!(exact_sum(&[f64::MIN_POSITIVE, -5e-324]).to_f64(), f64::MIN_POSITIVE - 5e-324);
         assert!(exact_sum(&[1.0, f64::NAN]).to_f64().is_nan());
         assert_eq!(exact_sum(&[1.0, f64::NEG_INFINITY]).to_f64(), f64::NEG_INFINITY);
-        // Enough terms for several carry propagations.
+        // Digits that exceed 32 bits many times over, with a single carry propagation in `to_f64`.
         let many = 5_000_000;
         let ones: ExactSum = (0..many).map(|_| 0.1).collect();
         // The double nearest to 0.1 is 3602879701896397 / 2^55.

@@ -36,17 +36,18 @@ const MAX_STAGES: usize = 2000;
 const SPECTRAL_RADIUS_STEPS: usize = 25;
 /// Deformation |Γ|t of the box after which the spectral radius is estimated again.
 const SPECTRAL_RADIUS_SHEAR: f64 = 0.02;
-/// Maximum number of successive reductions of a step.
+/// Number of successive reductions of a step after which it fails if it has no result or a non-finite one; reductions
+/// by the error estimate are not limited.
 const MAX_STEP_REDUCTIONS: usize = 20;
-/// Maximum deformation |Γ|Δt of the box in a step.
+/// Maximum deformation |Γ|Δt of the box in a step with error control.
 const MAX_STEP_SHEAR: f64 = 0.25;
-/// Rounding error of a step relative to the norm of the state.
+/// Rounding error of a step relative to the sum of the norm of the state and the background shear rate.
 const STEP_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A field of a flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlowField {
-    /// A component of v − Γx, m/s.
+    /// Component 0 or 1 of v − Γx, m/s.
     Velocity(usize),
     /// The spin ω, rad/s.
     Spin,
@@ -59,7 +60,7 @@ pub enum FlowField {
     ShearRate,
 }
 
-/// A point has left the fully deforming region, or the equations have no solution.
+/// A point has left the fully deforming region, the equations have no solution, or no step is possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{description}")]
 pub struct LeftDomain {
@@ -67,7 +68,7 @@ pub struct LeftDomain {
     pub description: String,
     /// Position in the initial box, m; `None` if no single point is concerned.
     pub position: Option<[f64; 2]>,
-    /// Time, s.
+    /// Time of the failed evaluation, or of the start of the failed step, s.
     pub time: f64,
 }
 
@@ -81,8 +82,8 @@ pub struct FlowEnergy {
     pub background_work: f64,
     /// Work of the stress, −∫⟨qN : ∇v′⟩dt.
     pub stress_work: f64,
-    /// Internal power ⟨2Q_D q cos 2Δ⟩, W/m³, with the shear rate Q_D and Δ = ψ − ψ_D, the angle from the major
-    /// principal deformation rate to the major principal stress.
+    /// Internal power ⟨2Q_D q cos 2Δ⟩, W/m³, with the shear rate Q_D and Δ = ψ_D − ψ, the angle from the major
+    /// principal stress to the major principal deformation rate.
     pub internal_power: f64,
 }
 
@@ -99,9 +100,9 @@ pub struct FlowSnapshot {
 /// Step size control.
 #[derive(Clone, Debug)]
 struct StepControl {
-    /// Next step size, s; NaN before the first step.
+    /// Next step size, s; NaN if it must be estimated (before the first step and after perturbing).
     step: f64,
-    /// Error of the last step divided by its tolerance.
+    /// Error of the last step with error control divided by its tolerance; 1 before the first one.
     error: f64,
     /// Estimated spectral radius of the equations, 1/s; NaN if it must be computed.
     spectral_radius: f64,
@@ -109,7 +110,7 @@ struct StepControl {
     steps_since_estimate: usize,
     /// Time of the last estimate, s.
     estimate_time: f64,
-    /// Estimate of the dominant eigenvector, by the power method.
+    /// Estimate of the dominant eigenvector, by the power method; empty before the first estimate.
     eigenvector: Vec<Complex64>,
 }
 
@@ -182,10 +183,10 @@ impl FlowSolver {
     /// fields, and both perturbations onto the resolved modes.
     ///
     /// # Errors
-    /// The stress is undetermined at a point; the flow is then unchanged.
+    /// The stress is undetermined at a point, or the pressure solution does not converge; fields are then unchanged.
     ///
     /// # Panics
-    /// The number of values differs from the number of points.
+    /// The number of values differs from the number of points; without internal variable, its values are ignored.
     pub fn perturb(
         &mut self,
         velocity: [&[f64]; 2],
@@ -225,7 +226,7 @@ impl FlowSolver {
         self.equations.compute_rates(self.time, &self.state, &mut self.rates)
     }
 
-    /// Makes one step of the size that the tolerance allows, at most to `until`, s.
+    /// Makes one step of the size that the tolerance allows, at most to `until`, s; none if the flow is there already.
     ///
     /// # Errors
     /// A point has left the fully deforming region, or no step meets the tolerance; the state is then unchanged.
@@ -279,8 +280,8 @@ impl FlowSolver {
         let start = self.equations.pressure.clone();
         let (mut cuts, mut last_left) = (0, None);
         loop {
-            // The step ends before the box has deformed by `MAX_STEP_SHEAR`. The remaining time is divided into equal
-            // steps, to avoid a very short last one.
+            // In a step the box deforms by at most `MAX_STEP_SHEAR`. The remaining time is divided into equal steps, to
+            // avoid a very short last one.
             let sheared =
                 (self.time - self.control.estimate_time) * self.gradient_norm() + MAX_STEP_SHEAR;
             let fastest = self.control.spectral_radius * (2.0 * sheared).cr_exp();
@@ -348,7 +349,7 @@ impl FlowSolver {
         min_stages: usize,
     ) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), LeftDomain> {
         // Decay rates depend on length and direction of the wave vectors, which change at the rate |Γ| at most: the
-        // spectral radius grows by exp(2|Γ|t) at most.
+        // spectral radius grows by a factor exp(2|Γ|t) at most.
         let ahead = end - self.control.estimate_time;
         let product =
             step * self.control.spectral_radius * (2.0 * self.gradient_norm() * ahead).cr_exp();
@@ -401,7 +402,7 @@ impl FlowSolver {
         self.shear_rate() + closure::Deformation::new(gradient).half_vorticity.abs()
     }
 
-    /// Computes the root mean square of the fields of a state over the box, 1/s; ψ is multiplied by 2Q_D, in 1/s.
+    /// Computes the root of the sum of the mean squares of ζ and of ω or 2Q_D ψ over the box, 1/s.
     fn norm(&self, state: &[Complex64]) -> f64 {
         let series = &self.equations.series;
         let unit = match self.equations.problem().closure {
@@ -479,7 +480,7 @@ impl FlowSolver {
         if !rate.is_finite() {
             return Err(self.error_without_position("rates that are not finite"));
         }
-        // At least the shear rate of the background flow.
+        // Lower bound: 1.2 times the shear rate of the background flow.
         Ok(1.2 * rate.max(self.shear_rate()))
     }
 

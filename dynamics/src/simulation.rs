@@ -91,7 +91,7 @@ pub trait Simulation {
     /// Compares `time`, s, with the time of the state: `Less` if it is earlier, `Equal` up to rounding.
     fn compare_time(&self, time: f64) -> Ordering;
 
-    /// Checks whether the present state is sound: its values are finite, and its stress is determined.
+    /// Checks whether the present state is sound. Solids: its energy is finite. Default (flows): every state is sound.
     ///
     /// # Errors
     /// The fault of an unsound state.
@@ -195,7 +195,7 @@ pub trait Observer<S: Simulation> {
     /// checkpoint. `last` is the last account delivered.
     ///
     /// # Errors
-    /// The run is interrupted.
+    /// The run is interrupted, or the checkpoint cannot be written.
     fn on_steps_done(&mut self, simulation: &S, last: &S::Account) -> Result<(), Self::Error>;
 }
 
@@ -224,7 +224,7 @@ pub struct OutputTimes {
 pub struct SimulationOutcome<S: Simulation> {
     /// Account of the last state.
     pub last_account: S::Account,
-    /// Fault that ended the run.
+    /// Fault that ended the run; `None` if it reached its duration.
     pub fault: Option<S::Fault>,
 }
 
@@ -278,7 +278,7 @@ struct RunDriver<'a, S: Simulation, O> {
     account_count: usize,
     /// Number of snapshots delivered.
     snapshot_count: usize,
-    /// Last account delivered; before the first one, that of the initial state.
+    /// Last account delivered; before the first one, that of the initial or restored state.
     last_account: S::Account,
 }
 
@@ -310,7 +310,7 @@ impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
         Ok(())
     }
 
-    /// Returns the next time at which an account or a snapshot is due, s.
+    /// Returns the next time at which an account or a snapshot is due, s; infinity if none is.
     fn next_output_time(&self) -> f64 {
         let account = self.output.accounts.time(self.account_count);
         let snapshot = self.output.snapshots.and_then(|own| own.time(self.snapshot_count));

@@ -1,4 +1,5 @@
-//! Verifies that time steps allocate no memory after the first steps.
+//! Memory allocations of time steps after the first ones: none in one subdomain, in several a number that does not grow
+//! with the steps.
 
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation};
 use models::solid::waves::SolidField;

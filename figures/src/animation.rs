@@ -20,8 +20,8 @@ const INK_SHARES: [f64; 2] = [0.35, 0.7];
 /// Animated GIF of fields, written frame by frame, so that only one frame is in memory.
 ///
 /// All frames share one palette that contains the field colours, so that a value has the same colour in all frames.
-/// Frames must have the same [`FieldFigure::fixed_limit`] and picture size; axes, marks and label should not change
-/// either. The animation repeats indefinitely.
+/// Frames must have the same [`FieldFigure::fixed_limit`], [`FieldFigure::is_signed`] and picture size; axes, marks and
+/// label should not change either. The animation repeats indefinitely.
 ///
 /// A refused frame leaves the written frames unchanged. The file is incomplete until [`GifAnimation::finish`].
 pub struct GifAnimation<W: Write> {
@@ -68,11 +68,11 @@ pub fn animate(
 
 impl<W: Write> GifAnimation<W> {
     /// Creates an animation without frames. `seconds_per_frame` is rounded to hundredths of a second, of which viewers
-    /// require at least two; `width` in pixels is at most 1600, the width of a figure. The height follows from the
-    /// first frame.
+    /// require at least two. `width` is in pixels and is reduced to 1600, the width of a figure, if larger. The height
+    /// follows from the first frame.
     ///
     /// # Errors
-    /// The frame delay or the width is out of range.
+    /// The frame delay is outside 0.02 s to 655.35 s after rounding, or the width is 0.
     pub fn new(writer: W, seconds_per_frame: f64, width: u32) -> Result<Self, FigureError> {
         let hundredths = (100.0 * seconds_per_frame).round();
         if !(2.0..=f64::from(u16::MAX)).contains(&hundredths) {
@@ -94,7 +94,8 @@ impl<W: Write> GifAnimation<W> {
     /// Draws a frame and writes it to the file.
     ///
     /// # Errors
-    /// The frame has no scale or another scale or size than the first frame, cannot be drawn, or cannot be written.
+    /// The frame has no fixed scale or another scale or size than the first frame, cannot be drawn or written, or the
+    /// writer was lost in an earlier error.
     pub fn add_frame(&mut self, figure: &FieldFigure) -> Result<(), FigureError> {
         let Some(fixed_limit) = figure.fixed_limit else {
             return refuse("needs frames of one scale, but one of them has none".to_owned());
@@ -174,7 +175,7 @@ impl<W: Write> GifAnimation<W> {
     /// Completes the file and returns the writer.
     ///
     /// # Errors
-    /// The animation has no frame, or writing fails.
+    /// The animation has no frame, writing fails, or the writer was lost in an earlier error.
     pub fn finish(self) -> Result<W, FigureError> {
         match self.state {
             EncoderState::Encoding(encoder) => {

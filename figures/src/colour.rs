@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use crate::picture::Colour;
 
 /// Stops of the sequential colour map (red, green and blue, from 0 to 255), from zero to the largest value; luminance
-/// decreases uniformly.
+/// decreases from stop to stop.
 pub(crate) const SEQUENTIAL_STOPS: [[f64; 3]; 7] = [
     [253.0, 252.0, 248.0],
     [253.0, 211.0, 150.0],

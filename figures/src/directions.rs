@@ -63,13 +63,13 @@ pub struct DirectionsFigure {
     pub title: String,
     /// Subtitle: the fixed parameters.
     pub subtitle: String,
-    /// The directions.
+    /// Directions, each drawn as a diameter of the circle.
     pub directions: Vec<Direction>,
 }
 
 const GUIDE_COLOUR: Colour = RGBColor(190, 190, 190);
 const LABEL_HEIGHT: f64 = 1.45 * TICK_LABEL_SIZE;
-/// Vertical distance of the centre of a label from the circle, pixels.
+/// Radial distance from the circle of the point whose height is the preferred height of a label, pixels.
 const LABEL_CLEARANCE: f64 = 32.0;
 
 impl DirectionsFigure {

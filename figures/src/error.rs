@@ -3,7 +3,7 @@
 /// Error: a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// A list of the figure does not have one value per cell.
+    /// A list of the figure does not have one value per cell or grid point.
     #[error("the figure's {field} has {found} values for {columns} × {rows} cells")]
     CellCount {
         /// Name of the list.
@@ -40,7 +40,7 @@ pub enum FigureError {
     /// A record does not have one value per time.
     #[error("the record \"{name}\" has {found} values for {times} times")]
     RecordLength {
-        /// Name of the record.
+        /// Name of the record, or the label of its panel if it has none.
         name: String,
         /// Number of values in the record.
         found: usize,

@@ -11,7 +11,7 @@ use crate::picture::{
 };
 use crate::scale::{self, FINITE_LIMIT, SymmetricLog, Tick};
 
-/// Growth rate of one model.
+/// Curve with a legend text, e.g. the growth rate of one model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelledCurve {
     /// Legend text. Lines with the same label in both panels share a style and are listed once.

@@ -15,7 +15,7 @@ pub(crate) struct HemisphereProjection {
 }
 
 impl HemisphereProjection {
-    /// Projects a direction, given by its angles in degrees, to a point.
+    /// Projects a direction, given by its angles from x₃ and from x₁ in degrees, to a point.
     pub(crate) fn project(self, polar_deg: f64, azimuth_deg: f64) -> Point {
         let radius = self.radius * SQRT_2 * (0.5 * polar_deg.to_radians()).sin();
         polar_to_point(self.centre, azimuth_deg, radius)

@@ -33,14 +33,15 @@ pub struct LedgerFigure {
     pub residual: LedgerTerm,
 }
 
-/// Minimum heights of the frames of the terms and of the balance, pixels.
+/// Minimum heights of the frames of the terms and of the residual, pixels.
 const MIN_FRAME_HEIGHTS: [f64; 2] = [420.0, 120.0];
 
 impl LedgerFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// A term does not have one value per time, or rendering or encoding fails.
+    /// There are no times, a time is not finite or decreases, a term does not have one value per time, or rendering or
+    /// encoding fails.
     pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
         self.to_record_figure().draw(format)
     }

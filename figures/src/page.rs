@@ -175,7 +175,7 @@ pub(crate) fn max_label_width(ticks: &[Tick]) -> f64 {
 }
 
 /// Returns the largest set of ticks whose labels do not overlap along `length` pixels; `compute_ticks` computes the
-/// ticks for a maximum number.
+/// ticks for a maximum number. If none fits, returns the ticks for the maximum number 2.
 pub(crate) fn choose_ticks(
     length: f64,
     is_vertical: bool,

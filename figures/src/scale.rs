@@ -6,8 +6,9 @@ pub(crate) const FINITE_LIMIT: f64 = 1e300;
 /// A tick: position and label; a minor tick has an empty label.
 pub(crate) type Tick = (f64, String);
 
-/// Computes ticks at round values between `low` and `high`, at most `max_count` ≥ 2 of them. Steps in degrees are
-/// divisors of the circle, e.g. 15, 30, 45 and 90.
+/// Computes ticks at round values between `low` and `high`, at most `max_count` ≥ 2 of them. If `is_angle`, steps above
+/// 2° are divisors of the circle, e.g. 15°, 30°, 45° and 90°. Empty if the range is empty, infinite or too narrow for
+/// distinct ticks.
 pub(crate) fn linear_ticks(low: f64, high: f64, max_count: usize, is_angle: bool) -> Vec<Tick> {
     let rough = (high - low) / max_count.max(2) as f64;
     if !(rough > 0.0 && rough.is_finite()) {
@@ -67,7 +68,7 @@ fn format_scientific(value: f64, digits: usize) -> String {
     }
 }
 
-/// Formats a number with at most four significant digits.
+/// Formats a number with at most four significant digits; magnitudes from 10⁴ to 10⁵ are rounded to whole numbers.
 pub(crate) fn format_number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || (1e-3..1e5).contains(&size) {
@@ -98,8 +99,8 @@ fn format_superscript(digits: &str) -> String {
     digits.chars().map(raise).collect()
 }
 
-/// Computes the ticks of a logarithmic axis, with range and positions in log₁₀: powers of ten if the range contains
-/// several, otherwise 1-2-5 values or round values.
+/// Computes the ticks of a logarithmic axis, with range and positions in log₁₀: powers of ten if the range contains at
+/// least three, otherwise 1-2-5 values or round values.
 pub(crate) fn log_ticks(low: f64, high: f64, max_count: usize) -> Vec<Tick> {
     let (first, last) = ((low - 1e-9).ceil() as i32, (high + 1e-9).floor() as i32);
     if last - first >= 2 {
@@ -133,13 +134,13 @@ impl SymmetricLog {
     /// Default number of decades in the logarithmic part.
     pub const DEFAULT_DECADES: i32 = 7;
 
-    /// Chooses the threshold such that all but the smallest tenth of the magnitudes are in the logarithmic part, and at
-    /// most seven decades below the largest magnitude.
+    /// Chooses the threshold such that all but the smallest tenth of the magnitudes are in the logarithmic part, but
+    /// not more than seven decades below the largest magnitude.
     pub fn from_values(values: impl Iterator<Item = f64>) -> Self {
         Self::from_values_with_decades(values, Self::DEFAULT_DECADES)
     }
 
-    /// Chooses the threshold likewise, but at most `decades` decades below the largest magnitude.
+    /// Chooses the threshold likewise, with `decades` in place of seven decades.
     pub fn from_values_with_decades(values: impl Iterator<Item = f64>, decades: i32) -> Self {
         let mut sizes: Vec<f64> =
             values.map(f64::abs).filter(|size| *size > 0.0 && size.is_finite()).collect();

@@ -47,7 +47,8 @@ impl SeismogramFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// A trace does not have one value per time, or rendering or encoding fails.
+    /// There are no times, a time is not finite or decreases, a trace does not have one value per time, or rendering or
+    /// encoding fails.
     pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
         self.to_record_figure().draw(format)
     }

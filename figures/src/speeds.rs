@@ -25,7 +25,8 @@ pub enum SolidResponse {
 /// A characteristic speed against the direction of the wave normal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedCurve {
-    /// Legend text. Curves with the same label, response and multiplicity share a style and are listed once.
+    /// Legend text. Curves with the same label and response share a style; those that also have the same multiplicity
+    /// are listed once.
     pub label: String,
     /// Pairs of direction of the normal, degrees from 0 to 180 (opposite normals have the same speeds), and speed. NaN
     /// interrupts the line; the magnitude of negative speeds is drawn.
@@ -104,7 +105,8 @@ impl SpeedsFigure {
             .collect()
     }
 
-    /// Converts sectors from first and last direction to first angle and width, degrees.
+    /// Converts sectors from first and last direction to first angle and width, degrees; the width is at least
+    /// [`MIN_SECTOR_WIDTH`] and at most 180°. Sectors with a non-finite direction are omitted.
     fn to_start_and_width(ends: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let known = ends.iter().filter(|ends| ends.iter().all(|end| end.is_finite()));
         known
@@ -212,7 +214,7 @@ impl SpeedsFigure {
     fn rim_speed(&self) -> f64 {
         let speeds = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point[1].abs());
         let largest = speeds.filter(|speed| *speed < FINITE_LIMIT).fold(0.0, f64::max);
-        // Smaller speeds are treated as zero.
+        // If no speed exceeds 1/FINITE_LIMIT, all are treated as zero.
         if largest > 1.0 / FINITE_LIMIT { 1.08 * largest } else { 1.0 }
     }
 

@@ -78,7 +78,7 @@ impl SphereFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// Angles are not ascending, there is not one value per pair of angles, or rendering or encoding fails.
+    /// Angles are not finite and ascending, there is not one value per pair of angles, or rendering or encoding fails.
     pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
         self.to_picture()?.render(format)
     }
@@ -128,7 +128,7 @@ impl SphereFigure {
 
     /// Interpolates the level in a direction bilinearly between the four nearest grid directions, without those with
     /// missing values; NaN if the sum of the remaining weights is less than `min_weight`. If one of the four levels is
-    /// infinite, the nearest of them is returned.
+    /// infinite, the level of the nearest of the four directions is returned.
     fn interpolate_level(&self, [polar, azimuth]: [f64; 2], min_weight: f64) -> f64 {
         let (Some(&first), Some(&last)) = (self.azimuth_deg.first(), self.azimuth_deg.last())
         else {
@@ -174,7 +174,7 @@ impl SphereFigure {
         known().map(|(corner, weight)| corner * weight / share).sum()
     }
 
-    /// Returns the drawable marks: angles (degrees), unit normal and label.
+    /// Returns the marks with finite, non-zero normals: angles (degrees), unit normal with x₃ ≥ 0, and label.
     fn finite_marks(&self) -> Vec<([f64; 2], [f64; 3], &str)> {
         let known = self.marks.iter().filter_map(|mark| {
             let largest = mark.normal.iter().fold(0.0_f64, |size, part| size.max(part.abs()));

@@ -53,7 +53,7 @@ impl StagedFile {
     /// Renames the file to its final name.
     ///
     /// # Errors
-    /// Renaming fails; the file is removed.
+    /// A device, pipe or socket has the final name, or renaming fails; the temporary file is removed.
     pub fn publish(self) -> Result<(), FileError> {
         let at = |source| FileError { path: self.path.clone(), action: "write", source };
         refuse_device(&self.path).map_err(at)?;
@@ -75,7 +75,8 @@ impl Drop for StagedFile {
 /// Writes a file under a temporary name; [`StagedFile::publish`] renames it to `path`.
 ///
 /// # Errors
-/// A folder or the file cannot be created or written; the temporary file is removed.
+/// The path names no file, or names a device, pipe or socket; or a folder or the file cannot be created or written. The
+/// temporary file is removed.
 pub fn stage_file_with(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
@@ -153,7 +154,7 @@ fn create_temporary_file(folder: &Path, name: &OsStr) -> Result<(PathBuf, File),
 /// Removes a temporary file abandoned by a terminated process; a file being written is not removed.
 ///
 /// # Errors
-/// The file cannot be removed.
+/// The path is not a regular file, or the file cannot be opened or removed.
 pub fn remove_abandoned_file(path: &Path) -> io::Result<()> {
     let file = match open_regular_file(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),

@@ -28,9 +28,9 @@ impl From<&str> for CsvCell {
 pub struct RowLengthError {
     /// Number of the row, counted from 1 for the first row after the header.
     pub row: usize,
-    /// Cells found in the row.
+    /// Number of cells in the row.
     pub found: usize,
-    /// Columns named in the header.
+    /// Number of columns named in the header.
     pub expected: usize,
 }
 
@@ -59,7 +59,8 @@ pub fn format_table(
     Ok(writer.into_inner().expect(MEMORY_WRITE_MESSAGE))
 }
 
-/// Shortest decimal form that reads back to the same bits, with exponent for very large and very small numbers.
+/// Shortest decimal form that reads back to the same bits, with exponent for very large and very small numbers; empty
+/// for not-a-number.
 pub(crate) fn format_shortest(number: f64) -> String {
     let size = number.abs();
     if number.is_nan() {

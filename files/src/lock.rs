@@ -20,12 +20,12 @@ pub enum LockError {
     /// The lock is held by another process, or by another thread of this process.
     #[error("held by another process")]
     Busy,
-    /// The file cannot be created or opened.
+    /// The file cannot be created or opened, or is not a regular file.
     #[error("{0}")]
     Io(#[from] io::Error),
 }
 
-/// Held lock. Drop releases it, and removes its file if the lock created the file or
+/// Held lock. Drop releases it, and on Unix removes its file if the lock created the file or
 /// [`with_removal_on_drop`](Self::with_removal_on_drop) was called.
 #[derive(Debug)]
 pub struct Lock {
@@ -70,7 +70,7 @@ impl Lock {
     /// Acquires the lock, waiting up to `timeout` for its release.
     ///
     /// # Errors
-    /// As [`try_acquire`](Self::try_acquire), after the waiting time has elapsed.
+    /// As [`try_acquire`](Self::try_acquire); a held lock is an error only after the waiting time has elapsed.
     pub fn acquire(path: &Path, timeout: Duration) -> Result<Self, LockError> {
         let start = Instant::now();
         loop {

@@ -28,7 +28,7 @@ pub enum NpzError {
     /// Compressing or decompressing failed.
     #[error("array archive: {0}")]
     Stream(#[from] io::Error),
-    /// An entry is not an array of a supported type.
+    /// An entry is not an array of a supported type in row-major order, is damaged, or is larger than allowed.
     #[error("entry \"{name}\" of the array archive {problem}")]
     Entry {
         /// Name of the array.
@@ -184,7 +184,7 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NpzArray>, NpzError> {
 /// other arrays are not decompressed.
 ///
 /// # Errors
-/// The archive is damaged, or a wanted array is larger or does not fit into memory.
+/// The archive is damaged, or a wanted array is of an unsupported type, is larger, or does not fit into memory.
 pub fn read_selected_arrays(
     bytes: &[u8],
     is_wanted: impl Fn(&str) -> bool,

@@ -169,7 +169,7 @@ pub(crate) fn is_file_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Sets non-blocking mode, so that opening a pipe does not wait.
+/// Sets, on Unix, non-blocking mode, so that opening a pipe does not wait.
 fn set_nonblocking(options: &mut OpenOptions) -> &mut OpenOptions {
     #[cfg(unix)]
     {
@@ -179,7 +179,7 @@ fn set_nonblocking(options: &mut OpenOptions) -> &mut OpenOptions {
     options
 }
 
-/// Sets non-blocking mode and refuses symbolic links.
+/// Sets, on Unix, non-blocking mode, and refuses symbolic links.
 fn set_no_follow(options: &mut OpenOptions) -> &mut OpenOptions {
     #[cfg(unix)]
     {

@@ -82,7 +82,7 @@ pub enum SectionFileProblem {
         /// Name of the section.
         name: String,
     },
-    /// Each section is valid, but the checksum of the entire file does not match.
+    /// Each section is valid, but the checksum of the entire file does not match or is not the last part of the file.
     #[error("is damaged: the checksum of the whole does not match")]
     DamagedFile,
     /// There is not enough memory for a section.

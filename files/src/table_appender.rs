@@ -59,9 +59,9 @@ pub enum AppendProblem {
     /// A row has another number of cells than the header.
     #[error("a row has {found} cells where the header names {expected} columns")]
     RowLength {
-        /// Cells in the row.
+        /// Number of cells in the row.
         found: usize,
-        /// Columns named in the header.
+        /// Number of columns named in the header.
         expected: usize,
     },
 }
@@ -188,7 +188,8 @@ impl InterruptedTable {
     /// checksum `digest`.
     ///
     /// # Errors
-    /// The part already written was changed or truncated, or the file cannot be read.
+    /// The part already written was changed or truncated or is not a header with complete rows, or the file is not a
+    /// regular file or cannot be opened or read.
     pub fn open(path: &Path, digest: FileDigest) -> Result<Self, AppendError> {
         let length = digest.length;
         let mut file = open_for_update(path).map_err(map_io_error(path, "be opened"))?;

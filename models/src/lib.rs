@@ -1,7 +1,7 @@
 //! Physical models of granular media.
 //!
 //! The base crate of `wellposed`: constitutive models without discretisation, threads, files or case keys. Models take
-//! plain numbers in SI units and check them.
+//! plain numbers in SI units (angles in rad) and check them.
 //!
 //! | module | holds |
 //! |---|---|
@@ -12,16 +12,16 @@
 //! | [`rheology`] | solids whose stress depends on history: relaxation of the deviator |
 //! | [`interface`] | face laws: fluxes from the Riemann invariants incoming at a face, with history variables |
 //! | [`elastoplastic`] | a solid with an elastic law and a yield set |
-//! | [`registry`] | all models by name; a program adds one with one call |
+//! | [`registry`] | flows, elastic solids and yield sets by name; a program adds one with one call |
 //!
 //! The folder of a flow holds independent statements of the same physics, compared by tests:
 //!
-//! - `parameters`: constants with units, their checks, and growth rates in closed form;
+//! - `parameters`: constants with units, their checks, and growth rates where a closed form exists;
 //! - `symbol`: the linearised equations with frozen coefficients, written from the equations;
 //! - `closed_form`: the verdict where a formula decides it.
 //!
 //! Conventions: SI units, radians, tension-positive stress whose second index is the face normal,
-//! compression-positive pressure, angles and spins anticlockwise, `(∇v)ᵢⱼ = ∂ⱼvᵢ`.
+//! compression-positive pressure, angles and spins positive anticlockwise, `(∇v)ᵢⱼ = ∂ⱼvᵢ`.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

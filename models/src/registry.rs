@@ -31,7 +31,7 @@ pub const CLASSICAL: SolidKind = SolidKind::new(&isotropic::CLASSICAL);
 pub const REDUCED_COSSERAT: SolidKind = SolidKind::new(&isotropic::REDUCED_COSSERAT);
 /// Isotropic Cosserat solid with the moduli λ, μ, α and the couple moduli β, γ, η.
 pub const COSSERAT: SolidKind = SolidKind::new(&isotropic::COSSERAT);
-/// Cosserat solid in plane strain by its compliances a₁, b₁, a₂, b₂, α₂.
+/// Cosserat solid in plane strain by its compliances a₁, b₁, a₂, b₂ and its couple modulus α₂.
 pub const COSSERAT_COMPLIANCES: SolidKind = SolidKind::new(&cubic_plane::COSSERAT_COMPLIANCES);
 
 /// Elastic solids of this crate, in the order of listings.
@@ -82,10 +82,11 @@ pub enum RegistryError {
         /// Error of the constant out of range.
         error: InputError,
     },
-    /// The law built for a solid differs from its entry in theory or dimensions.
+    /// The elastic law built from the example constants of a solid differs from the registry entry of the solid: in
+    /// theory, or in whether it is defined in plane strain only.
     #[error("{0}: its elastic law has another theory or other dimensions than its entry")]
     TheoryMismatch(&'static str),
-    /// The number of named conditions of a yield set differs from its number of half-spaces.
+    /// A yield set names conditions, but their number differs from its number of half-spaces.
     #[error(
         "{model}: {names} conditions are named, but the set of a {theory:?} solid has {half_spaces} \
          half-spaces; give each half-space a name, or none"
@@ -135,7 +136,8 @@ pub fn find_yield_set(name: &str) -> Option<YieldSetKind> {
 /// Registers a granular-flow model.
 ///
 /// # Errors
-/// A model of this name is registered already, or a parameter has another unit in another model.
+/// A flow model or elastic solid of this name is registered already, or one of them has a parameter of the same name in
+/// another unit.
 pub fn register_flow(model: &'static FlowModel) -> Result<(), RegistryError> {
     let flow = FlowKind::new(model);
     solids().into_iter().try_for_each(|other| check_compatible(flow, other))?;
@@ -145,8 +147,9 @@ pub fn register_flow(model: &'static FlowModel) -> Result<(), RegistryError> {
 /// Registers an elastic solid.
 ///
 /// # Errors
-/// A model of this name is registered already, a parameter has another unit in another model, the example constants are
-/// out of range, or the law built from them has another theory than the entry.
+/// A flow model or elastic solid of this name is registered already, one of them has a parameter of the same name in
+/// another unit, the example constants are out of range, or the elastic law built from them differs from the entry in
+/// theory or in whether it is defined in plane strain only.
 pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
     let solid = SolidKind::new(model);
     let law = solid
@@ -162,15 +165,16 @@ pub fn register_solid(model: &'static SolidModel) -> Result<(), RegistryError> {
 /// Registers a yield set.
 ///
 /// # Errors
-/// A set of this name is registered already, a parameter has another unit in another set, the example constants are out
-/// of range for a solid of some theory, or the number of named conditions differs from the number of half-spaces.
+/// A set of this name is registered already, another set has a parameter of the same name in another unit, the example
+/// constants build a set for none of the three theories, or the set names conditions and their number differs from the
+/// number of its half-spaces.
 pub fn register_yield_set(model: &'static YieldSetModel) -> Result<(), RegistryError> {
     check_conditions(YieldSetKind::new(model))?;
     YIELD_SETS.add(YieldSetKind::new(model))
 }
 
-/// Checks that the example constants build a set for at least one theory of the solid, and that every named condition
-/// has a half-space.
+/// Checks that the example constants build a set for at least one theory of the solid, and that a set with named
+/// conditions has as many half-spaces as names.
 fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
     let model = kind.name;
     let sets = [Theory::Classical, Theory::Reduced, Theory::Cosserat].map(|theory| {
@@ -192,7 +196,7 @@ fn check_conditions(kind: YieldSetKind) -> Result<(), RegistryError> {
             });
         }
     }
-    // It suffices that one theory admits the set, so an error is returned only if all three theories give one.
+    // It suffices that one theory admits the set, so the error of the first theory is returned only if all three fail.
     match sets {
         [(_, Err(error)), (_, Err(_)), (_, Err(_))] => {
             Err(RegistryError::InvalidExample { model, error })

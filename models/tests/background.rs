@@ -190,7 +190,7 @@ fn noncoaxiality_is_derived_from_a_given_spin() {
                 let expected = (2.0 * delta).sin() - (2.0 * wrong).sin();
                 assert!((parse_residual(&error).abs() / expected.abs() - 1.0).abs() < 1e-6);
 
-                // A spin above the maximum over all Δ is rejected.
+                // A spin beyond its extreme value over all Δ, attained at Δ = 45°, is rejected.
                 let too_much = MaterialState {
                     spin: Some(state.half_vorticity + 1.001 * turn(std::f64::consts::FRAC_PI_4)),
                     noncoaxiality: None,
@@ -297,7 +297,8 @@ fn contradictory_inputs_are_rejected_with_their_residual() {
     }
 }
 
-/// Constants out of range are rejected with their key; the end points that belong to a range are accepted.
+/// Constants out of range and missing constants are rejected with their key; ν = 0, c = 0 and ν just below its limit
+/// are accepted.
 #[test]
 fn constants_out_of_range_are_rejected_with_their_key() {
     let right = std::f64::consts::FRAC_PI_2;
@@ -345,7 +346,8 @@ fn constants_out_of_range_are_rejected_with_their_key() {
     }
 }
 
-/// State quantities out of range are rejected with their key.
+/// State quantities out of range, a nonzero Δ in the coaxial model and a density gradient for ν = 0 are rejected with
+/// their key.
 #[test]
 fn states_out_of_range_are_rejected_with_their_key() {
     for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {

@@ -12,9 +12,9 @@ use wellposed_models::flow::{FlowKind, Model};
 use wellposed_models::registry;
 use wellposed_models::{ClosedFormVerdict, LinearisedSystem};
 
-/// Number of random states per case of a test (the Harris–Grekova tests use twice as many); [`DIRECTION_COUNT`] is the
-/// number of directions scanned per state.
+/// Number of random states per case of a test; the Harris–Grekova tests use twice as many.
 const STATE_COUNT: usize = 100;
+/// Number of directions of the wave vector scanned per state.
 const DIRECTION_COUNT: usize = 240;
 
 /// Wave number, 1/m, at which terms of lower order in k are of relative size 1e-10 or less.
@@ -32,7 +32,8 @@ fn random_state_at_rest(
     (parameters, MaterialState { velocity: [0.0; 2], ..state })
 }
 
-/// Random parameters and state without gradients, accelerations and rotational stress.
+/// Random parameters and state at rest without gradients (other than the velocity gradient) and rotational stress, so
+/// that DV/Dt = F.
 fn random_uniform_state(
     random: &mut RandomNumbers,
     kind: FlowKind,

@@ -8,8 +8,8 @@ use wellposed_models::Rounded;
 use wellposed_models::flow::state::MaterialState;
 use wellposed_models::registry;
 
-/// The rounding bound covers the error of Δ derived from a given spin by an arc sine, which amplifies the error of its
-/// argument by 1/cos 2Δ.
+/// The rounding bound of the entry −4 Q_D cos 2Δ covers its error if Δ is derived from a given spin by an arc sine,
+/// which amplifies the error of its argument by 1/cos 2Δ.
 #[test]
 fn rounding_bound_covers_the_noncoaxiality_from_a_given_spin() {
     let mut random = RandomNumbers::new(77);
@@ -74,7 +74,8 @@ fn rounding_bound_covers_the_conversion_from_degrees() {
     assert_eq!(exceeded, 0, "of 8999 angles with two decimals");
 }
 
-/// NaN and infinity are rejected in every quantity of a state.
+/// NaN and infinity are rejected in every quantity of a state that may otherwise have any value; the optional
+/// quantities spin, velocity gradient, acceleration and body moment are not tested.
 #[test]
 fn nonfinite_state_quantities_are_rejected() {
     let mut random = RandomNumbers::new(5);

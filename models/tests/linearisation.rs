@@ -99,8 +99,8 @@ fn symbol_equals_the_derivatives_of_the_nonlinear_equations() {
 /// nonlinear equation of its model.
 ///
 /// Scale of a residual: the sum of the absolute values of (coefficient × derivative of an unknown) over all
-/// derivatives. Tolerance: 1e-13 of this scale, for about ten roundings of doubles in the derived quantities; the
-/// residual is computed in 31 digits.
+/// derivatives, and of the source 2r in the balance of spin. Tolerance: 1e-13 of this scale, for about ten roundings of
+/// doubles in the derived quantities; the residual is computed in 31 digits.
 #[test]
 fn derived_background_satisfies_the_nonlinear_equations() {
     let mut worst = 0.0f64;

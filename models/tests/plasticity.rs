@@ -204,7 +204,7 @@ fn constants_out_of_range_are_rejected_by_name() {
 
 // ---------------------------------------------------------------- Tangent stiffness
 
-/// Derivatives of a function of the stress with respect to the components, from its gradient with respect to all entries.
+/// Derivatives of a function of the stress with respect to `stresses`, from its gradient with respect to all entries.
 fn component_derivatives(stresses: &[StressComponent], gradient: &Stress) -> Vec<f64> {
     stresses.iter().map(|c| c.derivative(gradient)).collect()
 }
@@ -567,7 +567,7 @@ fn perturbations_of_plastic_flow_relax_with_the_curvature_of_the_yield_surface()
         assert!((&curvature - curvature.transpose()).amax() < 1e-14 * curvature.amax());
         let least = curvature.clone().symmetric_eigenvalues().min();
         assert!(least > -1e-14 * curvature.amax(), "{least:e}");
-        // Scaling of the stress does not change the flow direction: the curvature along it is zero.
+        // Scaling the stress at constant mean does not change the flow direction: this direction has zero curvature.
         let along = DVector::from_fn(components.len(), |i, _| {
             let mut deviator = tensor;
             let mean = (0..3).map(|i| deviator.force[i][i]).sum::<f64>() / 3.0;

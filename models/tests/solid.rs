@@ -94,7 +94,8 @@ fn scaled_stresses_lie_on_the_yield_surface() {
     }
 }
 
-/// Directions that never yield, negative rates and pressures outside the yield set are rejected.
+/// A zero direction, which never yields, a negative rate, a pressure outside the yield set, and a set without strength
+/// at zero pressure are rejected.
 #[test]
 fn stresses_that_never_yield_are_rejected() {
     let assert_rejected =

@@ -20,7 +20,9 @@ use std::path::{Path, PathBuf};
 /// Runs `check` on a case, or on all cases in a folder.
 ///
 /// # Errors
-/// The case is invalid or has no solver, results cannot be written, or measurement and prediction disagree.
+/// A case cannot be read or is invalid, its state cannot be analysed, the folder contains no case, the threads cannot
+/// be started, results cannot be written, or measurement and prediction disagree. A case that no solver supports is no
+/// error.
 pub fn run_check(options: &Options, stdout: &mut dyn Write) -> Result<(), Error> {
     let pool = create_thread_pool(options.threads)?;
     match options.case_path.is_dir() {
@@ -83,7 +85,7 @@ fn refuse_disagreement(failed: usize, total: usize, noun: &'static str) -> Resul
     }
 }
 
-/// Checks all cases in a folder with [`CheckExtent::Short`]; writes no files.
+/// Checks all cases in a folder and its subfolders with [`CheckExtent::Short`]; writes no files.
 fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) -> Result<(), Error> {
     let mut files = Vec::new();
     collect_case_files(&options.case_path, &mut files)?;
@@ -131,7 +133,7 @@ fn check_folder(options: &Options, pool: &ThreadPool, stdout: &mut dyn Write) ->
 struct CaseLine {
     text: String,
     json: Value,
-    /// Whether all rows agree; `None` if no solver applies to the case.
+    /// Whether no row disagrees; also false if the case is invalid; `None` if no solver supports the case.
     agrees: Option<bool>,
 }
 

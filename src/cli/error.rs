@@ -27,7 +27,7 @@ pub enum Error {
     /// The equations of the flow are ill-posed, and `--accept-ill-posed` was not given.
     #[error("{0}; --accept-ill-posed runs it all the same")]
     IllPosed(IllPosedness),
-    /// Measurement and prediction disagree.
+    /// Measurement and prediction disagree in a check.
     #[error("{failed} of {total} {noun} disagree")]
     Disagreement {
         /// Number of rows or cases that disagree.
@@ -45,10 +45,10 @@ pub enum Error {
         /// Path of the folder.
         folder: String,
     },
-    /// Result files differ from their checksums.
+    /// Result files differ from their checksums, are missing or have no checksum.
     #[error("{folder}: {damaged} damaged or missing {}", if *.damaged == 1 { "file" } else { "files" })]
     Damaged {
-        /// Number of damaged or missing files.
+        /// Number of files that are damaged, missing or without checksum.
         damaged: usize,
         /// Results folder.
         folder: String,
@@ -79,8 +79,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns the program's exit code: 0 if the reader of the pipe closed it, 1 if a check disagreed or files are
-    /// damaged, 3 if a run was stopped by its own state, 130 if it was interrupted, otherwise 2.
+    /// Returns the program's exit code: 0 if standard output is a pipe that its reader has closed, 1 if a check
+    /// disagreed or files are damaged, 3 if a run was stopped by its own state, 130 if it was interrupted, otherwise 2.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(error) if error.kind() == std::io::ErrorKind::BrokenPipe => 0,
@@ -94,7 +94,7 @@ impl Error {
 
 impl Error {
     /// Converts the error to a JSON object: kind, printed message and exit code; for errors of cases and files also the
-    /// place, the value found and the values allowed. A key that does not apply is `null`.
+    /// place, the value or fault found, and the values allowed or the remedy. A key that does not apply is `null`.
     pub fn to_json(&self) -> Value {
         let mut all = create_error_object(self.kind(), &self.to_string(), self.exit_code().into());
         match self {

@@ -13,7 +13,8 @@ use std::io::Write;
 /// Runs `map`.
 ///
 /// # Errors
-/// The case is invalid at all points of the map, or results cannot be written.
+/// The case cannot be read, has no map or is invalid at all of its points, memory is short, or results cannot be
+/// written.
 pub fn run_map(
     options: &Options,
     map_options: MapOptions,

@@ -9,8 +9,8 @@ pub use crate::case::template::{TemplateKind, generate_state_template, generate_
 /// Writes a case template for `medium` and `purpose` to `file`, by default `<kind>.toml`; returns the path.
 ///
 /// # Errors
-/// The file exists and `force` is not set, nothing determines the spin in a simulation of the model, or the file cannot
-/// be written.
+/// The file exists and `force` is not set, the path exists and is not a regular file, nothing determines the spin in a
+/// simulation of the model, or the file cannot be written.
 pub fn write_template(
     medium: MediumKind,
     purpose: TemplateKind,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Options of the verbs that run a case.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Path of the case file.
+    /// Path of the case file; for `check` also of a folder of case files.
     pub case_path: PathBuf,
     /// `key=value` settings that override the file; the last setting of a key takes precedence.
     pub settings: Vec<String>,
@@ -14,7 +14,8 @@ pub struct Options {
     pub format: OutputFormat,
     /// Results folder; default `out/<case name>`.
     pub output_folder: Option<PathBuf>,
-    /// Whether results of another case may be overwritten.
+    /// Whether results of another case may be overwritten, a finished or interrupted run restarted, and the cost limits
+    /// of a run exceeded.
     pub force: bool,
     /// Whether to validate and describe the work only, writing nothing.
     pub is_dry_run: bool,
@@ -34,7 +35,7 @@ pub enum OutputFormat {
     Json,
 }
 
-/// Creates a pool of `threads` threads, by default one per core.
+/// Creates a pool of `threads` threads; `None` stands for one per core.
 pub(super) fn create_thread_pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     builder.build().map_err(|error| Error::Threads(error.to_string()))

@@ -17,7 +17,8 @@ const FIELDS_ARCHIVE: &str = "fields.npz";
 /// Runs `plot`.
 ///
 /// # Errors
-/// The folder holds no finished run, or a result file cannot be read or written.
+/// The folder holds no finished run, its case was changed in more than the plot options, or a result file is damaged or
+/// cannot be read or written.
 pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
     let (folder, case) = ResultFolder::open_finished_run(path)?;
     print_hints(&case);

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use std::sync::{Mutex, Once, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Delay before the progress bar appears.
+/// Time from the start of the work to the appearance of the progress bar.
 const PROGRESS_BAR_DELAY: Duration = Duration::from_secs(1);
 /// Interval between progress lines, printed where standard error is not a terminal.
 pub(super) const PROGRESS_LINE_INTERVAL: Duration = Duration::from_secs(10);
@@ -35,7 +35,7 @@ pub struct DelayedProgressBar {
     name: &'static str,
     /// Progress bar; `None` if standard error is not a terminal.
     bar: Option<ProgressBar>,
-    /// Time of the last line where standard error is not a terminal.
+    /// Time of the last progress line, initially of the start; used if standard error is not a terminal.
     last_line: Mutex<Instant>,
     start_time: Instant,
     show_once: Once,
@@ -80,7 +80,7 @@ impl DelayedProgressBar {
         }
     }
 
-    /// Prints a progress line if the last one is older than [`PROGRESS_LINE_INTERVAL`].
+    /// Prints a progress line if the last one, or at first the start, is at least [`PROGRESS_LINE_INTERVAL`] ago.
     fn print_line(&self, done: u64, all: u64) {
         // If another thread is printing, this one prints nothing.
         let Ok(mut last_line) = self.last_line.try_lock() else { return };

@@ -12,8 +12,9 @@ use std::path::Path;
 /// Resumes an interrupted or killed run.
 ///
 /// # Errors
-/// The folder holds no run, a finished run, or a damaged checkpoint; otherwise the errors of
-/// [`run_simulation`](super::run_simulation).
+/// The folder holds no run, a finished run, a run in progress, a run of another program version or of a changed case,
+/// or a damaged checkpoint; memory is short; the threads cannot be started; results cannot be written; or the run was
+/// interrupted or stopped by its own state.
 pub fn resume(
     path: &Path,
     threads: Option<usize>,

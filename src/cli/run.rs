@@ -29,21 +29,23 @@ use files::lock::Lock;
 use recorder::FileRecorder;
 use std::io::Write;
 
-/// Default wall time between two checkpoints, s.
+/// Default smallest wall time between two checkpoints, s.
 pub const DEFAULT_CHECKPOINT_INTERVAL: f64 = 300.0;
 
 /// Checkpoint settings of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckpointSettings {
-    /// Wall time between two checkpoints, s.
+    /// Smallest wall time between two checkpoints, s; 0 for a checkpoint after every batch of steps.
     pub interval: f64,
 }
 
 /// Runs `run`.
 ///
 /// # Errors
-/// The case is invalid, memory is short, its cost exceeds the limits, the equations are ill-posed, results cannot be
-/// written, or the run was stopped by its own state.
+/// The case is invalid, memory is short, the cost exceeds the limits, the equations are ill-posed, the folder holds a
+/// finished or interrupted run or one in progress, the threads cannot be started, results cannot be written, or the run
+/// was interrupted or stopped by its own state. `--force` lifts the limits of the cost and discards a finished or
+/// interrupted run; `--accept-ill-posed` permits ill-posed equations.
 pub fn run_simulation(
     options: &Options,
     checkpoint_settings: CheckpointSettings,

@@ -14,15 +14,16 @@ pub(super) enum ProgramStage {
     OutsideRun,
     /// Time stepping: an interrupt ends the run after a checkpoint.
     TimeStepping,
-    /// An interrupted run writes its checkpoint.
+    /// An interrupted run writes its checkpoint; only a second interrupt ends the program at once.
     WritingCheckpoint,
     /// Replay of steps up to a fault: an interrupt ends it without a checkpoint.
     Replay,
-    /// All steps are done; results are being written.
+    /// All steps are done, and results are being written: a first interrupt ends nothing, a second one ends the program
+    /// at once.
     WritingResults,
 }
 
-/// Longest wait for the current step of an interrupted run.
+/// Longest wait for the current step of an interrupted run, or for the end of its replay.
 const MAX_STEP_WAIT: Duration = Duration::from_secs(8);
 
 static PROGRAM_STAGE: AtomicU8 = AtomicU8::new(ProgramStage::OutsideRun as u8);
@@ -51,9 +52,9 @@ pub(super) fn is_interrupted() -> bool {
     IS_INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// Installs the handlers. SIGINT, SIGTERM and SIGHUP end a run after a checkpoint, and any other work at once, without
-/// partial files; a second signal ends a run at once. A write beyond the file size limit (SIGXFSZ) returns an error and
-/// does not end the program.
+/// Installs the handlers. SIGINT, SIGTERM and SIGHUP end a run after a checkpoint, or after its results if all steps
+/// are done, and any other work at once, without partial files; a second signal ends a run at once. A write beyond the
+/// file size limit (SIGXFSZ) returns an error and does not end the program.
 pub fn install_signal_handlers() {
     static INSTALL_ONCE: Once = Once::new();
     INSTALL_ONCE.call_once(|| {

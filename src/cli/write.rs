@@ -25,7 +25,8 @@ pub(super) fn write_report<R: Report>(
     print_report(&rendered, folder, format, stdout)
 }
 
-/// Prints the text or JSON report; the text ends with the path of the first picture or of the folder.
+/// Prints the text or JSON report; the text ends with the path of the first picture, or of the folder if the report
+/// [does not end with a picture](Report::ENDS_WITH_PICTURE) or has none.
 ///
 /// # Errors
 /// Standard output cannot be written.

@@ -129,7 +129,8 @@ fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {
             },
         })
     });
-    // Bands from 0 to a cut-off frequency are omitted, since the dashed line of the cut-off frequency shows them.
+    // Only bands bounded on both sides are drawn: a band from 0 to a cut-off frequency is shown by the dashed line of
+    // that frequency, and a band without upper edge has no end.
     let bands = found.families.iter().flat_map(|family| {
         let between = |band: &&[f64; 2]| band[0] > 0.0 && band[1].is_finite();
         family.forbidden_bands.iter().filter(between).map(|&[from, to]| FrequencyBand {
@@ -172,7 +173,7 @@ fn collect_cutoffs(families: &[BranchFamily]) -> Vec<ReferenceLevel> {
     cutoffs
 }
 
-/// Returns the closed-form speeds of short waves in an isotropic solid, m/s.
+/// Returns the closed-form speeds of short elastic waves in an isotropic solid, m/s; empty for other solids.
 fn closed_form_speeds(found: &DispersionResult) -> Vec<ReferenceLevel> {
     let solid = &found.solid;
     let Some(elastic) = solid.elastic_law.downcast::<Isotropic>() else { return Vec::new() };

@@ -22,7 +22,7 @@ pub trait Report: Serialize {
     /// Name of the study and stem of its files: `dispersion.json`.
     const NAME: &'static str;
 
-    /// Pairs of a quantity and its unit, the last entry of the JSON report.
+    /// Pairs of a quantity and its unit, the last entry of the JSON report; without pairs there is no such entry.
     const UNITS: &'static [(&'static str, &'static str)] = &[];
 
     /// Whether the printed text ends with the path of the first picture, otherwise with that of the results folder.
@@ -39,13 +39,13 @@ pub trait Report: Serialize {
     /// Creates the pictures.
     ///
     /// # Errors
-    /// A picture or table cannot be created.
+    /// The pictures cannot be created, for example since the case has no simulation.
     fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error>;
 
     /// Renders tables and archives, by file name.
     ///
     /// # Errors
-    /// A picture or table cannot be created.
+    /// A table or archive cannot be created.
     fn create_tables(&self, case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error>;
 }
 

@@ -60,8 +60,8 @@ impl Report for SpeedsResult {
 }
 
 impl SpeedsResult {
-    /// Writes the range of each wave's speed over all directions; `of_wave` returns the squared speeds, m²/s², of the
-    /// wave of that index by direction.
+    /// Writes the range of each wave's speed over the sampled directions in which it is real; `of_wave` returns the
+    /// squared speeds, m²/s², of the wave of that index by direction.
     fn write_speed_ranges(
         &self,
         name: &str,
@@ -172,7 +172,8 @@ fn format_sphere_csv(hemisphere: &Hemisphere) -> Result<Vec<u8>, Error> {
     Ok(files::csv::format_table(&["polar_deg", "azimuth_deg", "slowest_speed"], rows)?)
 }
 
-/// Returns the curves of one response; coincident curves are merged into one with their number as multiplicity.
+/// Returns the curves of one response; coincident curves are merged into one with their number as multiplicity. A point
+/// of a curve is Re c, for imaginary speeds (c² < 0) NaN.
 fn create_curves(found: &SpeedsResult, response: SolidResponse) -> Vec<SpeedCurve> {
     let DirectionalSpeeds { curves: directional_speeds, max_squared_speed: largest, .. } =
         &found.directional_speeds;

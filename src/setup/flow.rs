@@ -8,7 +8,7 @@ use models::flow::Model;
 /// Returns the model of a case and the assessment of its state by the linearised equations.
 ///
 /// # Errors
-/// See [`StateError`].
+/// A constant is out of range, or the state cannot be analysed.
 pub fn assess(
     case: &Case,
     workspace: &mut FlowWorkspace,

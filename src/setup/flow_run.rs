@@ -8,13 +8,13 @@ use crate::case::flow::{FlowGrid, FlowRun};
 use dynamics::flow::{Closure, FlowProblem};
 pub(crate) use initial::assemble_perturbation;
 
-/// Smallest tolerance, about 450 ε of double precision.
+/// Smallest allowed tolerance, about 450 ε with the machine epsilon ε of double precision.
 const MIN_TOLERANCE: f64 = 1e-13;
 
 /// Creates the solver problem of a flow simulation.
 ///
 /// # Errors
-/// A tolerance is below [`MIN_TOLERANCE`]; see [`create_flow_problem`].
+/// A tolerance is below [`MIN_TOLERANCE`], or [`create_flow_problem`] fails.
 pub(crate) fn create_problem(case: &Case, run: &FlowRun) -> Result<FlowProblem, Error> {
     let time = &run.time;
     for (key, own) in
@@ -35,10 +35,11 @@ pub(crate) fn create_problem(case: &Case, run: &FlowRun) -> Result<FlowProblem, 
     })
 }
 
-/// Creates the solver problem of a case in a box of `lengths`, m, with default tolerances.
+/// Creates the solver problem of a case in a box of `lengths`, m, with `points` grid points along each axis, default
+/// tolerances and the default smallest shear rate.
 ///
 /// # Errors
-/// The case is not a uniform flow that the solver supports.
+/// A constant is out of range, or the case is not a uniform flow that the solver supports.
 pub(crate) fn create_flow_problem(
     case: &Case,
     points: [usize; 2],
@@ -69,7 +70,7 @@ pub(crate) fn create_flow_problem(
 }
 
 /// Returns the perturbation of a case at the points of a problem: velocities, m/s, and spin ω, rad/s, or stress angle
-/// ψ, rad.
+/// ψ, rad (zero if neither evolves).
 ///
 /// # Errors
 /// The archive named by a term of the perturbation is unusable.

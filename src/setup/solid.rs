@@ -12,8 +12,9 @@ use models::yield_set::{YieldSet, YieldSetKind};
 /// Creates the solid of a material.
 ///
 /// # Errors
-/// A constant is out of range, the yield surface is never reached in the direction of the stress, or the material is a
-/// flow.
+/// A constant is out of range, the yield set cannot be combined with the elastic law, the pressure is outside the yield
+/// set, the yield surface is never reached in the direction of the stress, the index of an active condition is out of
+/// range, or the material is a flow.
 pub fn create_solid(material: &Material) -> Result<Solid, InputError> {
     let elastic = create_elastic_law(material)?;
     check_yield_set(material, &elastic)?;
@@ -24,7 +25,7 @@ pub fn create_solid(material: &Material) -> Result<Solid, InputError> {
 /// Creates the elastic law of a material and its yield set; the stress of the material is not used.
 ///
 /// # Errors
-/// A constant is out of range, or the material is a flow.
+/// A constant is out of range, the yield set cannot be combined with the elastic law, or the material is a flow.
 pub fn create_elastic_law_and_set(
     material: &Material,
 ) -> Result<(ElasticLaw, Option<YieldSet>), InputError> {
@@ -34,10 +35,11 @@ pub fn create_elastic_law_and_set(
     Ok((elastic, set))
 }
 
-/// Creates the solver medium of a solid.
+/// Creates the solver medium of a solid in a grid of `dimensions` axes.
 ///
 /// # Errors
-/// A constant is out of range, the solver does not support the plastic flow, or the material is a flow.
+/// A constant is out of range, the yield set cannot be combined with the elastic law, its plastic flow is not ideal and
+/// associated, or the material is a flow.
 pub fn create_medium(material: &Material, dimensions: usize) -> Result<Medium, InputError> {
     let (elastic, set) = create_elastic_law_and_set(material)?;
     let medium = Medium::new(elastic, dimensions);
@@ -85,7 +87,7 @@ fn create_elastic_law(material: &Material) -> Result<ElasticLaw, InputError> {
     solid.law(&constants)
 }
 
-/// Checks that the yield set of a material, if any, admits the elastic law.
+/// Checks that the yield set of a material, if any, can be combined with the elastic law.
 fn check_yield_set(material: &Material, law: &ElasticLaw) -> Result<(), InputError> {
     match material.yield_set {
         Some(set) => set.check_compatible(solid_kind(material)?, law),

@@ -24,11 +24,11 @@ use models::solid::waves::SolidField;
 pub(crate) struct SolidSetup<const D: usize> {
     pub(crate) problem: Problem<D>,
     pub(crate) time_steps: TimeSteps,
-    /// Nonzero initial fields and their values by cell.
+    /// Fields that the initial state of the case sets, and their values by cell; all other fields are initially zero.
     pub(crate) initial_fields: Vec<(SolidField, Vec<f64>)>,
 }
 
-/// Returns the solver media of a case in the order of its regions.
+/// Returns the solver media of a case in the order of its regions; without regions, the medium of its material.
 pub(crate) fn create_media(case: &Case, dynamics: &SolidRun) -> Result<Vec<Medium>, Error> {
     let dimensions = dynamics.grid.dimensions();
     let medium = |own: &Material| {
@@ -51,7 +51,7 @@ pub(crate) fn create_media(case: &Case, dynamics: &SolidRun) -> Result<Vec<Mediu
     Ok(all)
 }
 
-/// Returns the name of a field among the unknowns of the analysis, such as `σ12` for `sigma12`.
+/// Returns the name of a field among the unknowns of the analysis, such as `σ12` for `sigma12` and `ω3` for `w3`.
 pub(crate) fn unknown_name(field: SolidField) -> String {
     StateComponent(field).to_string().replace("sigma", "σ").replace('w', "ω")
 }
@@ -72,7 +72,7 @@ pub(crate) fn compute_time_steps(
     })
 }
 
-/// Converts the scheme of a case to that of the solver.
+/// Converts reconstruction, plastic step and splitting of the scheme of a case to those of the solver.
 pub(crate) fn convert_scheme(chosen: case::SchemeOptions) -> Scheme {
     Scheme {
         slopes: match chosen.reconstruction {
@@ -178,5 +178,6 @@ fn check_initial_stress<const D: usize>(
 /// Converter of positions and conditions of a case to cells, faces and fields of its grid.
 struct GridConverter<'a> {
     dynamics: &'a SolidRun,
+    /// Medium of the first region; all media of a run have the same fields.
     medium: Medium,
 }

@@ -37,7 +37,7 @@ impl AvailableMemory {
     }
 
     /// Returns the smallest of the free memory, the rest of the address space limit and the rest of the control group
-    /// limits, read from the system files under `root`.
+    /// limits, read from the system files under `root`; `None` if none of the three is known.
     fn from_system_files(root: &Path) -> Option<Self> {
         let all = [
             (free_memory(root), "that are free"),
@@ -57,7 +57,8 @@ impl AvailableMemory {
     }
 }
 
-/// Returns the rest of the first line of a file that starts with `word`.
+/// Finds the first line that starts with `word` in a file, and returns the rest of that line without surrounding
+/// spaces.
 fn read_entry(path: &Path, word: &str) -> Option<String> {
     let text = std::fs::read_to_string(path).ok()?;
     text.lines().find_map(|line| line.strip_prefix(word)).map(|rest| rest.trim().to_owned())
@@ -68,7 +69,7 @@ fn read_kibibytes(path: &Path, word: &str) -> Option<f64> {
     Some(1024.0 * number)
 }
 
-/// Returns the free memory of the machine, bytes.
+/// Returns the memory of the machine that is available without swapping, bytes.
 fn free_memory(root: &Path) -> Option<f64> {
     read_kibibytes(&root.join("proc/meminfo"), "MemAvailable:")
 }

@@ -15,7 +15,8 @@ pub struct DispersionResult {
     pub model: &'static str,
     /// Wave vector of the case, for which the branches are listed.
     pub wave: WaveVector,
-    /// Largest wave number of the curves, 1/m.
+    /// Largest wave number of the curves, 1/m: that of the case, by default four times the characteristic wave number
+    /// of the solid, or the wave number of the case if the solid has none.
     #[serde(rename = "greatest_number")]
     pub max_wave_number: f64,
     /// Families of branches; those of equal dispersion are merged.
@@ -52,9 +53,10 @@ pub struct BranchFamily {
     /// Number of merged families.
     #[serde(rename = "count")]
     pub family_count: usize,
-    /// Real parts of the characteristic speeds, m/s.
+    /// Real parts of the characteristic speeds (phase speeds as k → ∞), m/s.
     pub characteristic_speeds: Vec<f64>,
-    /// Imaginary parts of complex characteristic speeds, m/s.
+    /// Magnitudes of the imaginary parts of the characteristic speeds, m/s, in the order of `characteristic_speeds`; 0
+    /// for real speeds.
     #[serde(rename = "characteristic_growth")]
     pub imaginary_characteristic_speeds: Vec<f64>,
     /// Nonzero frequencies at k = 0, rad/s.
@@ -80,19 +82,19 @@ pub struct BranchFamily {
 pub struct BranchAtWave {
     /// Frequency Re ω, rad/s.
     pub frequency: f64,
-    /// Growth rate |Im ω|, 1/s.
+    /// Growth rate |Im ω|, 1/s; the waves of a branch with complex ω² come in pairs, of which one grows and one decays.
     pub growth_rate: f64,
     /// Phase speed Re ω/k, m/s.
     pub phase_speed: f64,
-    /// Group speed Re dω/dk, m/s.
+    /// Group speed Re dω/dk, m/s; 0 if Re ω = 0.
     pub group_speed: f64,
 }
 
 /// Computes the dispersion relation of a solid. Progress counts branch families.
 ///
 /// # Errors
-/// The case is not a solid, its constants are out of range, its background flows plastically, or frequencies are not
-/// finite; [`Error::Cancelled`].
+/// The case is not a valid solid, its background flows plastically, the rate response of the yielding solid is not
+/// defined, or frequencies or speeds are not finite; [`Error::Cancelled`].
 ///
 /// # Examples
 /// ```

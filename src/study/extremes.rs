@@ -1,4 +1,4 @@
-//! Strongest flutter and slowest wave of a solid over all directions.
+//! Strongest flutter (complex characteristic speeds) and slowest wave of a solid over all directions.
 
 use analysis::acoustic_tensor3::{Flutter, SlowestSpeed};
 use analysis::solids::angles_deg;
@@ -25,7 +25,8 @@ impl From<[f64; 3]> for WaveNormal {
 /// Wave of the strongest flutter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FlutterWave {
-    /// Supremum of |Im c| over the directions with complex c², m/s; the growth rate of short waves is this times k.
+    /// Supremum of |Im c| over the directions with complex c², m/s; short waves grow at the rate of this speed times
+    /// the wave number k.
     #[serde(rename = "growth")]
     pub max_imaginary_speed: f64,
     /// Real and imaginary part of c² at the supremum, m²/s²; the conjugate is also an eigenvalue.

@@ -3,7 +3,8 @@
 use analysis::growth::Verdict;
 use models::common::elementary::Elementary;
 
-/// Formats a number with four significant digits, in scientific notation outside of 10⁻³ to 10⁵.
+/// Formats a number with four significant digits, without trailing zeros; from 10⁴ to 10⁵ as an integer of five digits;
+/// in scientific notation with four digits if its magnitude is below 10⁻³, or 10⁵ or more.
 pub fn format_short(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
@@ -20,7 +21,7 @@ pub fn format_short(x: f64) -> String {
     }
 }
 
-/// Formats an order of growth as a fraction with a denominator up to 12, otherwise as a decimal number.
+/// Formats an order of growth as an integer or a fraction with a denominator up to 12, otherwise as a decimal number.
 pub fn format_order(order: f64) -> String {
     for denominator in 1..=12 {
         let numerator = order * f64::from(denominator);

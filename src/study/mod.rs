@@ -27,12 +27,12 @@ use std::ops::ControlFlow;
 #[doc(inline)]
 pub use agreement::ProgressCallback;
 
-/// Progress callback that does nothing.
+/// Progress callback that ignores the progress and lets the study continue.
 pub fn ignore_progress(_done: usize, _all: usize) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Reports progress to the callback.
+/// Reports to the callback that `done` of `all` steps are done.
 ///
 /// # Errors
 /// The callback returned `Break`: [`Error::Cancelled`].

@@ -42,8 +42,8 @@ pub struct SimulationSettings {
 /// A simulation stopped early by its own state returns a result as well, see [`RunResult::stop_report`].
 ///
 /// # Errors
-/// The case is invalid or has no simulation, memory is short, the equations are ill-posed without acceptance in the
-/// settings, or the simulation was cancelled.
+/// The case is invalid or has no simulation, its state cannot be analysed, memory is short, there are too many steps,
+/// the equations are ill-posed and the settings do not accept that, or the simulation was cancelled.
 ///
 /// # Examples
 /// ```
@@ -74,7 +74,8 @@ pub fn simulate(
 
 /// Time-domain simulation of a solid or a flow.
 pub trait SimulationJob: Sync {
-    /// Plans the computation and checks that memory suffices, including all snapshots if `keeps_snapshots` is set.
+    /// Plans the computation and checks that memory suffices, including that of all snapshots if `keeps_snapshots` is
+    /// set.
     ///
     /// # Errors
     /// Memory is short, or there are too many steps.

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Tolerance within which speeds count as equal, relative to the largest elastic speed.
+/// Tolerance within which speeds count as equal, relative to the largest elastic speed in the directions of the curves.
 pub const EQUAL_SPEED_TOLERANCE: f64 = 1e-6;
 
 /// Angular spacing of the directions on the hemisphere, degrees.
@@ -25,27 +25,27 @@ const ANGULAR_STEP_DEG: usize = 1;
 pub struct SpeedsResult {
     /// Kind of the solid.
     pub model: &'static str,
-    /// Name of the yield set.
+    /// Name of the yield set; `None` for elastic solids.
     #[serde(rename = "yield")]
     pub yield_set: Option<&'static str>,
     /// Dimensions: 2 for plane strain, 3 in space.
     pub dimensions: usize,
     /// Name of the verdict.
     pub verdict: &'static str,
-    /// Type of the characteristic speeds.
+    /// Type of the characteristic speeds over all directions.
     pub hyperbolicity: &'static str,
     /// Strongest flutter; `None` without complex speeds.
     pub flutter: Option<FlutterWave>,
-    /// Slowest wave.
+    /// Slowest wave over all directions among those with real c².
     pub slowest: SlowestWave,
-    /// Sectors of wave normals with complex speeds, from and to, degrees.
+    /// Sectors of wave normals with complex speeds at the elevation `elevation_deg`, from and to, degrees.
     pub flutter_sectors_deg: Vec<[f64; 2]>,
-    /// Sectors of wave normals with imaginary speeds, from and to, degrees.
+    /// Sectors of wave normals with imaginary speeds (c² < 0) at the elevation `elevation_deg`, from and to, degrees.
     pub imaginary_sectors_deg: Vec<[f64; 2]>,
-    /// Whether a speed vanishes in all directions.
+    /// Whether a speed vanishes in all directions at the elevation `elevation_deg`.
     #[serde(rename = "always_still")]
     pub is_always_stationary: bool,
-    /// Isolated directions in which a speed vanishes.
+    /// Isolated directions at the elevation `elevation_deg` in which a speed vanishes.
     #[serde(rename = "vanishing")]
     pub vanishing_speeds: Vec<VanishingSpeed>,
     /// Elevation of the directions of the curves above the plane of x₁ and x₂, degrees.
@@ -58,10 +58,10 @@ pub struct SpeedsResult {
     /// Verdict with its evidence.
     #[serde(skip)]
     pub assessment: SolidAssessment,
-    /// Squared speeds by direction, elastic and yielding.
+    /// Squared speeds by direction at the elevation `elevation_deg`, elastic and yielding.
     #[serde(skip)]
     pub directional_speeds: DirectionalSpeeds,
-    /// Slowest speeds over all directions; three dimensions only.
+    /// Slowest nonzero speed in each direction; `None` in two dimensions.
     #[serde(skip)]
     pub hemisphere: Option<Hemisphere>,
 }
@@ -76,14 +76,15 @@ pub struct VanishingSpeed {
     pub cause: &'static str,
 }
 
-/// Slowest speeds on a grid of directions on the upper half of the sphere.
+/// Slowest nonzero speeds on a grid of directions on the upper half of the sphere.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Hemisphere {
-    /// Polar angles from x₃, degrees.
+    /// Polar angles from x₃, 0° to 90°, degrees.
     pub polar_deg: Vec<f64>,
-    /// Azimuths about x₃ from x₁, degrees.
+    /// Azimuths about x₃ from x₁, from 0° to below 360°, degrees.
     pub azimuth_deg: Vec<f64>,
-    /// Slowest speed by direction, m/s, azimuth fastest; NaN if a speed is complex or imaginary.
+    /// Slowest nonzero speed by direction, m/s, azimuth fastest; NaN if a speed is complex or imaginary, infinite if
+    /// all speeds vanish.
     #[serde(rename = "slowest")]
     pub slowest_speeds: Vec<f64>,
 }
@@ -111,7 +112,7 @@ pub struct Hemisphere {
 /// ```
 ///
 /// # Errors
-/// The case is not a solid, its constants are out of range, it cannot be analysed, or the study was cancelled.
+/// The case is not a valid solid, its state cannot be analysed, or the study was cancelled.
 pub fn compute_speeds(case: &Case, on_progress: ProgressCallback) -> Result<SpeedsResult, Error> {
     let located = |error| setup::locate_state_error(&case.material, error);
     let solid =
@@ -162,7 +163,7 @@ pub fn compute_speeds(case: &Case, on_progress: ProgressCallback) -> Result<Spee
 }
 
 impl SpeedsResult {
-    /// Returns whether the slowest speed is equal in all directions, within [`EQUAL_SPEED_TOLERANCE`].
+    /// Returns whether the slowest speed is equal in all sampled directions, within [`EQUAL_SPEED_TOLERANCE`].
     pub fn has_uniform_slowest_speed(&self) -> bool {
         let slowest = self.assessment.extremes.slowest.speed_squared.max(0.0).sqrt();
         let is_same = |c: f64| {
@@ -188,7 +189,7 @@ impl Hemisphere {
         Self { polar_deg: list(91), azimuth_deg: list(360), slowest_speeds: Vec::new() }
     }
 
-    /// Computes the slowest speeds; `row_is_done` is called after each polar angle.
+    /// Computes the slowest nonzero speeds; `row_is_done` is called after each polar angle.
     fn compute_slowest_speeds(
         self,
         rates: &RateEquations<3>,

@@ -15,7 +15,7 @@ pub enum DilatancyKind {
     Associated,
 }
 
-/// Every flow model with every kind of dilatancy that it admits.
+/// Every flow model of the crate `models` with every kind of dilatancy that it admits.
 pub const MODEL_CASES: [(FlowKind, DilatancyKind); 9] = [
     (registry::HARRIS_GREKOVA, DilatancyKind::Zero),
     (registry::HARRIS_GREKOVA, DilatancyKind::Positive),
@@ -41,9 +41,9 @@ pub struct FlowParameters {
     pub dilatancy_angle: f64,
     /// Cohesion c, Pa.
     pub cohesion: f64,
-    /// Moment of inertia per unit mass I, m²; Harris–Grekova only.
+    /// Moment of inertia per unit mass I, m²; used by Harris–Grekova only, else `None`.
     pub moment_of_inertia: Option<f64>,
-    /// Rotational yield strength m, Pa; Harris–Grekova only.
+    /// Rotational yield strength m, Pa; used by Harris–Grekova only, else `None`.
     pub rotational_strength: Option<f64>,
 }
 

@@ -33,7 +33,7 @@ impl RandomNumbers {
         min + (max - min) * self.unit_interval()
     }
 
-    /// Returns a log-uniform random number in [min, max).
+    /// Returns a log-uniform random number in [min, max), to within rounding of the bounds; min > 0.
     pub fn log_uniform(&mut self, min: f64, max: f64) -> f64 {
         self.uniform(min.ln(), max.ln()).exp()
     }
@@ -43,7 +43,8 @@ impl RandomNumbers {
         self.unit_interval() < probability
     }
 
-    /// Returns a number of random sign whose magnitude is log-uniform in [min, max).
+    /// Returns a number of random sign whose magnitude is log-uniform in [min, max), to within rounding of the bounds;
+    /// min > 0.
     pub fn signed_log_uniform(&mut self, min: f64, max: f64) -> f64 {
         let size = self.log_uniform(min, max);
         if self.bernoulli(0.5) { -size } else { size }
@@ -56,7 +57,7 @@ impl RandomNumbers {
         if self.next_bits() & (1 << 40) == 0 { magnitude } else { -magnitude }
     }
 
-    /// Returns a uniform random integer in [0, count).
+    /// Returns a uniform random integer in [0, count); `count` > 0.
     pub fn uniform_index(&mut self, count: usize) -> usize {
         (self.next_bits() >> 20) as usize % count
     }

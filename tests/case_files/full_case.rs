@@ -1,9 +1,9 @@
-//! Case with every section, and helpers that parse it.
+//! Flow case with every section of a study of states except `check`, and helpers that parse it.
 
 use crate::support::parse_case_with;
 use wellposed::case::Case;
 
-/// Case with every section; tests refer to its line numbers.
+/// Flow case with model, background, wave, map and comparison; tests refer to its line numbers.
 pub const FULL_CASE: &str = "\
 title = 'All sections'
 [model]

@@ -1,4 +1,4 @@
-//! Tests of error messages: location, key and remedy of all refused input.
+//! Tests of error messages: location, key and remedy of refused input.
 
 use crate::full_case::{FULL_CASE, derive_background, parse_full_case_with};
 use crate::support::parse_case;

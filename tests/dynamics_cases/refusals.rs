@@ -28,7 +28,7 @@ fn model_errors_name_the_line_of_the_region() {
     assert_eq!(error, "folder/x.toml:62: load[1].at: too near; move it");
 }
 
-/// Replaces a passage of [`PLANE_CASE`] and checks the complete message.
+/// Replaces a passage of [`PLANE_CASE`] and checks the complete message, or its beginning if the entry ends with ": ".
 // Long because of the table, with one line for each invalid input.
 #[test]
 fn invalid_input_is_refused_with_line_key_and_remedy() {

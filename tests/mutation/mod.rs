@@ -81,8 +81,8 @@ fn choose_string(random: &mut RandomNumbers, items: &[&'static str]) -> &'static
     items.get(choose_index(random, items.len())).copied().unwrap_or_default()
 }
 
-/// Endless sequence of mutants of the bundled cases and of the templates of `wellposed new`, with grids reduced to a
-/// few points.
+/// Endless sequence of mutants of the bundled cases and of the templates of `wellposed new`, with the grids of maps
+/// reduced to a few points.
 pub fn generate_mutants(seed: u64) -> impl Iterator<Item = Vec<u8>> {
     let originals = create_original_cases();
     let mut random = RandomNumbers::with_salt(0, seed);
@@ -144,7 +144,8 @@ pub fn shrink_map_grid(text: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Whether the map of a mutant is small or absent; larger maps would take too long.
+/// Whether the map of a mutant has at most 100 points, as larger ones would take too long; true also without a map and
+/// for an invalid case.
 fn has_small_grid(bytes: &[u8]) -> bool {
     let text = String::from_utf8_lossy(bytes);
     match Case::parse(&text, "mutant.toml", &[]).map(|case| case.map) {

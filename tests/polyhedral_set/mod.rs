@@ -16,7 +16,7 @@ pub fn active_conditions(
     half_spaces.iter().filter(is_active).map(|(condition, _)| *condition).collect()
 }
 
-/// Smallest parameter t at which `start` + t `direction` leaves a half-space.
+/// Smallest parameter t at which `start` + t `direction` leaves a half-space; infinity if it leaves none.
 ///
 /// # Errors
 /// `start` is not in the interior of the set.

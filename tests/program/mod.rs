@@ -125,7 +125,7 @@ pub fn read_result_files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
-/// Waits until a run in progress has written a file.
+/// Waits until a run in progress has written a file; panics after 120 s.
 pub fn wait_for_file(path: &Path) {
     let start = Instant::now();
     while !path.exists() {

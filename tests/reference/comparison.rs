@@ -153,9 +153,9 @@ pub struct ReferenceReceiver {
     pub name: &'static str,
     /// Coordinates, m, upwards last.
     pub position: Vec<f64>,
-    /// Distance from the source, in wavelengths.
+    /// Distance from the source (oblique pulses: from the interface), in wavelengths of the problem.
     pub distance: f64,
-    /// End of the compared time interval, s.
+    /// End of the compared time interval, s; infinite: the complete record is compared.
     pub end_time: f64,
 }
 

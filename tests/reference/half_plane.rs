@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 ///
 /// The path starts below `slowness`, where the integrands are real up to a factor, and avoids the branch points and
 /// the Rayleigh pole. The integrands are even and analytic in θ, so the trapezoidal rule converges exponentially. The
-/// path ends where waves arrive after `integration_end_time` (s).
+/// path ends where waves arrive after `end_time` (s).
 pub fn integration_path(
     [x, z]: [f64; 2],
     slowness: f64,
@@ -63,7 +63,7 @@ pub fn add_wave_contributions(
     }
 }
 
-/// Last time of a record plus the length of the time function, s.
+/// Last time of a record plus two periods of the Ricker function, s.
 pub fn integration_end_time(time: &[f64], ricker: Ricker) -> f64 {
     time.iter().fold(0f64, |end_time, t| end_time.max(*t)) + 2.0 / ricker.frequency
 }

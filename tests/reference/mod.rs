@@ -61,7 +61,7 @@ pub struct IsotropicSolid {
     pub density: f64,
 }
 
-/// Solid of all problems: Poisson's ratio ¼.
+/// Solid of all problems (oblique pulses: above the interface): Poisson's ratio ¼.
 pub const REFERENCE_SOLID: IsotropicSolid =
     IsotropicSolid { lambda: 8e7, mu: 8e7, density: 2000.0 };
 
@@ -116,7 +116,7 @@ pub fn compute_relative_error(record: &[f64], exact: &[f64]) -> RelativeError {
 pub struct ComponentError {
     /// Name of receiver and component, e.g. `surface.v2`.
     pub name: String,
-    /// Distance from the source, in wavelengths.
+    /// Distance of the receiver from the source (oblique pulses: from the interface), in wavelengths of the problem.
     pub distance: f64,
     pub error: RelativeError,
 }
@@ -126,7 +126,7 @@ pub struct ComponentError {
 pub struct ReferenceProblem {
     pub name: &'static str,
     pub dimensions: usize,
-    /// Runs the problem and returns the errors of all components.
+    /// Runs the problem and returns the errors of all velocity components that are not zero, at all receivers.
     pub compute_errors: fn(&comparison::ReferenceSettings) -> Vec<ComponentError>,
 }
 

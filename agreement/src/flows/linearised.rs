@@ -55,6 +55,8 @@ impl<'a> LinearisedFlow<'a> {
         Self { uniform_flow: problem, flow, mean_flow: mean, velocity_gradient: gradient }
     }
 
+    /// Linearised evolution at the initial time of a wave with the wave vector `wave` (1/m), which changes at the
+    /// `rate` (1/(m·s)).
     pub(super) fn linearise_evolution(
         &self,
         wave: [f64; 2],
@@ -117,8 +119,9 @@ impl<'a> LinearisedFlow<'a> {
         }
     }
 
-    /// Inertial ratio q/(ρ(Q_D/k)²), relative velocity gradient of a wave over its relative pressure, with q = p sin φ
-    /// + c cos φ (Pa), cohesion c, friction angle φ, density ρ, shear rate Q_D and wave number k = `number` (1/m).
+    /// Inertial ratio q/(ρ(Q_D/k)²): scale of the velocity gradient of a wave relative to Q_D, over that of its
+    /// pressure relative to q, with q = p sin φ + c cos φ (Pa), pressure p, cohesion c, friction angle φ, density ρ,
+    /// shear rate Q_D and wave number k = `number` (1/m).
     pub(super) fn inertial_ratio(&self, number: f64) -> f64 {
         let (coulomb, velocity) =
             (self.uniform_flow.model.coulomb(), self.flow.shear_rate / number);
@@ -151,7 +154,8 @@ impl<'a> LinearisedFlow<'a> {
         Ok(fastest)
     }
 
-    /// Amplitudes of a wave at the sample times, predicted by the linearised equations.
+    /// Amplitudes (transverse velocity, internal variable) of a wave at time 0 and at the sample times up to `duration`
+    /// (s), predicted by the linearised equations in the first `count` unknowns from the amplitudes `start`.
     pub(super) fn predict_amplitudes(
         &self,
         wave: [f64; 2],

@@ -34,9 +34,10 @@ pub struct FastestMode {
     pub mode: ModeNumbers,
     /// Initial wave number of the mode, 1/m.
     pub wave_number: f64,
-    /// Growth rate predicted by the linearised equations along the wave vector k(t), which the mean flow advects, 1/s.
+    /// Growth rate over the last half of the measurement, predicted by the linearised equations along the wave vector
+    /// k(t), which the mean flow advects, 1/s.
     pub predicted_growth: f64,
-    /// Growth rate measured in the solver, 1/s.
+    /// Growth rate measured in the solver over the same time, 1/s.
     pub measured_growth: f64,
 }
 
@@ -52,7 +53,8 @@ pub struct GridRefinement {
 }
 
 impl GridRefinement {
-    /// Relative tolerance of measured against predicted rates, and of their orders.
+    /// Tolerance of measured against predicted rates, relative to the larger of the predicted rate and the shear rate,
+    /// and of measured against predicted orders, relative to the predicted order.
     pub const RATE_TOLERANCE: f64 = 0.01;
 
     /// Tolerance of the order on finite grids against the asymptotic order of the analysis: half of the difference

@@ -265,7 +265,7 @@ fn simulate_wave(
 }
 
 /// Richardson extrapolation of the rates of three step sizes to zero, with errors of second and third order in the
-/// step; and its distance from the second-order extrapolation of the two finest, a bound on its error (1/s).
+/// step; and its distance from the second-order extrapolation of the two finest, which estimates its error (1/s).
 fn extrapolate_to_zero_step(measured: &[(usize, Rate)]) -> (Rate, f64) {
     let [.., (_, one), (_, two), (_, four)] = measured else { return (Rate::default(), f64::NAN) };
     let combine = |weights: [f64; 3]| {

@@ -15,7 +15,7 @@ pub(super) struct BackgroundStress {
     pub(super) is_curved: bool,
     /// Energy norm of the background stress, √(J/m³).
     pub(super) energy_norm: f64,
-    /// Largest energy norm of a wave that activates no further yield condition, √(J/m³).
+    /// Largest energy norm of a wave that activates no further yield condition, at most `energy_norm`, √(J/m³).
     pub(super) wave_capacity: f64,
 }
 

@@ -30,9 +30,10 @@ const FLAT_SURFACE_STRESS_RATIO: f64 = 1e-3;
 /// solid.
 ///
 /// # Errors
-/// The energy of the solid is not positive definite, its rate response is not defined, or it has no background on its
-/// yield surface; `medium` has other dimensions; no grids are given; a simulation exceeds the number of cell updates;
-/// the progress callback cancels the comparison.
+/// The energy of the solid is not positive definite, its rate response is not defined, its active conditions are
+/// linearly dependent, no stress meets them alone, or one has a plastic multiplier that is not positive; `medium` has
+/// other dimensions; no grids are given; a simulation exceeds the number of cell updates; the progress callback cancels
+/// the comparison.
 pub fn compare_branches(
     solid: &Solid,
     medium: &Medium,
@@ -282,8 +283,8 @@ impl<const D: usize> SolidExperiment<'_, D> {
     }
 
     /// Factor by which a wave of unit amplitude is multiplied so that it is small beside the background, and bound on
-    /// its phase error after the given number of steps: by the rotation of the normal of a curved yield surface due to
-    /// the stress of the wave and of the flow, and by the rounding of the total stress.
+    /// its phase error (0 for unloading) after the given number of steps: by the rotation of the normal of a curved
+    /// yield surface due to the stress of the wave and of the flow, and by the rounding of the total stress.
     fn choose_wave_scale(
         &self,
         branch: &PredictedBranch<D>,

@@ -27,8 +27,8 @@ pub(super) struct WaveSimulation<'a, const D: usize> {
 }
 
 impl<const D: usize> WaveSimulation<'_, D> {
-    /// Amplitudes of the wave, initially and after every `per_cell` steps (`cells` times), in energy coordinates; or
-    /// the reason why the solver rejects the problem.
+    /// Inner products of `amplitude` with the measured amplitude, in energy coordinates, initially and after every
+    /// `per_cell` steps (`cells` times); or the reason why the solver rejects the problem.
     pub(super) fn measure_amplitudes(
         &self,
         amplitude: &DVector<Complex64>,

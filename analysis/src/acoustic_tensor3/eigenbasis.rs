@@ -3,10 +3,10 @@
 /// Maximum number of velocities of a solid: three translations and three spins.
 pub(super) const MAX_VELOCITIES: usize = 6;
 
-/// Eigenvalues of Γₑ closer than this, relative to the larger, count as equal.
+/// Successive eigenvalues of Γₑ closer than this, relative to the larger, count as equal.
 const EQUALITY_TOLERANCE: f64 = 1e-10;
 
-/// Distinct eigenvalues of Γₑ in a direction.
+/// Distinct eigenvalues of Γₑ in a direction, ascending.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EigenvalueGroups {
     pub(super) count: usize,
@@ -41,8 +41,8 @@ impl EigenvalueGroups {
     }
 }
 
-/// Diagonalises a block of a symmetric matrix by Jacobi's method: eigenvalues on the diagonal, ascending; eigenvectors
-/// in the columns of `basis`.
+/// Diagonalises a block of a symmetric matrix by Jacobi's method: eigenvalues on the diagonal, ascending. The columns
+/// of `basis`, in which the matrix is given, are rotated into the eigenvectors.
 pub(super) fn diagonalise(
     matrix: &mut Eigenbasis,
     basis: &mut Eigenbasis,

@@ -13,7 +13,7 @@ pub(super) const LANES: usize = 32;
 /// Elastic acoustic tensor Γₑ(n) of a solid in space, with its eigenbases on a grid of wave normals; serves every
 /// [rank-one update](super::rank_one::RankOneUpdate) of the stiffness of that solid, from any thread.
 ///
-/// Speeds are in units of the fastest elastic wave of the grid. Velocities whose gradients are not strains
+/// Stored speeds are in units of the fastest elastic wave of the grid. Velocities whose gradients are not strains
 /// (the spins of a reduced Cosserat solid) carry no waves and are omitted.
 #[derive(Clone, Debug)]
 pub struct AcousticTensor3 {
@@ -26,8 +26,8 @@ pub struct AcousticTensor3 {
     pub(super) blocks: Vec<(usize, usize)>,
     /// M^(−½) Gⁱᵀ for each of the three axes i: velocities × stresses, in units of √`squared_speed_unit`.
     pub(super) scaled_divergence: [DMatrix<f64>; 3],
-    /// Symmetric matrices T of the quadratic form Γₑ(n) = Σ nᵢnⱼ Tᵢⱼ, one for each pair of axes ij = 11, 22, 33, 23,
-    /// 13, 12.
+    /// Symmetric matrices T of the quadratic form Γₑ(n) = Σ nᵢnⱼ Tᵢⱼ, summed over the pairs of axes ij = 11, 22, 33,
+    /// 23, 13, 12, one matrix for each pair.
     form_tensors: [[[f64; MAX_VELOCITIES]; MAX_VELOCITIES]; 6],
     /// Wave normals.
     pub(super) normals: Vec<[f64; 3]>,
@@ -39,7 +39,7 @@ pub struct AcousticTensor3 {
     pub(super) coarse_points: Vec<u32>,
     /// Neighbours of the coarse grid points, as indices into `coarse_points`; if fewer than six, the first is repeated.
     pub(super) coarse_neighbours: Vec<[u32; MAX_NEIGHBOURS]>,
-    /// Eigenvalues in chunks of directions, as structure of arrays.
+    /// Wave normals and eigenvalues in chunks of `LANES` directions, as structure of arrays; the last chunk is padded.
     pub(super) chunks: Vec<DirectionChunk>,
     /// Eigenvectors of each chunk, block by block, with the velocity as slow and the eigenvalue as fast index.
     pub(super) bases: Vec<[f64; LANES]>,
@@ -53,8 +53,8 @@ pub(super) struct DirectionChunk {
 }
 
 impl AcousticTensor3 {
-    /// Covering radius of the grid, rad (0.9°): largest distance of a direction to the nearest grid point or its
-    /// opposite.
+    /// Bound on the covering radius of the grid, rad (0.9°), the largest distance of a direction to the nearest grid
+    /// point or its opposite.
     pub const COVERING_RADIUS: f64 = 0.9 * std::f64::consts::PI / 180.0;
 
     /// Computes the elastic acoustic tensor and its eigenbases on the grid, in about 0.1 s.
@@ -264,8 +264,8 @@ fn coupled_blocks(all: &[[DMatrix<f64>; 3]; 3], size: usize) -> (Vec<usize>, Vec
     (order, blocks)
 }
 
-/// Symmetric matrices T of the quadratic form Γₑ(n) = Σ nᵢnⱼ Tᵢⱼ, one for each pair of axes ij = 11, 22, 33, 23, 13,
-/// 12; for i ≠ j the matrix is the sum of both products.
+/// Symmetric matrices T of the quadratic form Γₑ(n) = Σ nᵢnⱼ Tᵢⱼ, summed over the pairs of axes ij = 11, 22, 33, 23,
+/// 13, 12; for i ≠ j the matrix is the sum of the products for ij and ji.
 fn quadratic_form_tensors(
     sorted: &[[DMatrix<f64>; 3]; 3],
     size: usize,

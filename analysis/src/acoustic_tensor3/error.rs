@@ -14,9 +14,9 @@ pub enum NormalSearchError {
     /// The length of the vectors of an update differs from the number of stresses.
     #[error("{given} components are given for {needed} stresses")]
     LengthMismatch {
-        /// Components given.
+        /// Number of components of the vectors of the update.
         given: usize,
-        /// Stresses of the solid.
+        /// Number of stresses of the solid.
         needed: usize,
     },
     /// The elastic acoustic tensor is not positive definite in some direction.
@@ -27,7 +27,7 @@ pub enum NormalSearchError {
     NotPositiveDefinite {
         /// The wave normal.
         normal: [f64; 3],
-        /// Least c², m²/s².
+        /// An elastic c² in this direction that is not positive beyond rounding, m²/s²; may be NaN.
         speed_squared: f64,
     },
     /// The rate response of the yielding solid is not defined: H + n·Dm, Pa, is not positive.

@@ -67,8 +67,8 @@ fn build_geodesic_grid(frequency: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
 
 type GridPair = (Vec<[f64; 3]>, Vec<u32>, Vec<[u32; MAX_NEIGHBOURS]>, Vec<u32>);
 
-/// Returns the fine grid, the coarse grid as indices into the fine grid, the neighbours of each coarse point, and the
-/// nearest coarse point of each fine point.
+/// Returns the fine grid, the coarse grid as indices into the fine grid, the neighbours of each coarse point (if fewer
+/// than six, the first is repeated), and the nearest coarse point of each fine point, both as indices of coarse points.
 pub(super) fn build_grid_pair() -> GridPair {
     let (fine, _) = build_geodesic_grid(FINE_SUBDIVISIONS);
     let (coarse, triangles) = build_geodesic_grid(COARSE_SUBDIVISIONS);

@@ -7,8 +7,9 @@ use super::unit_vectors::{normalise, tangent_vectors};
 const MIN_DIFFERENCE_STEP: f64 = 2e-5;
 
 /// Local minimum near a direction, by Newton's method with finite differences in the tangent plane, and by pattern
-/// search with decreasing steps if the function is not smooth. The iteration ends at a Newton step below 1e-9 rad or a
-/// pattern step below 1e-10 rad, or if the fitted quadratic stays far above `target`.
+/// search with decreasing steps if the function is not smooth; Newton steps are at first at most `radius` (rad) long.
+/// The iteration ends at a Newton step below 1e-9 rad or a pattern step below 1e-10 rad, after 100 rounds, or if the
+/// values around the direction show that the minimum stays above `target`. Returns the direction and the value there.
 pub(super) fn minimise(
     start: [f64; 3],
     radius: f64,

@@ -17,7 +17,7 @@ impl RankOneUpdate {
     /// `elastic`, and plastic modulus H, Pa.
     ///
     /// # Errors
-    /// A vector has the wrong length, or H + n·Dm is not positive.
+    /// A vector has the wrong length, or H + n·Dm is NaN or not positive.
     pub fn new(
         elastic: &RateEquations<3>,
         normal: &[f64],

@@ -76,7 +76,7 @@ impl SecularEquation {
         (low, high)
     }
 
-    /// Whether the interval below pole `index` has an odd number of roots.
+    /// Whether the interval below pole `index` (above the last pole if `index` = `count`) has an odd number of roots.
     pub(super) fn has_odd_root_count(&self, index: usize) -> bool {
         let below = index == 0 || self.weights[index - 1] > 0.0;
         let above = index < self.count && self.weights[index] > 0.0;
@@ -139,7 +139,7 @@ impl SecularEquation {
         let (mut low, mut high) = self.root_interval(index);
         let sign = self.sign_at_upper_end(index);
         let is_inner = 0 < index && index < self.count;
-        // From below all roots Newton's method converges monotonically to the smallest one.
+        // From below all roots, if these are real, Newton's method converges monotonically to the smallest one.
         let mut x = if index == 0 { low } else { 0.5 * (low + high) };
         if is_inner || is_simple {
             let mut from = x;

@@ -33,8 +33,8 @@ pub(super) struct SecularRoots {
 }
 
 impl EigenvaluePair {
-    /// (Im c)² = (|λ| − Re λ)/2 of a complex pair λ = c², and its analytic continuation to real pairs of positive
-    /// `mean`, where it is negative. Real pairs of negative `mean` do not flutter: −`half_difference_squared` is
+    /// (Im c)² = (|λ| − Re λ)/2 of a complex pair λ = c², and its continuation to real pairs of positive `mean`, where
+    /// it is not positive. Real pairs whose `mean` is not positive do not flutter: −`half_difference_squared` is
     /// returned.
     pub(super) fn growth_squared(&self) -> f64 {
         if self.half_difference_squared >= 0.0 && self.mean <= 0.0 {
@@ -88,8 +88,8 @@ impl SecularEquation {
         SecularRoots { smallest_real, critical_pair: pair, is_complex }
     }
 
-    /// For real roots only: minimum of `smallest_real` and the roots, and the pair that a small weight may make complex
-    /// in a neighbouring direction.
+    /// For real roots only: minimum of `smallest_real` and the smallest root, and the pair that a small weight may make
+    /// complex in a neighbouring direction.
     fn solve_real_roots(&self, mut smallest_real: f64) -> (f64, Option<EigenvaluePair>) {
         let mut pair = None;
         let least_index = usize::from(self.weights[0] < 0.0);
@@ -120,7 +120,8 @@ impl SecularEquation {
         (smallest_real, pair)
     }
 
-    /// With at most one complex pair: minimum of `smallest_real` and the real roots, and that pair.
+    /// With at most one complex pair: minimum of `smallest_real` and the real roots, and the complex pair or, if all
+    /// roots are real, the pair closest to becoming complex.
     fn solve_with_deflated_pair(&self, mut smallest_real: f64) -> (f64, Option<EigenvaluePair>) {
         let (found, rest) = self.deflate_to_pair();
         let found = &found[..self.count - 2];

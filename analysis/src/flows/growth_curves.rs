@@ -6,8 +6,8 @@ use crate::line_search::search_golden_section;
 use models::common::elementary::Elementary;
 use std::f64::consts::PI;
 
-/// Number of directions of a growth curve, two per degree; layers around degenerate directions are sampled
-/// geometrically in addition.
+/// Number of intervals between the directions of a growth curve, two per degree; layers around degenerate directions
+/// are sampled geometrically in addition.
 const DIRECTIONS: usize = 360;
 /// Geometric samples in a layer: decimal exponents of the distance (degrees) from a degenerate direction, as first
 /// exponent, step, count.
@@ -36,9 +36,11 @@ const GOLDEN_SECTION_STEPS: usize = 28;
 pub struct GrowthPoint {
     /// Wave number k, 1/m.
     pub wave_number: f64,
-    /// Largest Re ς over the roots in the given direction of the wave vector, 1/s.
+    /// Largest Re ς over the roots in the given direction of the wave vector, 1/s; NaN without finite roots or outside
+    /// the range of wave numbers.
     pub growth_rate: f64,
-    /// Supremum of Re ς over all directions, 1/s; infinite where growth is unbounded.
+    /// Supremum of Re ς over all directions, 1/s; infinite where growth is unbounded, NaN outside the range of wave
+    /// numbers.
     pub max_growth_rate: f64,
     /// Direction of the wave vector of the supremum, rad, in \[0, π).
     pub max_growth_direction: f64,
@@ -92,7 +94,8 @@ pub fn decades_to_asymptote(
     first_asymptotic.copied().unwrap_or(DECADES)
 }
 
-/// Growth rates against the wave number, from four decades below the given one to `decades` above it.
+/// Growth rates against the wave number, from four decades below `wave_number` (1/m) to `decades` decades above it; the
+/// `direction` (rad) is that of [`GrowthPoint::growth_rate`].
 pub fn growth_by_wave_number(
     workspace: &FlowWorkspace,
     assessment: &Assessment,
@@ -165,8 +168,8 @@ fn geometric_samples(
     offsets.flat_map(move |offset| [centre - offset, centre + offset]).chain([centre])
 }
 
-/// Maximum and its position of a function of period π: the highest peaks of the ascending `samples`, refined by golden
-/// sections between their neighbours.
+/// Maximum and its position, in [0, π), of a function of period π: the three highest peaks at the ascending `samples`,
+/// refined by golden sections between their neighbours.
 fn maximise(f: impl Fn(f64) -> f64, samples: &[f64]) -> [f64; 2] {
     let values: Vec<f64> = samples.iter().map(|&x| f(x)).collect();
     let count = samples.len();
@@ -191,8 +194,8 @@ fn maximise(f: impl Fn(f64) -> f64, samples: &[f64]) -> [f64; 2] {
     [value, place.rem_euclid(PI)]
 }
 
-/// Fits the order m of Re ς ∝ k^m to the last decades of the largest growth rate; `None` unless all samples there are
-/// finite and positive.
+/// Fits the order m of Re ς ∝ k^m to the last two decades of the largest growth rate; `None` unless there are at least
+/// two samples, all finite and positive.
 pub fn fit_order(curve: &[GrowthPoint]) -> Option<FittedOrder> {
     let last = curve.last()?.wave_number;
     let first = last / 10f64.powi(FITTED_DECADES) * (1.0 - 1e-9);

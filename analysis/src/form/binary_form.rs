@@ -13,7 +13,7 @@ pub struct BinaryForm {
     /// Coefficients of the known factors of the form, one factor after the other; factors resolve close zeros that the
     /// expanded coefficients do not.
     pub(super) factors: StackList<Rounded>,
-    /// End of each factor in `factors`.
+    /// Index in `factors` after the last coefficient of each factor.
     pub(super) factor_ends: StackList<usize, 4>,
 }
 
@@ -143,8 +143,8 @@ impl BinaryForm {
         result
     }
 
-    /// The form in axes rotated by the angle with cosine `cos` and sine `sin`: G(κ, κ⊥) with
-    /// κ₁ = cos κ − sin κ⊥, κ₂ = sin κ + cos κ⊥.
+    /// The form in axes rotated by the angle θ with cosine `cos` and sine `sin`: G(κ, κ⊥) with
+    /// κ₁ = κ cos θ − κ⊥ sin θ, κ₂ = κ sin θ + κ⊥ cos θ.
     pub fn to_rotated_axes(&self, cos: Rounded, sin: Rounded) -> Self {
         let d = self.degree();
         let multiply = |p: &[Rounded], a: Rounded, b: Rounded| {

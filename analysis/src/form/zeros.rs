@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// A real direction in which a form vanishes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FormZero {
-    /// Angle of (κ₁, κ₂), in [0, π).
+    /// Angle of (κ₁, κ₂), rad, in [0, π).
     pub angle: f64,
     /// Bound on the error of `angle`, rad.
     pub bound: f64,
@@ -98,8 +98,7 @@ impl BinaryForm {
         if self.degree() % 2 == 1 && extrema.is_empty() {
             return zeros;
         }
-        // Value at an extremum; `None` if it may be zero, given that the angle of the extremum is uncertain by about a
-        // unit in the last place.
+        // Value at an extremum; `None` if it may be zero, given that the angle of the extremum is uncertain by 4ε.
         let sign_at = |angle: f64| {
             let value = self.evaluate_at_angle(angle);
             let curvature = second.evaluate_at_angle(angle).value.abs();
@@ -192,7 +191,8 @@ impl BinaryForm {
 ///
 /// Rounding splits a zero of multiplicity m by the m-th root of the rounding, with extrema between the resulting zeros.
 /// They are one zero if all derivatives of order below m vanish within rounding at a nearby point: a simple zero of
-/// derivative m − 1, which is well-conditioned.
+/// derivative m − 1, which is well-conditioned. Only even m are tried, the highest first, since the form does not
+/// change sign; without such m the position is `angle`.
 fn locate_multiple_zero(form: &BinaryForm, angle: f64) -> (f64, f64) {
     const MAX_SHIFT: f64 = 0.03;
     let mut derivatives = list![form.clone()];

@@ -39,7 +39,7 @@ pub enum Hyperbolicity {
     Flutter,
     /// Shear bands: imaginary speeds in some directions, c² < 0.
     ShearBand,
-    /// Flutter in some directions and shear bands in others.
+    /// Flutter and shear bands, in the same or in different directions.
     FlutterAndShearBand,
 }
 
@@ -146,7 +146,7 @@ impl AcousticTensorCache {
 
 /// Assesses solids one after another, reusing memory; use one per thread.
 pub struct SolidAssessor<'a> {
-    /// The linearised equations of the plane solid assessed last.
+    /// The linearised equations of the plane solid last assessed by the dispersion polynomial.
     pub plane_workspace: FlowWorkspace,
     cache: &'a AcousticTensorCache,
     /// Elastic law, acoustic tensor and workspace of the last solid in space.
@@ -163,7 +163,8 @@ impl<'a> SolidAssessor<'a> {
     /// Verdict on a solid, and the assessment by the dispersion polynomial if that was used.
     ///
     /// # Errors
-    /// The rate response is not defined, or numbers overflow.
+    /// The rate response is not defined, the elastic solid in space has no positive definite acoustic tensor, or
+    /// numbers overflow.
     pub fn assess(
         &mut self,
         solid: &Solid,

@@ -38,8 +38,8 @@ pub struct BranchPoint {
     pub group_speed: f64,
 }
 
-/// Families of plane waves along the unit vector `normal`, of the elastic solid if `is_elastic`; families whose
-/// frequencies agree up to the wave number `max_wave_number` (1/m) are grouped.
+/// Families of plane waves along the unit vector `normal`, of the elastic solid if `is_elastic`; families of the same
+/// polarisation are grouped if their frequencies agree at 0, 0.3 and 1 times the wave number `max_wave_number` (1/m).
 ///
 /// # Errors
 /// The rate response of the yielding solid is not defined.

@@ -15,7 +15,7 @@ pub use speeds::{DirectionalSpeeds, ZeroSpeedCause, slowest_speed};
 
 use models::common::elementary::Elementary;
 
-/// Azimuth in [0, 180) and elevation of a normal, degrees; opposite normals are identified.
+/// Azimuth in [0, 180) and elevation of a normal, degrees; opposite normals are identified, except ±x₃ (elevation ±90).
 pub fn angles_deg([x, y, z]: [f64; 3]) -> [f64; 2] {
     // Angles below this, in degrees, are rounding of the search for the direction.
     const ANGLE_TOLERANCE: f64 = 1e-7;

@@ -36,9 +36,9 @@ pub struct DirectionalSpeeds {
     pub flutter_sectors: Vec<[f64; 2]>,
     /// Sectors of imaginary speeds, c² < 0, degrees.
     pub imaginary_sectors: Vec<[f64; 2]>,
-    /// Directions in which a speed vanishes, degrees, with the cause.
+    /// Directions in which a speed vanishes, degrees, with the cause; in space, the ends of the imaginary sectors.
     pub zero_speeds: Vec<(f64, ZeroSpeedCause)>,
-    /// Whether a speed vanishes in all directions.
+    /// Whether a speed vanishes in all directions; false in space, where this is not tested.
     pub is_always_stationary: bool,
     /// Largest real part of the elastic c², m²/s².
     pub max_squared_speed: f64,
@@ -174,7 +174,8 @@ fn zero_speed_cause(solid: &Solid, angle: f64) -> ZeroSpeedCause {
     }
 }
 
-/// Speed of the slowest wave that travels along the unit vector `normal`, m/s; NaN if some c² is complex or negative.
+/// Speed of the slowest wave that travels along the unit vector `normal`, m/s; NaN if some c² is complex or negative,
+/// infinite if all are zero.
 pub fn slowest_speed(equations: &RateEquations<3>, normal: [f64; 3]) -> f64 {
     let squares = squared_speeds(equations, normal);
     let largest = squares.iter().map(|c| c.norm()).fold(0.0, f64::max);

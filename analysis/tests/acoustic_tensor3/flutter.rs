@@ -113,7 +113,7 @@ impl<'a> FlutterCap<'a> {
         maximise_by_pattern_search(start.0, 0.05, |n| self.negative_discriminant(part, n))
     }
 
-    /// Radius of the cap of flutter around `centre`, rad.
+    /// Largest radius of the cap of flutter around `centre`, rad, over 16 directions.
     fn radius(&self, part: f64, centre: [f64; 3]) -> f64 {
         let centre = Vector3::from(centre);
         let first = centre.cross(&Vector3::new(0.3, -0.5, 0.8)).normalize();

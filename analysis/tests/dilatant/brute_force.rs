@@ -16,10 +16,11 @@ use wellposed_analysis::growth::Verdict;
 /// Brute-force check of a verdict: growth at three wave numbers over four decades.
 ///
 /// Growth of order m in layers approaches its asymptote like k^(−m): 6e-8 and 1e-9 at the smallest of these wave
-/// numbers for the orders 2/5 and 1/2, times a constant of the state, up to 6e4 in these samples, so that the deviation
-/// e may be 1e-3 there. At the larger wave numbers e must be smaller by this power of k, within 10 e² for the next
-/// correction. Integer orders converge faster. The tolerance also covers the digits lost at a small distance from a
-/// bound, and the search of brute force, which ends within 1e-8 of a maximum.
+/// numbers for the orders 2/5 and 1/2, times a constant of the state, up to 6e4 in these samples; the deviation e must
+/// be below 1e-3 there. At the larger wave numbers e must be smaller by this power of k, within 10 e² for the next
+/// correction. Integer orders converge faster. The tolerance also contains 1e-14/`distance`, since the relative
+/// rounding error is about ε divided by the relative distance from a bound, and 1e-8 for the search of brute force,
+/// which ends within 1e-8 of a maximum.
 pub fn describe_difference(
     polynomial: &DispersionReference,
     verdict: &Verdict,

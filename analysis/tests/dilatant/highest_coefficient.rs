@@ -112,8 +112,9 @@ fn the_bound_follows_from_the_determinant() {
     assert!(worst < 1e-14, "{worst:e}");
 }
 
-/// with e = φ − ν, β = 2(Ψ_Σ − ψ_K), stress angle Ψ_Σ and angle ψ_K of the wave vector, is proportional to it in all
-/// directions, by a factor independent of Δ.
+/// Verifies to 60 digits that the closed form cos 2Δ cos ν [cos e + sin ν sin φ − (sin φ cos e + sin ν) cos β] + sin 2Δ
+/// sin ν cos φ cos e sin β, with e = φ − ν, β = 2(Ψ_Σ − ψ_K), the stress angle Ψ_Σ and the angle ψ_K of the wave
+/// vector, is proportional to the coefficient in all directions, by a factor independent of Δ.
 #[test]
 fn the_highest_coefficient_is_that_of_the_closed_form() {
     (0..500u64).into_par_iter().for_each(|seed| {
@@ -213,7 +214,8 @@ fn growth_coefficients_beyond_the_reversed_bound_agree_with_the_polynomial() {
             let (above, below) = (form(2, 4), form(3, 2));
             let (wanted, _) = maximise_over_half_turn(4000, |angle| above(angle) / below(angle));
             let error = (growth_coefficient(&compute_verdict(&sample.system)) / wanted - 1.0).abs();
-            // Ratio of minimum to maximum of F₃₂, whose product is −¼ of the discriminant.
+            // Four times the product of minimum and maximum of F₃₂, which is minus the discriminant, over their squared
+            // sum: about four times the ratio of minimum to maximum if that is small.
             let highest = leading_quadratic_form(&p);
             let sum = highest[0] + highest[2];
             let part = -(discriminant(highest) * (sum * sum).recip()).to_f64();

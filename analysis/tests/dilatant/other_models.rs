@@ -40,9 +40,10 @@ fn associated_plastic_potential_grows_only_if_accelerated() {
     }
 }
 
-/// Verifies growth next to the associated flow rule with and without gradients, at relative distances of ν from φ of
-/// 1e-9 to 0.3: order 2 with the coefficient q tan²((φ − ν)/2)/(2 ρ Q_D) for the deviator q, density ρ and shear rate
-/// Q_D. Doubles determine the difference of two angles to a rounding divided by it.
+/// Verifies growth near the associated flow rule, in uniform backgrounds and in backgrounds with all gradients, at
+/// relative distances |ν − φ|/φ from 1e-9 to 0.3: order 2 with the coefficient q tan²((φ − ν)/2)/(2 ρ Q_D) for the
+/// deviator q, density ρ and shear rate Q_D. The tolerance contains 1e-14/distance, since the relative rounding error
+/// of φ − ν is about ε divided by the relative distance.
 #[test]
 fn plastic_potential_near_the_associated_flow_rule_grows_at_order_two() {
     (0..1000u64).into_par_iter().for_each(|seed| {

@@ -254,8 +254,8 @@ struct GrowthCandidate {
 }
 
 /// Computes S at the wave numbers `wave_numbers`, over `direction_count` uniform directions and clusters around
-/// `centres` with offsets k^(−s), 0 < s < `max_offset_exponent`, then refines the largest values; with `is_fine`
-/// clusters around resonances and collisions are as dense as those around `centres`.
+/// `centres` with offsets k^(−s), 0 < s ≤ `max_offset_exponent`, then refines the largest values; with `is_fine`
+/// clusters around resonances and collisions are as dense as those around `centres`, and more values are refined.
 pub fn compute_growth_by_brute_force(
     polynomial: &DispersionReference,
     wave_numbers: &[f64],

@@ -199,7 +199,7 @@ pub fn evaluate_with_derivative(
 }
 
 /// All roots of Σ pᵢ xⁱ, simple ones to about 60 digits, by the Aberth–Ehrlich method from starting points on circles
-/// whose radii are the slopes of the Newton polygon.
+/// whose binary logarithms of the radii are the negative slopes of the Newton polygon of log₂ |pᵢ|.
 pub fn solve_roots(polynomial: &[Complex256]) -> Vec<Complex256> {
     let zeros = polynomial.iter().take_while(|c| c.is_zero()).count();
     let p = &polynomial[zeros.min(polynomial.len() - 1)..];

@@ -52,7 +52,7 @@ pub fn with_noncoaxiality(sample: &FlowSample, noncoaxiality: f64) -> FlowSample
 }
 
 /// Random sample in the widest ranges: densities 1e2…1e4 kg/m³, pressures 1…1e6 Pa, shear rates 1e-3…1e3 1/s, moments
-/// of inertia 1e-9…1e-2 m², all angles.
+/// of inertia 1e-9…1e-2 m², friction angles 0.03…1.5 rad, non-coaxialities −1.57…1.57 rad, all stress angles.
 pub fn sample_wide_range(
     random: &mut RandomNumbers,
     kind: FlowKind,

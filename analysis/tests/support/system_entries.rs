@@ -14,7 +14,7 @@ const UNKNOWNS: [Unknown; 8] = {
     list
 };
 
-/// Operator on an unknown that an entry multiplies.
+/// Operator that acts on an unknown; an entry multiplies the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DerivativeOperator {
     /// ∂ₜ

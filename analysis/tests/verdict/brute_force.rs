@@ -34,14 +34,14 @@ fn random_small_system(seed: u64, integers: bool) -> LinearisedSystem<2> {
     build_system(n, n, &entries)
 }
 
-/// Verdicts on random small systems without physical meaning agree with brute force.
+/// Verifies that verdicts on random small systems without physical meaning agree with brute force.
 #[test]
 fn small_random_systems_agree_with_brute_force() {
     assert_agreement_with_brute_force(false, 200);
 }
 
-/// Verdicts on random systems of small integers, in which degenerate directions of different coefficients often
-/// coincide, agree with brute force.
+/// Verifies that verdicts on random systems of small integers, in which degenerate directions of different coefficients
+/// often coincide, agree with brute force.
 #[test]
 fn small_integer_systems_agree_with_brute_force() {
     assert_agreement_with_brute_force(true, 200);

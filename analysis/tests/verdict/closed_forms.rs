@@ -137,7 +137,7 @@ fn plastic_potential_grows_in_thin_sectors() {
                 (sample.flow.stress.deviator.value, sample.flow.density, sample.flow.shear_rate);
             let (wanted, cosine) = own.fastest_growth(q, rho, rate);
             let error = (coefficient / wanted - 1.0).abs();
-            // The tolerance includes the rounding of the angles relative to their difference.
+            // The tolerance contains 1e-14/|φ − ν|: the relative rounding error of φ − ν is about ε φ/|φ − ν|.
             assert!(error < 1e-9 + 1e-14 / gap.abs(), "{gap:e}: {coefficient:e} for {wanted:e}");
             if gap.abs() >= 1e-3 {
                 worst = worst.max(error);

@@ -68,7 +68,7 @@ impl KnownSystemList {
 
 /// Transport and heat: orders 0 and 2.
 fn add_parabolic(list: &mut KnownSystemList) {
-    // Dispersion relation ς + κ₁ = 0.
+    // Dispersion relations of the first three systems: ς + κ₁ = 0, ς + 5 = 0, ς − 5 = 0.
     list.push_square("transport", (1, vec![(0, 0, T, 1.0), (0, 0, X, 1.0)]), Bounded);
     list.push_square("decay", (1, vec![(0, 0, T, 1.0), (0, 0, C, 5.0)]), Bounded);
     list.push_square("order 0", (1, vec![(0, 0, T, 1.0), (0, 0, C, -5.0)]), Bounded);

@@ -81,7 +81,7 @@ fn thin_sectors_of_growth_are_found() {
                 expect_growth(&compute_verdict(&build_system(2, 2, &entries)));
             assert_eq!(order, 2.0);
             let wanted = (0.5 * width).sin().powi(2);
-            // The entries determine the two directions to a unit in the last place.
+            // The entries determine both directions to about ε, so the relative error of `width` is about ε/`width`.
             let error = (coefficient / wanted - 1.0).abs();
             assert!(error < 1e-12 + 8.0 * f64::EPSILON / width, "{width:e}: {error:e}");
             assert!(angular_distance(direction, a + 0.5 * width) < 0.5 * width, "{width:e}");

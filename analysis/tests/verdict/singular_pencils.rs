@@ -24,8 +24,8 @@ fn push_dependent_column(
     entries.push((rows - 1, column, operator, sum));
 }
 
-/// Verifies exactly singular pencils with coefficients of 50 bits: products of three of them do not fit in twice the
-/// working precision.
+/// Verifies exactly singular pencils with coefficients of up to 50 bits: products of three of them do not fit in twice
+/// the working precision.
 #[test]
 fn dense_singular_pencils_are_recognised() {
     for seed in 0..200 {

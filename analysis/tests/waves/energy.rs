@@ -7,7 +7,7 @@ use wellposed_analysis::energy::measure_energy_conservation;
 
 use crate::random_solids::{THEORIES, random_solid_of_order_one};
 
-/// The symmetriser confirms energy conservation of valid solids and detects deliberate errors.
+/// Verifies that the symmetriser confirms energy conservation of valid solids and detects deliberate errors.
 #[test]
 fn symmetriser_detects_violations_of_energy_conservation() {
     let random = &mut seeded_generator(43);

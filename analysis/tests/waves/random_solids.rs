@@ -5,7 +5,8 @@ use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
 
 pub const THEORIES: [Theory; 3] = [Theory::Classical, Theory::Reduced, Theory::Cosserat];
 
-/// Random solid with moduli of comparable size; λ may be negative.
+/// Random solid with a shear modulus μ over 13 decades and force-stress moduli λ and α of comparable size; λ may be
+/// negative.
 pub fn random_solid(random: &mut RandomNumbers, theory: Theory) -> Isotropic {
     let mu = random.log_uniform(1e-3, 1e10);
     let density = random.log_uniform(0.1, 1e4);

@@ -157,9 +157,11 @@ pub enum BoundaryConditionKind {
     Free,
     /// Fixed: zero velocity and spin.
     Fixed,
-    /// Mirror symmetry.
+    /// Mirror symmetry: the normal velocity, the tangential spins, and the tractions and couple tractions of all other
+    /// components are zero.
     Symmetry,
-    /// Mirror antisymmetry.
+    /// Mirror antisymmetry: the tangential velocities, the normal spin, and the tractions and couple tractions of all
+    /// other components are zero.
     Antisymmetry,
     /// Periodic: connected to the opposite face.
     Periodic,
@@ -192,8 +194,8 @@ impl BoundaryConditionKind {
     }
 }
 
-/// Returns the faces whose last condition is periodic, each with the index of that condition in the list; later
-/// conditions on a part of the face are ignored.
+/// Returns the faces whose last condition on the whole face is periodic, each with the index of this condition in the
+/// list.
 pub(super) fn periodic_faces(
     sides: &[FaceCondition],
 ) -> impl Iterator<Item = (usize, BoundaryFace)> {
@@ -239,7 +241,8 @@ impl SolidReader<'_> {
         Ok(side)
     }
 
-    /// Reads the rectangular part of a face between the keys `from` and `to`; `None` if both are absent.
+    /// Reads the rectangular part of a face between the keys `from` and `to`; `None` if both are absent, an error if
+    /// one is.
     pub(super) fn read_rectangle(
         &self,
         section: &SectionReader,

@@ -18,11 +18,12 @@ impl StateComponent {
     }
 
     /// Returns the components that a boundary load may prescribe on faces normal to `axis` (numbered from 0):
-    /// velocities, spins, and the stresses and couple stresses that act on the face.
+    /// velocities, spins (in Cosserat solids with couple stress), and the stresses and couple stresses that act on the
+    /// face.
     pub fn face_components(theory: Theory, dimensions: usize, axis: usize) -> Vec<Self> {
         let acts = |component: &Self| match component.0 {
             SolidField::Velocity(_) => true,
-            // In a classical solid a load cannot prescribe a spin, since there is no couple stress.
+            // Without couple stress, i.e. in classical and reduced Cosserat solids, a load cannot prescribe a spin.
             SolidField::Spin(_) => theory == Theory::Cosserat,
             SolidField::Stress(i, j) => j == axis || (theory == Theory::Classical && i == axis),
             SolidField::Couple(_, j) => j == axis,
@@ -46,7 +47,8 @@ impl StateComponent {
         }
     }
 
-    /// Finds the component `name` in the list `among`. In classical solids `sigma21` is a synonym of `sigma12`.
+    /// Finds the component `name` in the list `among`. In classical solids the order of the indices of a stress is
+    /// arbitrary: `sigma21` is a synonym of `sigma12`.
     pub fn find_by_name(name: &str, theory: Theory, among: &[Self]) -> Option<Self> {
         let is_named = |component: &&Self| {
             let transposed = match component.0 {

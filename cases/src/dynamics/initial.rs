@@ -151,7 +151,7 @@ pub enum InitialStateTerm {
         amplitude: f64,
         /// Centre of the pulse.
         centre: PulseCentre,
-        /// Radius, m; positive.
+        /// Distance from the centre at which the pulse has 1/e of its maximum, m; positive.
         radius: f64,
     },
     /// Plane harmonic wave: one branch of the dispersion relation of the medium of the case.
@@ -192,7 +192,7 @@ pub enum InitialStateTerm {
 /// Centre of a pulse, from which the distance r is measured.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PulseCentre {
-    /// A point, m.
+    /// Coordinates of a point, m.
     Point(Vec<f64>),
     /// A plane normal to a coordinate axis.
     Plane {

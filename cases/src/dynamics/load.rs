@@ -77,7 +77,7 @@ pub struct FaceLoad {
     pub loaded_area: LoadedArea,
     /// Spatial profile along the face; `None` for a uniform load and for point loads.
     pub profile: Option<LoadProfile>,
-    /// Time function.
+    /// Dimensionless time function that multiplies the amplitude.
     pub time_function: TimeFunction,
 }
 
@@ -120,7 +120,7 @@ impl FaceLoad {
 }
 
 impl SolidReader<'_> {
-    /// Reads all sections `[[load]]`.
+    /// Reads all sections `[[load]]`; `periodic` are the periodic faces, which carry no load.
     pub(super) fn read_loads(
         &self,
         root: &SectionReader,

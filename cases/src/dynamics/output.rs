@@ -151,21 +151,21 @@ pub struct SolidOutput {
     pub integrated_components: Vec<StateComponent>,
     /// Quantity plotted in pictures.
     pub plotted_quantity: PlottedQuantity,
-    /// Contour levels in the unit of the quantity; `None` for automatic levels.
+    /// Contour levels in the unit of the quantity, empty for no contours; `None` for automatic levels.
     pub contour_levels: Option<Vec<f64>>,
 }
 
 /// Quantity plotted in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PlottedQuantity {
-    /// Magnitude of the velocity.
+    /// Magnitude of the velocity, m/s.
     #[default]
     Speed,
     /// A component of the state.
     Component(StateComponent),
     /// Time integral of a velocity (displacement) or spin (rotation).
     TimeIntegral(StateComponent),
-    /// Plastic dissipation per unit volume.
+    /// Plastic dissipation per unit volume, J/m³.
     Dissipation,
 }
 

@@ -21,8 +21,8 @@ named_enum! {
 /// point x₀.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanePulseInput {
-    /// Polarisation, which determines the unit vector a. P: a = n. S: a is n rotated by 90° anticlockwise; in space it
-    /// is then rotated about n by `polarization_deg`.
+    /// Polarisation, which determines the unit vector a. P: a = n. S: a is (−sin α, cos α) with α = `direction_deg`, in
+    /// space (−sin α, cos α, 0) rotated about n by `polarization_deg`.
     pub wave_type: BodyWaveType,
     /// Direction of the wave normal n, degrees anticlockwise from x₁.
     pub direction_deg: f64,
@@ -42,7 +42,8 @@ pub struct PlanePulseInput {
 }
 
 impl PlanePulseInput {
-    /// Computes the taper factor at a distance (m) from the line through `reference_point` along n.
+    /// Computes the taper factor, from 0 to 1, at a distance (m, not negative) from the line through `reference_point`
+    /// along n.
     pub fn transverse_taper(&self, distance: f64) -> f64 {
         let Some(width) = self.width else { return 1.0 };
         match distance / width - 0.5 {
@@ -52,7 +53,7 @@ impl PlanePulseInput {
         }
     }
 
-    /// Reads the other keys of the entry; `at` is the reference point, `time` the waveform.
+    /// Reads the keys of the entry except `at` and `time`, whose values (reference point and waveform) are given.
     pub(super) fn read(
         section: &SectionReader,
         at: Vec<f64>,
@@ -79,7 +80,7 @@ impl PlanePulseInput {
         })
     }
 
-    /// Adds all keys of the entry to a table except the time function.
+    /// Adds all keys of the entry to a table except `kind` and the time function.
     pub(super) fn write_keys(&self, resolved: TableWriter, dimensions: usize) -> TableWriter {
         let mut resolved = resolved
             .with_text("wave", self.wave_type.name())

@@ -85,7 +85,7 @@ pub enum RegionShape {
         /// Upper corner, m.
         upper_corner: Vec<f64>,
     },
-    /// Open disc (2 dimensions) or ball (3 dimensions).
+    /// Open disc (2 dimensions) or open ball (3 dimensions).
     Ball {
         /// Centre, m.
         center: Vec<f64>,

@@ -124,11 +124,11 @@ pub struct PointSource {
     pub position: Vec<f64>,
     /// Kernel that distributes the source over cells.
     pub kernel: Kernel,
-    /// Time function.
+    /// Dimensionless time function that multiplies the amplitude.
     pub time_function: TimeFunction,
 }
 
-/// Kernel that distributes a point source over cells.
+/// Kernel that distributes a point source over cells, or a point load over the cell faces of a boundary.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Kernel {
     /// Smooth spline kernel over a few cells: its moments up to the second order equal the moments of a point source,
@@ -140,7 +140,7 @@ pub enum Kernel {
         /// Radius, m; positive.
         radius: f64,
     },
-    /// Nearest cell or face only.
+    /// Nearest cell, or cell face, only.
     Cell,
 }
 

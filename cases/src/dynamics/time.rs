@@ -162,15 +162,15 @@ named_enum! {
 named_enum! {
     /// Level of detail of the energy ledger.
     LedgerDetail {
-        /// Light: total energies only.
+        /// Light: totals of energies, work and plastic dissipation.
         Totals = "light",
-        /// Full: also numerical and plastic dissipation.
+        /// Full: also the numerical dissipation of each cell.
         TotalsAndDissipation = "full"
     }
 }
 
-/// Default Courant number (CFL number). At 1, waves along an axis with a wavelength of two cells are undamped; below
-/// 0.87 a simulation costs over 15 % more than at 1.
+/// Default Courant number (CFL number). At 1, waves along an axis with a wavelength of two cells are undamped; at 0.9 a
+/// simulation takes 11 % more steps than at 1.
 pub const DEFAULT_COURANT_NUMBER: f64 = 0.9;
 
 impl SolidTime {

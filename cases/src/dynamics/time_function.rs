@@ -114,14 +114,14 @@ pub enum TimeFunction {
         /// Duration, s; `None` for a step without end.
         duration: Option<f64>,
     },
-    /// Triangle: linear from 0 to 1 and back to 0 during `duration`; 0 outside.
+    /// Triangle: linear from 0 at `start` to 1 and back to 0 at `start + duration`; 0 outside.
     Triangle {
         /// Start time, s.
         start: f64,
         /// Duration, s; positive.
         duration: f64,
     },
-    /// Pulse sin²(π(t − start)/duration) during `duration`; 0 outside.
+    /// Pulse sin²(π(t − start)/duration) for `start` ≤ t < `start + duration`, else 0.
     Pulse {
         /// Start time, s.
         start: f64,
@@ -231,7 +231,7 @@ impl TimeFunction {
             }
             Self::Ricker { frequency, delay } => {
                 let a = (PI * frequency * (t - delay)).powi(2);
-                // For large a the product would be ∞ · 0 = NaN.
+                // For huge a the product would be −∞ · 0 = NaN; from a = 700 on its magnitude is below 10⁻³⁰⁰.
                 if a < 700.0 { (1.0 - 2.0 * a) * (-a).cr_exp() } else { 0.0 }
             }
             Self::Sine { frequency, start } if t >= start => {
@@ -361,7 +361,8 @@ fn format_count(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Parses the samples of a CSV file. The error has the line number, the text found and the text allowed.
+/// Parses the samples of a CSV file. Blank lines, lines that begin with `#` and a header before the first sample are
+/// skipped. The error has the line number (from 1), the text found and the text allowed.
 fn parse_samples(text: &str) -> Result<Vec<[f64; 2]>, (usize, String, &'static str)> {
     const EXPECTED_LINE: &str =
         "expected two finite numbers separated by a comma, time in s and value";

@@ -91,7 +91,7 @@ pub(super) const LIMITS_SCHEMA: TableSchema = TableSchema::new_section(
 /// Grid of a periodic box that is convected with the mean flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowGrid {
-    /// Grid points along each axis; even, at least [`MIN_POINTS_PER_AXIS`].
+    /// Number of grid points along each axis; even, at least [`MIN_POINTS_PER_AXIS`].
     pub points: [usize; 2],
     /// Initial edge lengths, m; positive.
     pub lengths: [f64; 2],

@@ -177,7 +177,7 @@ pub struct HarmonicPerturbation {
     pub field: PerturbedField,
     /// Amplitude A, in the unit of the field.
     pub amplitude: f64,
-    /// Phase at the corner of the box, degrees.
+    /// Phase at the corner y = 0 of the box, degrees.
     pub phase_deg: f64,
 }
 
@@ -195,14 +195,14 @@ pub enum FlowPerturbation {
         /// Radius of the envelope, m; positive.
         radius: f64,
     },
-    /// Noise: all modes of a wave-number band, with equal amplitudes and random phases; the phases depend on the seed,
-    /// not on the grid.
+    /// Noise: all modes of a band of mode numbers, with equal amplitudes and random phases; the phases depend on the
+    /// seed, not on the grid.
     Noise {
         /// Perturbed field.
         field: PerturbedField,
-        /// Smallest √(m₁² + m₂²) of the band.
+        /// Lower limit of √(m₁² + m₂²), inclusive; positive.
         min_wave_number: f64,
-        /// Largest √(m₁² + m₂²) of the band.
+        /// Upper limit of √(m₁² + m₂²), inclusive.
         max_wave_number: f64,
         /// Root mean square of the noise, in the unit of the field.
         amplitude: f64,
@@ -220,7 +220,7 @@ pub enum FlowPerturbation {
     File {
         /// Absolute path of the archive.
         path: String,
-        /// 32-bit checksum of the archive.
+        /// CRC-32 checksum of the archive.
         checksum: u32,
     },
 }

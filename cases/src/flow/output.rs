@@ -136,7 +136,7 @@ pub struct FlowOutput {
     pub snapshot_interval: f64,
     /// Field plotted in pictures; `None` for the magnitude of the velocity perturbation.
     pub plotted_field: Option<FlowQuantity>,
-    /// Contour levels in the unit of the field; `None` for automatic levels.
+    /// Contour levels in the unit of the field, empty for no contours; `None` for automatic levels.
     pub contour_levels: Option<Vec<f64>>,
 }
 

@@ -26,7 +26,7 @@ pub struct Key {
     /// Whether the key is required or optional, and its default.
     pub presence: Presence,
     /// Allowed range of a number, independent of other keys. A case file may contain any finite number, since a map may
-    /// sweep it; the range is checked when the model or state is built.
+    /// sweep it; the range is checked when the model or state is built, for `[wave]` on reading.
     pub range: AllowedRange,
     pub(crate) storage: KeyStorage,
 }
@@ -37,7 +37,7 @@ pub(super) enum ModelFilter {
     AllModels,
     Flows(fn(Flow) -> bool),
     Solids(fn(Solid) -> bool),
-    /// Models with a constant of this name; flows and solids share a key if the units are equal.
+    /// Models, both flows and solids, with a constant of this name.
     HavingConstant(&'static str),
 }
 
@@ -131,7 +131,8 @@ impl KeyStorage {
         }
     }
 
-    /// Stores a value in `numbers`; values of another type than [`value_type`](Self::value_type) are ignored.
+    /// Stores a value of the type [`value_type`](Self::value_type) in `numbers`; values of keys that are not stored are
+    /// ignored.
     pub(crate) fn store_value(self, numbers: &mut CaseNumbers, value: &CaseValue) {
         match (self, value) {
             (Self::StoredCount(f), CaseValue::Count(n)) => *f(numbers) = *n,
@@ -277,12 +278,13 @@ impl Key {
         constant.map_or(self.presence, |own| own.presence)
     }
 
-    /// Resets the value to the default of the key.
+    /// Resets the value to the default of the key, as [`reset_value_to`](Self::reset_value_to).
     pub(crate) fn reset_value(&self, numbers: &mut CaseNumbers) {
         self.reset_value_to(self.presence, numbers);
     }
 
-    /// Resets the value to the default of `presence`.
+    /// Resets the value to the default of `presence`, or to 0 if there is none; optional values and constants without
+    /// default become absent.
     pub(crate) fn reset_value_to(&self, presence: Presence, numbers: &mut CaseNumbers) {
         let absent = match presence {
             Presence::Default(value) => value,
@@ -301,13 +303,14 @@ impl Key {
         }
     }
 
-    /// Returns the default or example value as TOML, as printed by `wellposed new`; `None` if the key is not a number.
+    /// Returns the default or example value as TOML, as printed by `wellposed new`; 0 for an optional key, `None` for
+    /// texts and numbers of `[map]`.
     pub fn example_value(&self) -> Option<String> {
         self.example_value_from(self.presence)
     }
 
-    /// Returns the default or example value in the registry entry of `medium` as TOML; `None` if the key is not a
-    /// number.
+    /// Returns the value as [`example_value`](Self::example_value) does, for a constant from the registry entry of
+    /// `medium`.
     pub fn example_value_for(&self, medium: MediumKind) -> Option<String> {
         self.example_value_from(self.presence_for(medium))
     }

@@ -61,8 +61,8 @@ macro_rules! keys {
     (@sets $sets:ident) => { Some($sets) };
 }
 
-/// Returns all scalar keys of a case file, in the order of writing. Required keys of `[map]` and `[compare]` are
-/// required only if their section is present.
+/// Returns all scalar keys of a case file, in the order of writing. Required keys of `[yield]`, `[map]` and `[compare]`
+/// are required only if their section is present.
 pub fn keys() -> &'static [Key] {
     /// Number of registry entries for which the table was built, and the table.
     static KEY_TABLE: RwLock<(usize, &[Key])> = RwLock::new((0, &[]));

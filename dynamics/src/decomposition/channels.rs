@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 #[error("the thread of a neighbouring part has ended")]
 pub(super) struct Disconnected;
 
-/// Channels to the neighbours, by axis and end.
+/// Channels to the neighbours, by axis and end (0: lower, 1: upper); `None` at ends without neighbour.
 #[derive(Debug)]
 pub(super) struct Channels<T, const D: usize> {
     neighbours: [[Option<Neighbour<T>>; 2]; D],

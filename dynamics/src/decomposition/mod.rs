@@ -71,7 +71,7 @@ pub struct DecomposedDomain<T: SolverReal, const D: usize> {
     permutation: AxisPermutation<D>,
     /// Number of cells of the whole grid along each permuted axis.
     cells: [usize; D],
-    /// Number of watched cells.
+    /// Number of watched cells, those outside the grid included.
     watched_count: usize,
 }
 
@@ -171,7 +171,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Advances all fields by `steps` time steps, each subdomain on its own thread.
+    /// Advances all fields by `steps` time steps: a single subdomain on the calling thread, several on a thread each.
     pub fn advance(&mut self, steps: usize) {
         // A neighbour's thread ends early only by a panic, which the scope propagates.
         if let [part] = self.subdomains.as_mut_slice() {
@@ -375,7 +375,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.subdomains.first().map_or(0.0, |part| part.domain.grid().volume())
     }
 
-    /// Calls `evaluate` for each subdomain, each on its own thread.
+    /// Calls `evaluate` for each subdomain: a single one on the calling thread, several on a thread each.
     fn map_subdomains<V: Send + Default>(
         &self,
         evaluate: impl Fn(&Domain<T, D>) -> V + Sync,
@@ -392,7 +392,9 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         })
     }
 
-    /// Returns field and cell of the first non-finite value.
+    /// Returns field and cell of a non-finite value (for interlayers, the cell above the face); `None` if all are
+    /// finite. Each subdomain reports its first one; that with the lowest cell in the order of permuted axes is
+    /// returned.
     pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
         let own = |part: &Subdomain<T, D>| {
             let (field, cell) = part.domain.first_non_finite()?;
@@ -412,7 +414,8 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         }
     }
 
-    /// Returns the first cell whose stress is outside its yield set.
+    /// Returns the first cell, in the order of permuted axes, whose stress is outside its yield set; `None` if there is
+    /// none.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         let own = |part: &Subdomain<T, D>| {
             Some(part.region.owned_global_cell(part.domain.first_beyond_yield()?))

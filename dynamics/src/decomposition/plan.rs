@@ -82,8 +82,8 @@ impl<const D: usize> Decomposition<D> {
         &self.regions
     }
 
-    /// Returns the subdomain beyond an end (0: lower, 1: upper) of an axis of subdomain `part`; `None` at an end
-    /// without neighbour.
+    /// Returns the subdomain beyond an end (0: lower, 1: upper) of an axis of subdomain `part`; `None` at an end of the
+    /// grid along an axis that is not periodic, and along an axis with a single subdomain.
     pub fn neighbour(&self, part: usize, axis: usize, end: usize) -> Option<usize> {
         let count = self.subdomain_counts[axis];
         let stride: usize = self.subdomain_counts[..axis].iter().product();

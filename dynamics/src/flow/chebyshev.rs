@@ -10,7 +10,7 @@ pub(super) fn stability_limit(stages: usize) -> f64 {
     2.0 / 3.0 * (squared - 1.0) * (1.0 - 2.0 * DAMPING / 15.0)
 }
 
-/// Computes the smallest number of stages that is stable for a product of decay rate and step size.
+/// Computes the smallest number of stages, at least 2, that is stable for a product of decay rate and step size.
 pub(super) fn required_stages(product: f64) -> usize {
     let estimate = (1.0 + 1.5 * product / (1.0 - 2.0 * DAMPING / 15.0)).sqrt();
     (estimate.ceil() as usize).max(2)
@@ -24,7 +24,7 @@ pub(super) struct StageCoefficients {
     pub(super) nu: f64,
     pub(super) mu_tilde: f64,
     pub(super) gamma_tilde: f64,
-    /// Time of Yⱼ, in units of the step size.
+    /// Time of Yⱼ since the start of the step, in units of the step size.
     pub(super) time: f64,
 }
 

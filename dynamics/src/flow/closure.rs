@@ -101,7 +101,7 @@ pub(super) fn harris_grekova_double_angle(
     (square >= 0.0).then_some([cos * cosine - sin * sine, sin * cosine + cos * sine])
 }
 
-/// Computes cos 2ψ_D and sin 2ψ_D; `None` if the shear rate Q_D is below `least`, 1/s.
+/// Computes cos 2ψ_D and sin 2ψ_D; `None` if the shear rate Q_D is below `least`, 1/s, or NaN.
 #[inline(always)]
 pub(super) fn coaxial_double_angle(deformation: &Deformation, least: f64) -> Option<[f64; 2]> {
     (deformation.shear_rate() >= least).then(|| deformation.double_angle())

@@ -48,7 +48,7 @@ pub(super) struct PointValues {
     sin_phi: f64,
     /// c cos φ, Pa.
     cohesion_term: f64,
-    /// Sign of cos 2(ψ − ψ_D) in the background flow.
+    /// Sign of cos 2(ψ − ψ_D) in the background flow at time 0.
     branch: f64,
     /// Shear rate Q_D below which a run ends, 1/s (plastic potential).
     min_shear_rate: f64,
@@ -56,7 +56,7 @@ pub(super) struct PointValues {
     pub(super) velocity: [Vec<f64>; 2],
     /// ∂₁v′₁ = −∂₂v′₂, ∂₁v′₂ and ∂₂v′₁, 1/s.
     perturbation_gradient: [Vec<f64>; 3],
-    /// Internal variable: ω, rad/s, or ψ, rad, background flow included.
+    /// Internal variable: ω, rad/s, or ψ, rad, background flow included; empty for the plastic potential.
     pub(super) internal_variable: Vec<f64>,
     /// cos 2ψ and sin 2ψ.
     pub(super) stress_double_angle: [Vec<f64>; 2],
@@ -90,7 +90,7 @@ impl PointValues {
         }
     }
 
-    /// Computes deviatoric deformation rate and vorticity, Γ included.
+    /// Computes deviatoric deformation rate and vorticity at a point, Γ included.
     #[inline(always)]
     fn deformation(&self, point: usize) -> Deformation {
         let [[g11, g12], [g21, g22]] = self.problem.velocity_gradient;
@@ -268,7 +268,7 @@ pub(super) struct FlowEquations {
     /// Buffers for transforms.
     mode_buffers: [Vec<Complex64>; 3],
     pressure_right_hand_side: Vec<Complex64>,
-    /// Numbers of evaluations of the right-hand side and of iterations for the pressure.
+    /// Numbers of pressure solutions (one per evaluation of the right-hand side) and of their iterations.
     pub(super) evaluation_counts: [usize; 2],
     /// Relative residual of the last pressure solution.
     pub(super) pressure_residual: f64,
@@ -336,7 +336,8 @@ impl FlowEquations {
     /// Computes the time derivative of a state.
     ///
     /// # Errors
-    /// The stress is undetermined at a point, or the pressure solution does not converge.
+    /// The stress angle is undetermined or the deviatoric stress q is not positive at a point, or the pressure solution
+    /// does not converge.
     pub(super) fn compute_rates(
         &mut self,
         time: f64,

@@ -95,9 +95,9 @@ impl FlowSolver {
         self.equations.compute_wave_vectors(self.time).wave_vector(mode)
     }
 
-    /// Returns the amplitudes of mode m, the factors of exp(ik·y) with y measured from the first point: of the
-    /// vorticity ζ, 1/s, and of ω or ψ (zero without internal variable); then their time derivatives. `None` if the
-    /// mode is not resolved.
+    /// Returns the amplitudes of mode m, the factors of exp(ik·y) with the initial wave vector k and the position y in
+    /// the initial box, measured from the first point: of the vorticity ζ, 1/s, and of ω or ψ (zero without internal
+    /// variable); then their time derivatives. `None` if the mode is not resolved.
     pub fn mode_amplitudes(&self, mode: ModeNumbers) -> Option<[[Complex64; 2]; 2]> {
         let series = &self.equations.series;
         let (index, is_conjugate) = match series.mode_index(mode) {

@@ -208,11 +208,11 @@ mod tests {
         assert_eq!(generate_noise(1.0, 1.0, 1.0, 0).len(), 2);
     }
 
-    /// Verifies that a Gaussian has its maximum at its centre and is periodic.
+    /// Verifies that a Gaussian is largest next to its centre and periodic along x₁.
     #[test]
     fn gaussians_are_periodic() {
         let bell = small_lattice([20, 20]).evaluate_gaussian([0.0025, 0.15], 0.02);
-        // The point with indices 0 and 10 is the centre.
+        // The centre is midway between the points with indices 0 and 9 and with indices 0 and 10.
         let middle = 200;
         let greatest = bell.iter().fold(0.0f64, |a, b| a.max(*b));
         assert!((bell[middle] - greatest).abs() < 1e-14);

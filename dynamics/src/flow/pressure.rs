@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 /// Number of GMRES iterations before a restart.
 const RESTART_LENGTH: usize = 30;
-/// Maximum number of iterations.
+/// Number of GMRES iterations from which on there is no further restart.
 const MAX_ITERATIONS: usize = 300;
 
 /// Pressure equation for a given field ψ.
@@ -107,7 +107,7 @@ impl PressureSolver {
     /// Solves for p̃ by restarted GMRES (Saad & Schultz 1986) with right preconditioning; `p` holds the initial guess.
     ///
     /// # Errors
-    /// Iterations and residual if the tolerance is not reached.
+    /// Iterations and residual if the tolerance is not reached or the residual is not finite.
     pub(super) fn solve(
         &mut self,
         series: &mut FourierSeries,

@@ -1,7 +1,7 @@
 //! Fourier series on a rectangular box: resolved modes, wave vectors and transforms.
 //!
-//! Modes up to one third of the number of points are resolved along each axis (2/3 rule), so that products of two
-//! series are free of aliasing. Of a real series the modes with m₁ ≥ 0 are stored, m₂ fastest: 0, 1, …, K₂, −K₂, …, −1.
+//! Modes up to ⌊(N − 1)/3⌋ are resolved along each axis of N points (2/3 rule): in products of two series they are
+//! free of aliasing. Of a real series the modes with m₁ ≥ 0 are stored, m₂ fastest: 0, 1, …, K₂, −K₂, …, −1.
 
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -86,7 +86,7 @@ impl FourierSeries {
     /// Forward transform: computes modes from values at the points (first axis fastest).
     ///
     /// # Panics
-    /// Never: buffers have the lengths of their plans.
+    /// `modes` does not have [`mode_count`](Self::mode_count) entries.
     pub fn transform_forward(
         &mut self,
         value: impl Fn(usize) -> f64 + Sync,
@@ -136,7 +136,7 @@ impl FourierSeries {
     /// vector.
     ///
     /// # Panics
-    /// Never: buffers have the lengths of their plans.
+    /// `values` does not have one entry per point.
     pub fn transform_inverse(
         &mut self,
         modes: &[Complex64],
@@ -224,7 +224,7 @@ pub struct ModeWaveVector {
     pub double_angle: [f64; 2],
 }
 
-/// Wave vectors of all resolved modes in a deformed box.
+/// Wave vectors of all stored modes in a deformed box, in the order of storage.
 #[derive(Clone, Debug)]
 pub struct ModeWaveVectors {
     /// Wave vectors of the modes (1, 0) and (0, 1), 1/m.

@@ -37,7 +37,7 @@ macro_rules! register_vector {
 
             #[inline(always)]
             fn neg(self) -> Self {
-                // Not 0 − x: it has the wrong sign of zero for x = 0.
+                // Not 0 − x, which is +0 instead of −0 for x = +0.
                 Self::splat(-1.0) * self
             }
         }
@@ -269,8 +269,9 @@ unsafe fn blend_single512(own: __m512, lanes: u16, other: __m512) -> __m512 {
     unsafe { _mm512_mask_mov_ps(own, lanes, other) }
 }
 
-// Three-argument minmod: numbers of equal sign are ordered as their bit patterns, and integer minima leave the
-// floating-point units free. AVX2 has no minimum of 64-bit integers; its minimum is over floating-point magnitudes.
+// Three-argument minmod: bit patterns of numbers of equal sign are ordered as their magnitudes, and integer minima
+// leave the floating-point units free. AVX2 has no minimum of 64-bit integers: doubles use that of floating-point
+// magnitudes.
 
 #[inline(always)]
 unsafe fn minmod3_double256(mean: __m256d, one: __m256d, other: __m256d) -> __m256d {

@@ -53,7 +53,7 @@ pub struct FlowSimulation {
     /// Points whose fields are recorded.
     probes: Vec<usize>,
     initial_energy: f64,
-    /// State before the last step.
+    /// State before the last step; `None` before the first step since creating or restoring the simulation.
     snapshot_before_step: Option<FlowSnapshot>,
     /// Whether the present state has not been recorded yet.
     has_new_record: bool,
@@ -84,10 +84,10 @@ impl FlowSimulation {
     /// Adds the initial perturbation; see [`FlowSolver::perturb`].
     ///
     /// # Errors
-    /// The stress is undetermined at a point.
+    /// The stress is undetermined at a point, or the pressure solution does not converge.
     ///
     /// # Panics
-    /// The number of values differs from the number of points.
+    /// The number of values differs from the number of points; without internal variable, its values are ignored.
     pub fn perturb(
         &mut self,
         velocity: [&[f64]; 2],

@@ -3,14 +3,15 @@
 use super::Simulation;
 use std::cmp::Ordering;
 
-/// Times at the multiples of an interval, from 0 on; the last time is the duration, which replaces a multiple equal to
-/// it up to rounding.
+/// Times at the multiples of an interval, from 0 on; the last time is the duration, which replaces a multiple less than
+/// 10⁻⁶ intervals before it.
 #[derive(Clone, Copy, Debug)]
 pub struct RegularTimes {
     /// Interval, s.
     interval: f64,
     /// Duration, s.
     duration: f64,
+    /// Number of times, 0 and the duration included.
     count: usize,
 }
 
@@ -62,7 +63,7 @@ impl RegularTimes {
 mod tests {
     use super::RegularTimes;
 
-    /// Verifies that each time occurs once, in order, without accumulated rounding, and that the last is the duration.
+    /// Verifies the number of times, that they increase from 0 to the duration, and the numbers of times up to a time.
     #[test]
     fn each_time_occurs_once_and_the_last_is_the_duration() {
         for (interval, duration, count) in [

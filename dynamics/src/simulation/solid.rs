@@ -1,9 +1,9 @@
-//! Simulation of a solid: batches of equal steps, each followed by a check that the energy is finite.
+//! Simulation of a solid: batches of equal steps, each followed by a check that energy and ledger are finite.
 //!
-//! If the energy is not finite, a value has become non-finite in the last batch, in a step that is not known. The
-//! simulation then returns to the last [saved](Simulation::state) or restored state (else the initial one), repeats the
-//! sound batches, and proceeds step by step to the last sound state. Output between two steps is interpolated linearly
-//! between the states, so that stresses stay in their convex yield sets.
+//! If they are not, a value has become non-finite in the last batch, in a step that is not known. The simulation then
+//! returns to the last [saved](Simulation::state) or restored state (else the initial one), repeats the sound batches,
+//! and proceeds step by step to the last sound state. Fields between two steps are interpolated linearly between the
+//! states, so that stresses stay in their convex yield sets; accounts are those of the end of the step.
 
 use super::solver::{SolidSolver, SolverChoice};
 use super::{Simulation, SimulationState, TimeSteps, from_bytes, number_sections, to_bytes};
@@ -20,8 +20,8 @@ use std::cmp::Ordering;
 /// Maximum number of steps between two checks for non-finite energies.
 const MAX_BATCH_STEPS: usize = 64;
 
-/// Maximum of the product of cells and steps between two checks, a few seconds of one thread in three dimensions. A run
-/// can be interrupted only between batches.
+/// Maximum of the product of cells and steps between two checks, unless they are one step apart; a few seconds of one
+/// thread in three dimensions. A run can be interrupted only between batches.
 const MAX_BATCH_CELL_STEPS: usize = 20_000_000;
 
 /// Energy of a solid and its ledger.
@@ -73,12 +73,12 @@ impl SolidFields {
     }
 }
 
-/// A state whose energy is not finite.
+/// A state whose energy or ledger is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidFault {
     /// Time of the state, s.
     pub time: f64,
-    /// Field and cell of the first non-finite value; `None` if only the energy is non-finite.
+    /// Field and cell index of the first non-finite value; `None` if only the energy or the ledger is non-finite.
     pub location: Option<(SolidField, usize)>,
 }
 
@@ -179,7 +179,8 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         self.thread_count
     }
 
-    /// Returns the first cell whose stress is outside its yield set.
+    /// Returns the first cell, in the order of the solver, whose stress is outside its yield set; `None` without such a
+    /// cell.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         self.solver.first_beyond_yield()
     }
@@ -217,7 +218,7 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         SolidFault { time: self.solver.time(), location: self.solver.first_non_finite() }
     }
 
-    /// Restores the last saved state and repeats the sound steps, with the same bits.
+    /// Restores the last saved state, or the initial one, and repeats the sound steps, with the same bits.
     fn replay_sound_steps<E>(&mut self, mut go_on: impl FnMut() -> Result<(), E>) -> Result<(), E> {
         let saved = self.saved_snapshot.take().filter(|saved| saved.steps <= self.steps_done);
         let start = match saved {

@@ -69,7 +69,7 @@ pub(super) trait SolidSolver<T: Real>: Send {
     fn restore(&mut self, snapshot: &Snapshot<T>) -> bool;
     /// Number of output quantities per cell.
     fn quantity_count(&self) -> usize;
-    /// Output values by quantity and cell.
+    /// Output values by quantity and cell of the problem.
     fn output_fields(&self) -> Vec<Vec<f64>>;
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     fn plastic_dissipation(&self) -> Vec<f64>;
@@ -77,11 +77,11 @@ pub(super) trait SolidSolver<T: Real>: Send {
     fn watch_cells(&mut self, cells: &[usize]);
     /// Records the watched cells in the present state.
     fn record_watched(&mut self);
-    /// Returns the records since the last call.
+    /// Returns the records since the last call, by step, watched cell and output quantity.
     fn take_records(&mut self) -> Vec<f64>;
-    /// Returns field and cell of the first non-finite value.
+    /// Returns field and cell of the first non-finite value; `None` if all values are finite.
     fn first_non_finite(&self) -> Option<(SolidField, usize)>;
-    /// Returns the first cell whose stress is outside its yield set.
+    /// Returns the first cell whose stress is outside its yield set; `None` if there is none.
     fn first_beyond_yield(&self) -> Option<usize>;
 }
 

@@ -54,7 +54,8 @@ impl<const D: usize> AxisPermutation<D> {
         self.reindex(cell, &self.axes, &std::array::from_fn::<_, D, _>(|axis| axis))
     }
 
-    /// Returns the index in the domain of a face of a boundary normal to an axis of the problem.
+    /// Converts the index of a face, on a boundary of the problem normal to the problem's axis `axis`, to its index on
+    /// the same boundary of the domain.
     fn permuted_face(&self, axis: usize, face: usize) -> usize {
         let others = |axes: [usize; D]| axes.into_iter().filter(|own| *own != axis).collect();
         let [from, to]: [Vec<usize>; 2] = [std::array::from_fn(|own| own), self.axes].map(others);
@@ -70,7 +71,8 @@ impl<const D: usize> AxisPermutation<D> {
         (0..values.len()).map(|cell| values[self.original_cell(cell)]).collect()
     }
 
-    /// Reorders values by cell of the domain to the order of the cells of the problem.
+    /// Reorders values by cell of the domain to the order of the cells of the problem; a list of another length is
+    /// returned unchanged.
     pub(crate) fn unpermute<V: Copy>(&self, values: Vec<V>) -> Vec<V> {
         if self.is_identity() || values.len() != self.cells.iter().product::<usize>() {
             return values;

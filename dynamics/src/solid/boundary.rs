@@ -89,7 +89,8 @@ impl Boundary {
     }
 }
 
-/// Time-dependent velocities or tractions on faces of a boundary, added to those of the conditions of the faces.
+/// Time-dependent velocities or tractions on faces of a boundary, added to those of the conditions of the faces;
+/// without effect on non-reflecting faces.
 #[derive(Clone)]
 pub struct Load {
     /// Axis normal to the boundary, from 0.
@@ -107,8 +108,8 @@ pub struct Load {
 /// A source in the interior: body force, couple or moment tensor.
 #[derive(Clone)]
 pub struct Source {
-    /// Cells (first axis fastest) and their shares of the source; the shares add up to 1, or to less if a part of the
-    /// source lies beyond a symmetry plane.
+    /// Cells (first axis fastest) and their shares of the source; the shares add up to 1, or to another value if the
+    /// source extends beyond a plane of symmetry or antisymmetry (see [`point_kernel`](crate::solid::point_kernel)).
     pub cells: Vec<(usize, f64)>,
     /// Components of the force (N, by velocity), of the couple (N·m, by spin) or of the moment tensor (N·m, by stress,
     /// which the moment reduces); per metre in plane strain.

@@ -2,7 +2,8 @@
 
 use crate::simd::{LaneGroup, Number, Real, Vector};
 
-/// Constants of a cell for a wave pair.
+/// Constants of a cell for a wave pair. C is the Courant number; for the weights and the bound of the reconstruction
+/// some constructors use another C.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellConstants<N> {
     /// Impedance z, kg/(m²s) for translations.
@@ -31,9 +32,9 @@ impl<T: Real> CellConstants<T> {
 
     /// Creates the constants as [`Self::new`] does, for
     /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder) in problems with several media or interlayers.
-    /// With the weights of `interface_weights` no energy grows for C ≥ 0.02. Slower waves use the weights for
-    /// C = 0.02, which is also stable, since for the same fluxes a smaller Courant number leaves less energy; this adds at most 2 % of
-    /// the first-order dissipation.
+    /// With the weights of `interface_weights` no energy grows for C ≥ 0.02. Waves with C < 0.02 use the weights for C
+    /// = 0.02, which are stable, too, since for the same fluxes a smaller Courant number leaves less energy; they add
+    /// at most 2 % of the first-order dissipation.
     pub fn with_interfaces(impedance: f64, courant: f64) -> Self {
         Self::with_reconstruction_courant(courant.max(0.02), impedance, courant)
     }
@@ -54,7 +55,7 @@ impl<T: Real> CellConstants<T> {
             half_courant: T::from_f64(0.5 * courant),
             velocity_factor: T::from_f64(0.5 * courant / impedance),
             mean_slope_weight: T::from_f64(0.25 * (1.0 - reconstruction_courant)),
-            // Finite for C → 0, where the bound is never active.
+            // Finite for C → 0, where the bound is hardly ever active.
             upwind_bound: T::from_f64((1.0 - courant) / courant.max(1e-6)),
             upwind_weight: T::from_f64(
                 (1.0 - reconstruction_courant)
@@ -99,8 +100,8 @@ impl<V: Number> CellConstants<V> {
     }
 
     /// Fourth order: computes the time-averaged wave at the face between the second and the third of four cells of
-    /// equal constants, in the direction of propagation, from the values of the wave in the cells; differences would
-    /// require more additions.
+    /// equal constants, numbered in the direction of propagation, from the values of the wave in the cells; a formula
+    /// in their differences would require more additions.
     #[inline(always)]
     pub(crate) fn face_value(&self, [first, second, third, fourth]: [V; 4]) -> V {
         let own = V::ONE + self.upwind_weight - self.central_weight;
@@ -108,7 +109,8 @@ impl<V: Number> CellConstants<V> {
         own * second - self.upwind_weight * first + (next * third + self.downwind_weight * fourth)
     }
 
-    /// Returns for each of the first three of four adjacent cells 1 if the next cell has equal constants, else 0.
+    /// Returns for each of the first three of four adjacent cells 1 if the next cell has the same impedance and Courant
+    /// number, else 0.
     #[inline(always)]
     pub(crate) fn equality_flags([one, two, three, four]: [&Self; 4]) -> [V; 3] {
         [V::ONE - one.contrast(two), V::ONE - two.contrast(three), V::ONE - three.contrast(four)]
@@ -127,8 +129,8 @@ impl<V: Number> CellConstants<V> {
     /// at the face. Arguments (1 or 0): whether the upwind cell and this cell, this cell and the downwind cell, and the
     /// downwind cell and the next one have equal constants.
     ///
-    /// The weights are linear fits in C to the most accurate linear reconstruction by which no wave gains energy.
-    /// Reconstructions that are exact for linear waves would let some waves gain energy.
+    /// The weights divided by 1 − C are linear fits in C, or constants, for the most accurate linear reconstruction by
+    /// which no wave gains energy. Reconstructions that are exact for linear waves would let some waves gain energy.
     #[inline(always)]
     pub(crate) fn interface_weights(&self, [upwind, downwind, beyond]: [V; 3]) -> ([V; 3], V) {
         let one_minus_courant = self.one_minus_courant();

@@ -78,7 +78,7 @@ pub(crate) fn accelerate<T: Real>(value: &mut T, change: f64) -> f64 {
 }
 
 /// Integrates the signal of a source over an interval, s: returns the midpoint value times the duration, s, and the
-/// change of the signal.
+/// change of the signal (from 0, if the interval starts at time 0).
 pub(crate) fn integrate_signal(signal: &Signal, [from, to]: [f64; 2]) -> [f64; 2] {
     // The signal is zero before time 0, so that an initial jump acts in the first step.
     let before = if from > 0.0 { signal(from) } else { 0.0 };
@@ -109,8 +109,8 @@ pub(crate) fn apply_source<T: Real>(
     }
 }
 
-/// Returns, for each spin, the field indices of the spin and of the two stresses ij and ji whose antisymmetric part
-/// rotates with it.
+/// Returns, for each spin k, the field indices of the spin and of the stresses ij and ji (ijk cyclic) whose
+/// antisymmetric part rotates with it.
 pub(crate) fn rotated_fields(fields: &[SolidField]) -> Vec<[usize; 3]> {
     let place = |field: SolidField| fields.iter().position(|own| *own == field);
     let triple = |k: usize| {
@@ -129,7 +129,8 @@ pub(crate) fn rotated_fields(fields: &[SolidField]) -> Vec<[usize; 3]> {
 /// [`SpinRotation`](models::solid::waves::SpinRotation).
 pub(crate) type SpinStressRotation<N> = [N; 3];
 
-/// Computes the rotation coefficients of a medium over `step_fraction`·`step`, s.
+/// Computes the rotation coefficients of a medium over `step_fraction`·`step`, s; for a medium without rotation, those
+/// of the identity.
 pub(crate) fn spin_stress_rotation(
     medium: &Medium,
     step_fraction: f64,
@@ -229,14 +230,14 @@ pub(crate) struct MappedStress {
     pub(crate) stress: Stress,
     /// Plastic dissipation, J/m³.
     pub(crate) dissipation: f64,
-    /// Work of the initial stress, J/m³.
+    /// Work of the initial stress on the plastic strain, J/m³; 0 without initial stress.
     pub(crate) initial_stress_work: f64,
-    /// Plastic dissipation divided by the energy stored by the trial stress.
+    /// Plastic dissipation divided by the energy stored by the trial stress (total stress before the mapping).
     pub(crate) dissipation_ratio: f64,
 }
 
 /// Applies the return mapping P (or the reflection 2P − I if `reflects`) to the stress given by its deviation from the
-/// initial stress; `None` if the stress is in its yield set.
+/// initial stress; `None` if P leaves the total stress unchanged, since it is in its yield set.
 pub(crate) fn map_stress(
     medium: &Medium,
     deviation: &Stress,
@@ -257,7 +258,7 @@ pub(crate) fn map_stress(
     // ½|s̄ − s|²).
     let beyond = if reflects { energy(&plastic) } else { 0.0 };
     let dissipation = factor * (projection.energy_lost - beyond);
-    // Energy norm: inner product of the plastic stress change and the initial stress.
+    // Inner product, in the energy norm, of the plastic stress change and the initial stress.
     let initial_stress_work = initial.map_or(0.0, |initial| {
         let both = add_scaled(&plastic, initial, 1.0);
         factor * (energy(&both) - energy(&plastic) - energy(initial))

@@ -57,7 +57,8 @@ pub(crate) fn set_time<T: Real>(boundaries: &mut [BoundaryFaces<T>; 2], time: f6
 /// Storage position of a face: group index and lane.
 pub(crate) type LaneIndex = (usize, usize);
 
-/// Ghost rule of a boundary: signs and shifts of its mirror images by wave pair and face.
+/// Ghost rule of a boundary: signs and shifts of its mirror images by wave pair and face, and the loads that change the
+/// shifts.
 #[derive(Clone)]
 pub(crate) struct GhostRule<T: Real> {
     /// By wave pair and face group: sign of v, shift of v, sign of s, shift of s, weight. Weight 1: one-sided
@@ -93,9 +94,9 @@ struct BoundaryLoad {
 }
 
 impl<T: Real> GhostRule<T> {
-    /// Creates the ghost rule of `boundary` for the faces of a region. `faces`: index of the face in the boundary,
-    /// ascending, and storage position. A uniform boundary stores one entry, since the rule is read at both ends of
-    /// every row.
+    /// Creates the ghost rule of `boundary` for the faces of a region. `faces`: index of each face in the boundary,
+    /// ascending, and its storage position; `groups`: number of face groups. A uniform boundary stores one entry, since
+    /// the rule is read at both ends of every row.
     pub(crate) fn new(
         boundary: &Boundary,
         pairs: usize,
@@ -375,9 +376,10 @@ fn compute_fourth_order_ghosts<N: Number>(
 /// O is the wave that arrives at the boundary, I the wave that leaves it, index 0 in the outermost and 1 in the next
 /// cell; * denotes the face value; C is the Courant number; g_v and g_s are the prescribed velocity and traction; γ =
 /// ½(σ_s − σ_v) is the reflection coefficient, with the signs σ of the ghost rule (−1: traction, 1: velocity, 0:
-/// non-reflecting). At the face I* = γ O* + 2g_s ∓ 2z g_v and O* = O₀ + (1 − C) x. In smooth states x is half the slope
-/// a = O₀ − O₁; in rough states this could increase the energy. The averaging of the leaving wave dissipates at least
-/// (w − Cy)² − β, with w = γ(I₀ − I*) and y half of its limited slope, which bounds x:
+/// non-reflecting). At the face I* = γ O* + 2g_s ∓ 2z g_v (− at the lower, + at the upper end) and O* = O₀ + (1 − C) x.
+/// In smooth states x is half the slope a = O₀ − O₁; in rough states this could increase the energy. The averaging of
+/// the leaving wave dissipates at least (w − Cy)² − β, with w = γ(I₀ − I*) for x = ½a (at non-reflecting faces w = −O*)
+/// and y half of the limited slope of the leaving wave, times γ; this bounds x:
 ///
 /// ```text
 /// x = a (½ − κ(1 − t)),  t = min(1, 15/4 · max(0, (w − Cy)² − β)/(C a²)),
@@ -385,8 +387,9 @@ fn compute_fourth_order_ghosts<N: Number>(
 /// β = max(0, y² − ((1 − ½C)b − (1 − C)y)² + ¼(1 − C)b²),  b = γ(I₁ − I₀).
 /// ```
 ///
-/// `tests/solid/energy.rs` searches for states that gain energy in a sweep; none is known. In the nearest ghost, O = O₀
-/// + 4x − a, which yields this half slope in the outermost cell, and I is the linear function through I* and I₀.
+/// `tests/solid/energy.rs` searches for states that gain energy in a sweep; none is known. In the nearest ghost the
+/// arriving wave is O₀ − a + 4x, which yields the half slope x in the outermost cell, and the leaving wave is the
+/// linear function through I* and I₀.
 #[inline(always)]
 fn compute_limited_ghosts<N: Number>(
     [own, behind]: [State<N>; 2],
@@ -457,7 +460,8 @@ fn state_from_characteristics<N: Number>(
     State { velocity: half_admittance * difference, stress: N::HALF * (arriving + leaving) }
 }
 
-/// Selects by weight: 1 gives `one`, 0 gives `other`, bit for bit.
+/// Selects by weight, if both states are finite: 1 gives `one`, 0 gives `other`, bit for bit except for the sign of
+/// zeros.
 #[inline(always)]
 fn blend<N: Number>(weight: N, one: State<N>, other: State<N>) -> State<N> {
     let rest = N::ONE - weight;

@@ -91,9 +91,9 @@ pub fn normalise_velocity(
 /// Plane pulse of constant shape: d'Alembert's solution in a classical isotropic solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanePulse {
-    /// Direction of propagation.
+    /// Direction of propagation, a unit vector.
     n: [f64; 3],
-    /// Polarisation.
+    /// Polarisation, a unit vector.
     a: [f64; 3],
     /// Speed, m/s.
     speed: f64,
@@ -134,8 +134,8 @@ impl PlanePulse {
         self.speed
     }
 
-    /// Computes the distances of a position from the pulse centre at time 0, m: along and normal to the direction of
-    /// propagation.
+    /// Computes two distances, m, from the vector `from`, m, that leads from the pulse centre at time 0 to a position:
+    /// the signed distance along the direction of propagation, and the distance normal to it.
     pub fn distances(&self, from: &[f64]) -> [f64; 2] {
         let along: f64 = from.iter().zip(self.n).map(|(x, n)| x * n).sum();
         let transverse_distance =
@@ -143,7 +143,8 @@ impl PlanePulse {
         [along, transverse_distance]
     }
 
-    /// Returns the value of a field per 1 m/s of velocity; `None` for fields that classical solids do not have.
+    /// Returns the value of a field, in its SI unit, per 1 m/s of particle velocity along the polarisation; `None` for
+    /// fields that classical solids do not have.
     pub fn field_per_velocity(&self, field: SolidField) -> Option<f64> {
         let (n, a) = (&self.n, &self.a);
         match field {

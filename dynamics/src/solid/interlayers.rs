@@ -19,7 +19,7 @@ pub struct Interlayers {
     /// Number of cells below the first interlayer. May be 0 on a periodic axis; on other axes the blocks at both ends
     /// have at least three cells.
     pub offset: usize,
-    /// Number of cells per block.
+    /// Number of cells per block, from one interlayer to the next.
     pub block_cells: usize,
     /// Face law for each wave pair of the axis.
     pub laws: Vec<ElasticInterlayer<f64>>,
@@ -77,7 +77,8 @@ pub(crate) fn interlayer_energy<T: Real>(
     [area * law.kinetic_energy(&history), area * law.stored_energy(&history)]
 }
 
-/// Returns the field of a wave pair that corresponds to a non-finite history variable: its velocity or stress.
+/// Returns the field of a wave pair that corresponds to a non-finite history variable: its velocity or its stress;
+/// `None` if both history variables are finite.
 pub(crate) fn non_finite_field<T: Real>(
     pair: &VelocityStressPair,
     history: [T; HISTORY_VARIABLES],

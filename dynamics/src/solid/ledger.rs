@@ -6,7 +6,8 @@ use crate::solid::problem::Problem;
 /// Work and dissipation of the steps so far, J (plane strain: per unit thickness).
 ///
 /// Energy after − energy before = boundary work + source work + initial-stress work − plastic − viscous − numerical
-/// dissipation. Each term is computed separately, none as a residual.
+/// dissipation, apart from rounding and the flushing of subnormals. Each term is computed separately, none as a
+/// residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// Work done at the boundaries, positive inwards.
@@ -19,11 +20,11 @@ pub struct Ledger {
     pub plastic_dissipation: f64,
     /// Dissipation of dashpots.
     pub viscous_dissipation: f64,
-    /// Numerical dissipation; see [`SweepAccount`](crate::solid::line::SweepAccount). Zero in the ledger of the fused
-    /// solver.
+    /// Numerical dissipation; see [`SweepAccount`](crate::solid::line::SweepAccount). The fused solver does not compute
+    /// it: its ledger has zero here, and the balance lacks this term.
     pub numerical_dissipation: f64,
-    /// Smallest plastic dissipation of a cell in a step, divided by the energy stored in the cell, if negative, else 0;
-    /// negative values are rounding errors.
+    /// Smallest ratio, over all cells and steps, of the plastic dissipation of a cell in a step to the energy stored by
+    /// its trial stress, if negative, else 0; negative values are rounding errors.
     pub min_dissipation_ratio: f64,
 }
 
@@ -89,7 +90,7 @@ impl EnergySums {
     }
 }
 
-/// Exact sums of work over faces and cells.
+/// Exact sums of work and numerical dissipation over faces and cells, and the smallest dissipation ratio.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WorkSums {
     /// Work done at the boundaries, J.
@@ -137,11 +138,12 @@ impl WorkSums {
     }
 }
 
-/// Numbers whose sums are the boundary work, J, the work of sources, J/m³, and the numerical dissipation, J; then
-/// [`Ledger::min_dissipation_ratio`].
+/// Lists of numbers whose sums are the boundary work, J, the work of sources and gravity, J/m³, and the numerical
+/// dissipation, J; then a list with [`Ledger::min_dissipation_ratio`] only.
 pub type WorkPartialSums = [Vec<f64>; 4];
 
-/// Dissipation and work of the laws of each cell, J/m³, by cell or by lane; lists are empty if no medium needs them.
+/// Dissipation and work of the laws of each cell, J/m³, by cell or by lane; a list is empty if the problem does not
+/// need it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellDissipation {
     /// Plastic dissipation.
@@ -153,7 +155,7 @@ pub(crate) struct CellDissipation {
 }
 
 impl CellDissipation {
-    /// Creates the lists that the media of a problem need; `zeros` allocates one.
+    /// Creates the lists that the media and the initial stress of a problem need; `zeros` allocates one.
     ///
     /// # Errors
     /// Those of `zeros`.

@@ -177,7 +177,8 @@ fn cell_dissipation<T: Real>(
     (by_wave(-1.0) + by_wave(1.0)) / (4.0 * z)
 }
 
-/// Computes the energy of the interior cells of a line, in the unit of [`SweepAccount`].
+/// Computes the energy of the interior cells of a line, in the unit of [`SweepAccount`]; cells with Courant number 0
+/// are left out.
 pub fn energy<T: Real>(velocity: &[T], stress: &[T], cells: &[CellConstants<T>]) -> f64 {
     let inner = GHOSTS..cells.len().saturating_sub(GHOSTS);
     inner

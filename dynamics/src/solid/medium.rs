@@ -47,7 +47,7 @@ impl Medium {
     }
 
     /// Returns the history variables of the law, which a domain stores after [`fields`](Self::fields): one viscous
-    /// strain per component of the stress deviator.
+    /// strain per component of the symmetric stress deviator; empty without relaxation.
     pub fn history_fields(&self) -> Vec<SolidField> {
         let viscous_strain = |field: &SolidField| match *field {
             SolidField::Stress(i, j) if i <= j => Some(SolidField::ViscousStrain(i, j)),
@@ -73,7 +73,7 @@ impl Medium {
         self.law.stored_energy(stress)
     }
 
-    /// Returns the inertia of a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for stresses.
+    /// Returns the inertia of a velocity (ρ, kg/m³) or a spin (j, kg/m); 0 for all other fields.
     pub fn inertia(&self, field: SolidField) -> f64 {
         let own = self.pairs.iter().flatten().find(|pair| pair.velocity == field);
         match (own, field) {
@@ -84,7 +84,8 @@ impl Medium {
         }
     }
 
-    /// Projects a trial stress onto the yield set in the energy norm; also returns the energy lost, J/m³.
+    /// Projects a trial stress onto the yield set in the energy norm; also returns the energy lost, J/m³. Without yield
+    /// set the stress is unchanged.
     pub fn project(&self, trial: &Stress) -> Projection<Stress> {
         match &self.yield_set {
             Some(set) => set.project(&self.law, trial),
@@ -129,7 +130,8 @@ pub(crate) fn stress_component(field: SolidField, stress: &Stress) -> Option<f64
 }
 
 /// Computes the energy density of a medium as a quadratic form in the fields of a domain: two field indices and a
-/// coefficient per term, from the stored energy of one and of two unit components.
+/// coefficient per term; coefficients of stresses follow from the stored energy of one and of two unit components.
+/// Products of two stresses are omitted if their coefficient is only rounding.
 fn energy_terms(medium: &Medium, fields: &[SolidField]) -> Vec<(usize, usize, f64)> {
     let stress = |places: &[usize]| {
         let mut stress = Stress::default();

@@ -21,10 +21,10 @@ use models::solid::waves::SolidField;
 /// Cell length and curvature by layer across the second axis of a plane block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
-    /// Length of a cell along the first axis, m.
+    /// By layer, length of a cell along the first axis, m.
     pub spacing: Vec<f64>,
-    /// Curvature of the lines along the first axis, 1/m, with the centre of curvature at smaller coordinates of the
-    /// second axis; empty if the lines are straight.
+    /// By layer, curvature of the lines along the first axis, 1/m, positive if the centre of curvature is at smaller
+    /// coordinates of the second axis; empty if the lines are straight.
     pub curvature: Vec<f64>,
 }
 
@@ -44,7 +44,8 @@ impl Metric {
         self.spacing.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Checks the number of layers and the values.
+    /// Returns whether each of `layers` layers has a positive, finite cell length and, unless all lines are straight, a
+    /// finite curvature.
     pub(crate) fn is_valid(&self, layers: usize) -> bool {
         let is_positive = |value: &f64| *value > 0.0 && value.is_finite();
         self.spacing.len() == layers
@@ -70,16 +71,16 @@ pub(crate) struct CurvatureRotation {
     pub(crate) weights: Vec<(usize, f64)>,
     /// Field indices of stresses, and entries of Cq, Pa or N.
     pub(crate) moduli: Vec<(usize, f64)>,
-    /// m, kg/m³ or kg/m.
+    /// Inertia m of v: kg/m³ for a velocity, kg/m for a spin.
     inertia: f64,
-    /// Ω, m/s.
+    /// Ω, m/s: rotation angle per curvature and time.
     frequency: f64,
 }
 
 impl CurvatureRotation {
-    /// Creates the planes of a medium. Along the second axis, half of the stress of each wave pair enters q; along the
-    /// first axis the direction of velocities rotates, so that stresses on faces normal to that axis act on the other
-    /// velocity.
+    /// Creates the planes of a medium, one for each wave pair along the second axis. Along the second axis, half of the
+    /// stress of each wave pair enters q; along the first axis the direction of velocities rotates, so that stresses on
+    /// faces normal to that axis act on the other velocity.
     pub(crate) fn from_medium(medium: &Medium) -> Vec<Self> {
         let [across, along] = [0, 1].map(|axis| &medium.pairs[axis]);
         let place = |field: SolidField| medium.fields.iter().position(|own| *own == field);

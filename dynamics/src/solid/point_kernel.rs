@@ -23,8 +23,8 @@ use models::common::elementary::Elementary;
 use models::solid::waves::SolidField;
 use nalgebra::{DMatrix, DVector};
 
-/// Half-width of the support of the spline kernel: the support reaches from `SPLINE_HALF_WIDTH` cells below the cell
-/// centre next below the point to `SPLINE_HALF_WIDTH` + 1 cells above it.
+/// Reach of the spline kernel, in cells: along an axis, cells have shares from `SPLINE_HALF_WIDTH` cells below to
+/// `SPLINE_HALF_WIDTH` + 1 cells above the last cell whose centre is not above the point.
 const SPLINE_HALF_WIDTH: isize = 3;
 
 /// Distance from a plane, in cells, below which a point counts as on it.
@@ -60,7 +60,7 @@ type BellPosition = (Vec<f64>, Option<(usize, f64)>);
 /// Position of the point along an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct PointPosition {
-    /// Number of cells.
+    /// Number of cells of the grid along the axis.
     pub cells: usize,
     /// Continuation beyond the lower and the upper end.
     pub ends: [AxisEnd; 2],
@@ -158,7 +158,8 @@ fn spline_kernel(u: f64) -> f64 {
     1.75 * wide(u) - 0.375 * (wide(u - 1.0) + wide(u + 1.0))
 }
 
-/// Computes the raised cosine: 1 at distance 0, 0 beyond `radius`, continuously differentiable; both in m.
+/// Computes the raised cosine: 1 at distance 0, 0 from `radius` on, continuously differentiable; `distance` and
+/// `radius` in m.
 fn raised_cosine(distance: f64, radius: f64) -> f64 {
     if distance < radius {
         0.5 + 0.5 * (std::f64::consts::PI * distance / radius).cr_cos()
@@ -185,8 +186,8 @@ fn scale_to_inside(along: &[PointPosition], mut shares: Vec<(usize, f64)>) -> Ve
 }
 
 /// Computes the shares of cells in a point source of a field, or of faces of a boundary (with the two axes of the
-/// boundary), by index (first axis fastest), with the spline kernel. Their sum is 1, unless mirror images are odd, and
-/// is halved for each symmetry plane through the point.
+/// boundary), by index (first axis fastest), with the spline kernel. Their sum is 1, unless mirror images of odd sign
+/// contribute, and is halved for each plane of symmetry or antisymmetry through the point.
 pub fn spline_shares(along: &[PointPosition]) -> Vec<(usize, f64)> {
     scale_to_inside(along, spline_product(along))
 }
@@ -225,8 +226,9 @@ fn spline_product(along: &[PointPosition]) -> Vec<(usize, f64)> {
     all
 }
 
-/// Computes the normalised shares of a raised cosine of radius `radius`, m; unless it is cut off or narrower than two
-/// cells, its centre of mass is at the point.
+/// Computes the normalised shares of a raised cosine of radius `radius`, m; unless it is cut off, or `radius` is less
+/// than two cell edges along some axis, its centre of mass is at the point. If no position lies within the radius, the
+/// nearest cell has the share 1.
 fn compute_bell_shares(along: &[PointPosition], spacing: &[f64], radius: f64) -> Vec<(usize, f64)> {
     // Offsets from the point, m, with cell and sign factor, by position.
     let mut places: Vec<BellPosition> = vec![(Vec::new(), Some((0, 1.0)))];
@@ -324,8 +326,8 @@ mod tests {
         }
     }
 
-    /// Verifies sums and first moments near boundaries without mirror planes, and sums with even mirror images, in
-    /// grids of one cell or more.
+    /// Verifies sums near open and on periodic boundaries and with even mirror images, in grids of one cell or more,
+    /// and first moments near open boundaries, in grids of several cells.
     #[test]
     fn splines_near_boundaries_keep_sum_and_first_moment() {
         for cells in [1, 2, 3, 5, 20] {

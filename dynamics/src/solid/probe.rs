@@ -11,7 +11,7 @@ use crate::solid::medium::Medium;
 /// Maximum number of cells of the stencil along an axis.
 const MAX_STENCIL_CELLS: usize = 4;
 
-/// Distance from a cell centre, in cells, that counts as rounding.
+/// Distance from a cell centre, in cells, below which a point counts as at the centre.
 const CENTRE_TOLERANCE: f64 = 1e-9;
 
 /// Interpolation stencil of a point.
@@ -69,7 +69,7 @@ fn admissible_runs(
 }
 
 /// Computes the Lagrange weights of the cells of a run for the coordinate `x`, in cells from the centre of the first
-/// cell.
+/// cell of the axis.
 fn lagrange_weights(run: &CellRun, x: f64) -> Vec<f64> {
     let places: Vec<f64> =
         (0..run.count).map(|index| (run.first + index as isize) as f64).collect();
@@ -105,8 +105,9 @@ fn box_cells(cells: &[usize], runs: &[CellRun]) -> Vec<usize> {
 }
 
 /// Selects the best tensor product of runs with cells of one medium: highest minimum polynomial degree, then highest
-/// sum of degrees, then smallest distance of the centre from the point. `along`: admissible runs by axis; `is_alike`:
-/// whether all cells are of one medium. `None` if there is no such product.
+/// sum of degrees (the degree along an axis on whose cell centre the point lies counts as the maximum), then smallest
+/// sum of the distances of the run centres from the point. `along`: admissible runs by axis; `is_alike`: whether all
+/// cells are of one medium. `None` if there is no such product.
 fn select_box(
     along: &[Vec<CellRun>],
     is_alike: impl Fn(&[CellRun]) -> bool,
@@ -187,8 +188,8 @@ impl Probe {
         self
     }
 
-    /// Appends the output quantities at the point; `values` has `width` quantities per watched cell. Interpolated
-    /// stresses are projected onto the yield set of the medium.
+    /// Appends the `width` output quantities at the point to `all`; `values` has `width` quantities per watched cell.
+    /// Interpolated stresses are projected onto the yield set of the medium.
     pub(crate) fn append_values(
         &self,
         values: &[f64],

@@ -15,7 +15,7 @@ use models::solid::waves::SolidField;
 pub struct Grid<const D: usize> {
     /// Number of cells along each axis.
     pub cells: [usize; D],
-    /// Edge lengths of a cell, m.
+    /// Edge lengths of a cell, m; in a polar block the first one is an angle, rad (see [`Metric::new_polar`]).
     pub spacing: [f64; D],
 }
 
@@ -84,12 +84,12 @@ impl Scheme {
         Self { slopes, plastic_step, splitting: Splitting::TwoCyclic }
     }
 
-    /// Whether sweeps alternate.
+    /// Whether sweeps alternate: they do not with [`PlasticStep::MidpointReflection`], whatever the splitting.
     pub(crate) fn is_alternating(&self) -> bool {
         self.splitting == Splitting::Alternating && self.plastic_step == PlasticStep::ReturnMapping
     }
 
-    /// Returns the reconstruction by which the kernels sweep.
+    /// Returns the reconstruction by which the kernels sweep: for first order the fourth-order one, with zero weights.
     pub(crate) fn sweep_slopes(&self) -> Slopes {
         match self.slopes {
             // First order: the weights in the cell constants are zero, see
@@ -132,7 +132,7 @@ pub struct Problem<const D: usize> {
 }
 
 impl<const D: usize> Problem<D> {
-    /// A problem without loads, sources and initial stress.
+    /// A problem without loads, sources, acceleration, initial stress, time integrals, interlayers and metric.
     pub fn new(
         grid: Grid<D>,
         media: Vec<Medium>,
@@ -246,8 +246,8 @@ impl<const D: usize> Problem<D> {
         self.check_loads_and_sources(region)
     }
 
-    /// Checks that the metric has values for all layers, and that the problem has nothing that requires a uniform
-    /// metric.
+    /// Checks that the problem is plane if it has a metric, that the metric has values for all layers, and that the
+    /// problem has nothing that requires a uniform metric.
     fn check_metric(&self) -> Result<(), DomainError> {
         let Some(metric) = &self.metric else { return Ok(()) };
         let is_curved = !metric.curvature.is_empty();
@@ -271,7 +271,8 @@ impl<const D: usize> Problem<D> {
         Ok(())
     }
 
-    /// Checks that loads, sources and the initial stress refer to existing faces, wave pairs, cells, fields and layers.
+    /// Checks that loads, sources and the initial stress refer to existing faces, wave pairs, cells, fields and layers,
+    /// and that no load acts on a periodic boundary.
     fn check_loads_and_sources(&self, region: &Region<D>) -> Result<(), DomainError> {
         let is_invalid = |load: &Load| {
             load.axis >= D
@@ -311,7 +312,7 @@ impl<const D: usize> Problem<D> {
         self.interlayers.iter().find(|own| own.axis == axis)
     }
 
-    /// Checks the interlayers.
+    /// Checks axes, laws and positions of the interlayers, and that sweeps do not alternate.
     pub(crate) fn check_interlayers(&self) -> Result<(), DomainError> {
         for (index, own) in self.interlayers.iter().enumerate() {
             let refuse = |reason| Err(DomainError::Interlayers { index, reason });
@@ -350,10 +351,10 @@ impl<const D: usize> Problem<D> {
 /// An invalid problem.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DomainError {
-    /// The fields do not fit into memory.
+    /// The fields, or the dissipation by cell, do not fit into memory.
     #[error("no memory for fields of {bytes} bytes: take fewer cells")]
     OutOfMemory {
-        /// Bytes of all fields.
+        /// Bytes requested by the allocation that failed.
         bytes: usize,
     },
     /// Media of different theories or dimensions, or no medium.
@@ -371,7 +372,7 @@ pub enum DomainError {
         /// Number of media.
         count: usize,
     },
-    /// The number of cells with a medium differs from that of cells of the grid.
+    /// The number of cells with a medium differs from that of cells of the grid, or the grid has no cells.
     #[error("{actual} cells have a medium, of {expected}")]
     CellCount {
         /// Number of cells given.
@@ -379,7 +380,7 @@ pub enum DomainError {
         /// Number of cells of the grid.
         expected: usize,
     },
-    /// A time step beyond the stability limit.
+    /// A time step beyond the stability limit, or not a number.
     #[error("Courant number {courant} along axis {axis}: at most 1 is stable")]
     Courant {
         /// The axis, from 0.
@@ -393,18 +394,18 @@ pub enum DomainError {
     ConditionCount {
         /// The axis, from 0.
         axis: usize,
-        /// Number of conditions given.
+        /// Number of conditions given; 0 if the number of conditions by face is wrong.
         actual: usize,
         /// Number of wave pairs of the axis.
         expected: usize,
     },
-    /// A load (its index) on missing faces or wave pairs, or on a periodic boundary.
+    /// A load (its index) on a missing axis, end, face or wave pair, or on a periodic boundary.
     #[error("load {0} acts on a side, a pair or a face that is not there")]
     Load(usize),
     /// A source (its index) in missing cells or fields.
     #[error("source {0} acts on a cell or a field that is not there")]
     Source(usize),
-    /// The number of initial stresses differs from that of layers.
+    /// The number of initial stresses differs from that of layers, or their axis does not exist.
     #[error("an initial stress is needed for every layer across its axis")]
     InitialStress,
     /// An invalid number of subdomains.

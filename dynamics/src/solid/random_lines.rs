@@ -18,8 +18,9 @@ impl LinearCongruentialGenerator {
         low + (high - low) * ((self.0 >> 11) as f64 / (1u64 << 53) as f64)
     }
 
-    /// Returns the constants of a line of random length in `lengths`: blocks of one medium each, of random impedances
-    /// and Courant numbers. Blocks have at most 1, 2, 3 or 8 cells, in turn with `attempt`.
+    /// Returns the constants of a line of random length, at least `lengths[0]` and below `lengths[1]` cells: blocks of
+    /// one medium each, of random impedances and Courant numbers. Blocks have at most 1, 2, 3 or 8 cells, in turn with
+    /// `attempt`.
     pub(crate) fn cells(&mut self, lengths: [f64; 2], attempt: usize) -> Vec<CellConstants<f64>> {
         let count = self.uniform(lengths[0], lengths[1]) as usize;
         let longest = [1.0, 2.0, 3.0, 8.0][attempt % 4];

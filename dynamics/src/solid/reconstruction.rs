@@ -27,8 +27,8 @@ pub enum Slopes {
     /// 1985); the usual bounds, twice the smaller difference, clip smooth extrema more. Second order in smooth monotone
     /// regions.
     Limited,
-    /// Unlimited linear fourth-order scheme: cubic interpolation of the integral of the wave over the four cells around
-    /// a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). It overshoots at
+    /// Unlimited linear fourth-order scheme: reconstruction by the cubic polynomial with the means of the four cells
+    /// around a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). It overshoots at
     /// discontinuities.
     FourthOrder,
 }
@@ -158,7 +158,8 @@ impl Slopes {
         }
     }
 
-    /// Computes [`Self::face_values`] for cells i − 2 … i + 1 of any media.
+    /// Computes [`Self::face_values`] for cells of any media. `states`: those of cells i − 1, i and i + 1; `cells`: the
+    /// constants of cells i − 2 … i + 1.
     #[inline(always)]
     pub(crate) fn face_values_in_mixed_media<N: Number>(
         self,
@@ -171,8 +172,9 @@ impl Slopes {
 
     /// Computes [`Self::face_values_in_mixed_media`] with interlayers at some of the three faces between the cells:
     /// `continuity` is 0 at interlayers and 1 at other faces. The stencil does not extend across an interlayer:
-    /// differences across it are zero (constant extrapolation), and the two cells at it count as different media. Then
-    /// no wave gains energy for any response of the interlayer (tests of [`crate::solid::interface`]).
+    /// differences across it are zero (constant extrapolation), and in the fourth-order scheme the two cells at it
+    /// count as different media. In that scheme no wave then gains energy for any response of the interlayer (tests of
+    /// [`crate::solid::interface`]).
     #[inline(always)]
     pub(crate) fn face_values_with_interlayers<N: Number>(
         self,
@@ -242,7 +244,9 @@ impl Slopes {
         }
     }
 
-    /// Computes the stencil data for the first face of a line; see [`Self::face_values_with_interlayers`].
+    /// Computes the stencil data for the face between the last two of three cells, from the states and constants of the
+    /// three; see [`Self::face_values`]. `continuity` of the two faces between them: 0 at interlayers, 1 at other
+    /// faces.
     pub(crate) fn stencil_data<N: Number>(
         self,
         states: [State<N>; 3],

@@ -90,8 +90,8 @@ impl<N: Number> InterfaceState<N> {
     /// Solves the Riemann problem between cells of impedances z and y with incident waves `left` = s − zv and `right` =
     /// s + yv: v* = (right − left)/(z + y), s* = (y left + z right)/(z + y). Computed with the reflection coefficient
     /// (y − z)/(y + z); if it is zero, equal to [`Self::riemann_equal_impedance`] bit for bit. Returns the state scaled
-    /// for the left and for the right cell. In the cell of smaller impedance, v* has a rounding error of ε times the
-    /// impedance ratio.
+    /// for the left and for the right cell. In the cell of smaller impedance, the relative rounding error of v* is
+    /// about ε times the ratio of the larger to the smaller impedance.
     #[inline(always)]
     pub(crate) fn riemann([z, y]: [N; 2], waves: [N; 2]) -> [Self; 2] {
         let reflection = (y - z) / (y + z);

@@ -12,8 +12,9 @@ pub struct Snapshot<T> {
     pub fields: Vec<Vec<T>>,
     /// Sums of the work of boundaries and sources, of the numerical dissipation, and the smallest dissipation ratio.
     pub work_sums: WorkPartialSums,
-    /// By cell: plastic dissipation, work of the initial stress and dissipation of dashpots, J/m³, if any medium has
-    /// them; then the time integrals of the problem.
+    /// Lists by cell, in the order of `fields`: plastic dissipation, work of the initial stress and dissipation of
+    /// dashpots, J/m³, each empty if the problem does not need it; then one list for each time integral, without its
+    /// end correction.
     pub cell_sums: Vec<Vec<f64>>,
     /// History variables of interlayers (mean velocity V, m/s, and mean traction S, Pa), in the order of
     /// [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).

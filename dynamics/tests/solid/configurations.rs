@@ -232,7 +232,7 @@ struct InitialValues {
     seed: u64,
     /// Magnitude of the values.
     magnitude: f64,
-    /// Fraction of cells with non-zero values; the others have zeros of either sign.
+    /// Probability that a value is not zero; the others are zeros of either sign.
     nonzero_fraction: f64,
 }
 
@@ -301,7 +301,7 @@ fn flatten_history<T: SolverReal>(memory: &[[T; 2]]) -> [Vec<T>; 1] {
 }
 
 /// Compares the fused solver with the reference solver for random problems from the index `first` on. `small`:
-/// magnitude of initial values close to the threshold below which values are flushed to zero.
+/// magnitude of initial values not far above the threshold below which values are flushed to zero.
 fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small: f64) {
     let wanted = std::env::var("CONFIGURATIONS").ok();
     let wanted = wanted.map(|count| count.parse().expect("CONFIGURATIONS must be a number"));
@@ -362,7 +362,7 @@ fn compare_solvers<T: SolverReal, const D: usize>(first: usize, small: f64) {
     assert!(count < 40 || kinds.iter().all(|own| *own > count), "{kinds:?}");
 }
 
-/// Initial magnitudes close to the flush threshold 2⁴⁰·MIN_POSITIVE, in double and single precision.
+/// Initial magnitudes of 18 times the flush threshold 2⁴⁰·MIN_POSITIVE, in double and single precision.
 const FLUSHED_MAGNITUDES: [f64; 2] = [f64::MIN_POSITIVE * 2e13, f32::MIN_POSITIVE as f64 * 2e13];
 
 #[test]

@@ -22,7 +22,7 @@ const MAX_GROWTH: f64 = 1e-13;
 /// Admissible growth in single precision: some twenty sweeps and return mappings per step, each rounding to 6e-8.
 const MAX_GROWTH_SINGLE_PRECISION: f64 = 1e-6;
 
-/// Returns the number of runs in each dimension.
+/// Returns the number of runs in each dimension: the value of the environment variable `ROUGH`, else 500.
 fn run_count() -> usize {
     std::env::var("ROUGH").ok().and_then(|count| count.parse().ok()).unwrap_or(500)
 }
@@ -158,7 +158,7 @@ fn check_energy_never_grows<T: SolverReal, const D: usize>(
             );
             assert!(now <= most, "{description}: {now:e} of {most:e} in step {step}");
             before = now;
-            // Below this limit the energy is subnormal and its rounding error exceeds the bound on its growth.
+            // Below this limit the admissible growth is subnormal: the run ends.
             if now < f64::MIN_POSITIVE / growth {
                 break;
             }

@@ -322,8 +322,8 @@ fn limited_slopes_create_no_new_extrema() {
     assert!(reached > 1000, "{reached}");
 }
 
-/// Verifies the decay of a grid-scale wave in first-order sweeps. The amplification factor of the right-going wave is
-/// 1 − C(1 − exp(−iθ)), with the Courant number C and the phase θ per cell.
+/// Verifies the decay of waves as short as 2 to 4 cells in first-order sweeps. The amplification factor of the
+/// right-going wave is 1 − C(1 − exp(−iθ)), with the Courant number C and the phase θ per cell.
 #[test]
 fn grid_scale_wave_decays_by_the_amplification_factor() {
     for (waves, count, courant) in [(4, 16, 0.3), (7, 16, 0.7), (8, 16, 0.9)] {

@@ -160,8 +160,8 @@ impl<const D: usize> DampedPlaneWave<D> {
         }
     }
 
-    /// Computes the relative error of the rate ς over the time in which the amplitude halves, with `cells` cells along
-    /// each axis.
+    /// Computes the relative error of the rate ς over the last three quarters of the time in which the amplitude
+    /// halves, with `cells` cells along each axis.
     fn rate_error(&self, cells: usize, splitting: Splitting) -> f64 {
         let medium = relaxing_medium(self.theory, self.relaxation_time, D);
         let grid = Grid { cells: [cells; D], spacing: [1.0 / cells as f64; D] };

@@ -122,7 +122,7 @@ pub fn build_energy_field() -> FieldFigure {
 }
 
 /// Builds the frame at `time` (s) of a wave that radiates from a point and is partly reflected at the boundary to a
-/// stiffer half of the domain.
+/// stiffer part of the domain.
 pub fn build_wave_frame(time: f64) -> FieldFigure {
     let pulse = |phase: f64| phase.sin() * (-0.06 * phase * phase).exp();
     let wave = build_field([300, 180], 10.0, |x, y| {

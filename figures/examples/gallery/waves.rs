@@ -7,7 +7,7 @@ use wellposed_figures::{
 };
 
 /// Builds the dispersion relation of an elastic Cosserat medium; with `has_growth` on logarithmic axes and with
-/// synthetic growth of the transverse waves.
+/// synthetic growth rates, which are positive for short waves of the slow transverse branch.
 pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
     let [rho, lambda, mu, alpha] = [2700.0, 8.1e9, 8.1e9, 1.005e9_f64];
     let [j, beta, gamma, eta] = [2700.0, 7.75e8, 1.5e8, 3e8_f64];
@@ -19,7 +19,7 @@ pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
         let half = 0.5 * (rho * (bending + 4.0 * alpha) + j * shear) / (rho * j);
         let product = (shear * bending + 4.0 * alpha * mu * k * k) / (rho * j);
         let root = (half * half - product).max(0.0).sqrt();
-        // The lower branch is the quotient product/(half + root), which avoids the cancellation in half − root for long
+        // ω² of the lower branch, half − root, is computed as product/(half + root), without cancellation for long
         // waves.
         if upper { (half + root).sqrt() } else { (product / (half + root)).sqrt() }
     };
@@ -80,7 +80,7 @@ pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
     }
 }
 
-/// Builds the speeds of a solid that loses hyperbolicity in two directions and flutters in sectors.
+/// Builds the speeds of a solid with imaginary speeds in one sector of directions and flutter in another.
 pub fn build_speeds_figure() -> SpeedsFigure {
     let angles = sample_interval(0.0, 180.0, 721);
     let curve = |label: &str, response, multiplicity, f: &dyn Fn(f64) -> f64| SpeedCurve {
@@ -90,7 +90,7 @@ pub fn build_speeds_figure() -> SpeedsFigure {
         multiplicity,
     };
     let wave = |angle: f64| (2.0 * (angle - 12.0)).to_radians().cos();
-    // Difference of two speeds that coalesce where their squares would become complex.
+    // Half the difference of two speeds, in units of 150 m/s; zero where the speeds would be complex.
     let gap = |angle: f64| (0.55 - wave(angle)).max(0.0).sqrt();
     let pair = |angle: f64, sign: f64| 620.0 + 60.0 * wave(angle) + sign * 150.0 * gap(angle);
     let (elastic, yielding) = (SolidResponse::Elastic, SolidResponse::Yielding);

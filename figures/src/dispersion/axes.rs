@@ -30,7 +30,7 @@ impl AxisScale {
     }
 
     /// Computes the range of the finite positions of `values`, extended at the lower and upper end by the fractions
-    /// `margins` of its length.
+    /// `margins` of its length; a default range if there are none.
     pub(super) fn from_values(
         kind: ScaleKind,
         values: impl Iterator<Item = f64>,
@@ -138,7 +138,7 @@ impl DispersionFigure {
     }
 }
 
-/// Extends the range below by 5 % if a value is negative; otherwise returns it unchanged, starting at zero.
+/// Extends a range that reaches below zero by 5 % of its length at the lower end; returns other ranges unchanged.
 fn extend_negative_range(scale: AxisScale) -> AxisScale {
     let low = if scale.low < 0.0 { scale.low - 0.05 * (scale.high - scale.low) } else { scale.low };
     AxisScale { low, ..scale }

@@ -24,9 +24,9 @@ pub struct DispersionBranch {
 pub struct FrequencyBand {
     /// Legend text, e.g. `forbidden band`. Bands with the same label are listed once.
     pub label: String,
-    /// Lower frequency.
+    /// Lower frequency, in the unit of the frequency axis.
     pub low: f64,
-    /// Upper frequency; may be infinite.
+    /// Upper frequency, in the unit of the frequency axis; may be infinite.
     pub high: f64,
 }
 
@@ -61,7 +61,7 @@ pub struct DispersionFigure {
     pub growth_label: String,
     /// Whether the wave-number axis is logarithmic; non-positive wave numbers are then omitted.
     pub is_k_log: bool,
-    /// Whether the frequency axis is logarithmic.
+    /// Whether the frequency axis is logarithmic; non-positive frequencies are then omitted.
     pub is_frequency_log: bool,
     /// Branches; the first six have distinct colours.
     pub branches: Vec<DispersionBranch>,

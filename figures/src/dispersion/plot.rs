@@ -17,7 +17,7 @@ pub(super) struct DispersionPanel<'a> {
     pub(super) frame: Rectangle,
     pub(super) x_scale: AxisScale,
     pub(super) y_scale: AxisScale,
-    /// Points of the solid and of the dashed line of each branch.
+    /// Points of the solid line of each branch; `dashed_lines` has those of its dashed line.
     pub(super) solid_lines: Vec<Vec<Point>>,
     pub(super) dashed_lines: Vec<Vec<Point>>,
     /// Measured points of each branch, drawn as rings.
@@ -172,8 +172,8 @@ impl DispersionPanel<'_> {
         }
     }
 
-    /// Draws the labels of levels and bands, then the branch numbers; each is placed clear of lines and of earlier
-    /// labels.
+    /// Draws the labels of levels and bands, then the branch numbers, clear of earlier labels. Without free space
+    /// labels of levels and branch numbers cover lines, and labels of bands are omitted.
     fn draw_labels(
         &self,
         picture: &mut Picture,

@@ -6,8 +6,8 @@ use crate::picture::{INK, Picture, Rectangle, WHITE};
 use crate::verdict_map::find_runs;
 
 impl FieldFigure {
-    /// Computes the boundaries between materials as rectangles of zero width; `None` for a single material, or if the
-    /// boundaries would cover too much of the field.
+    /// Computes the boundaries between materials as rectangles of zero width or height; `None` for a single material,
+    /// or if the boundaries would cover too much of the field.
     pub(super) fn material_borders(&self, raster: &FieldRaster) -> Option<Vec<Rectangle>> {
         if self.material_indices.iter().all(|material| *material == self.material_indices[0]) {
             return None;
@@ -42,7 +42,7 @@ impl FieldFigure {
     }
 }
 
-/// Draws vertical and horizontal lines, given as rectangles of zero width, in ink with a white rim.
+/// Draws vertical and horizontal lines, given as rectangles of zero width or height, in ink with a white rim.
 pub(super) fn draw_borders(picture: &mut Picture, lines: Vec<Rectangle>) {
     for (half, colour) in [(3.0, WHITE), (1.8, INK)] {
         let widened = |line: &Rectangle| {

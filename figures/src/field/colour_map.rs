@@ -15,7 +15,7 @@ pub(super) const NON_FINITE_STEP: i16 = i16::MIN;
 pub(super) const NON_FINITE_COLOUR: Colour = RGBColor(150, 205, 120);
 pub(super) const NON_FINITE_HATCH_COLOUR: Colour = RGBColor(0, 75, 40);
 
-/// Diverging colour maps from zero to the largest positive and negative magnitude, with equal luminance at
+/// Diverging colour maps from zero to the largest positive and negative magnitude, with nearly equal luminances at
 /// corresponding stops.
 pub(super) const POSITIVE_STOPS: [[f64; 3]; 6] = [
     [252.0, 252.0, 252.0],
@@ -43,9 +43,9 @@ pub(crate) struct ColourScale {
     pub(super) is_signed: bool,
     /// Whether the scale is shared with other figures, i.e. does not follow from the values of this figure.
     pub(super) is_fixed: bool,
-    /// Magnitude of the darkest colour; 0 if all values are 0.
+    /// Magnitude of the darkest colour; 0 if the scale is not fixed and no finite value differs from 0.
     pub(super) limit: f64,
-    /// Value of largest magnitude.
+    /// Finite value of largest magnitude; 0 if there is none.
     pub(super) extreme_value: f64,
     /// Number of cells beyond the limits of the scale.
     pub(super) clipped_count: usize,

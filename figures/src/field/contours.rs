@@ -24,7 +24,8 @@ const HATCH_SPACING: f64 = 8.0;
 pub(super) enum Contours {
     /// Contour lines, each with its level as a fraction of the limit of the colour scale.
     Lines(Vec<(f64, Vec<Point>)>),
-    /// Hatching of large negative values, since there would be too many contour lines.
+    /// Hatching of values below −¼ of the limit of the colour scale, since there would be too many contour lines, or
+    /// none.
     Hatching,
     /// Neither lines nor hatching: there would be too many of the requested contour lines of an unsigned quantity.
     TooMany,

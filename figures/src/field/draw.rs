@@ -23,8 +23,8 @@ impl FieldFigure {
     /// Renders the figure in a file format and returns the bytes of the file.
     ///
     /// # Errors
-    /// A list does not have one value per cell, the limit of the colour scale is not positive, or rendering or encoding
-    /// fails.
+    /// An axis has no cells or no finite, positive length, a list does not have one value per cell, a limit of the
+    /// colour scale is not positive and finite, or rendering or encoding fails.
     pub fn draw(&self, format: FigureFormat) -> Result<Vec<u8>, FigureError> {
         self.to_picture(format)?.render(format)
     }

@@ -36,8 +36,8 @@ pub struct FieldMark {
 /// Field of one quantity over a plane domain, or over a plane section of space, at one time.
 ///
 /// The domain is drawn to scale, so that both axes must have the same unit; a domain with an aspect ratio above about
-/// 15 is stretched, which is stated in the axis name. If there are more cells than pixels, the value of largest
-/// magnitude of several cells is drawn.
+/// 15 is stretched, which is stated in the axis name. If there are more cells than pixels, in an SVG than 400 along an
+/// axis, the value of largest magnitude of several cells is drawn.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FieldFigure {
     /// Title of the figure.
@@ -69,7 +69,8 @@ pub struct FieldFigure {
     /// [`crate::GifAnimation`]; negative values of an unsigned quantity then count as beyond the scale.
     pub fixed_limit: Option<f64>,
     /// Levels of contour lines, in the unit of `label`, which are drawn with their numbers; `None` for levels at ±¼ and
-    /// ±½ of the colour scale of a signed quantity. Levels that are non-finite or not attained have no line.
+    /// ±½ of the limit of the colour scale of a signed quantity; an unsigned quantity then has no lines. Levels that
+    /// are non-finite or not attained have no line.
     pub contour_levels: Option<Vec<f64>>,
     /// Material index of each cell, in the order of `values`; lines are drawn between different materials. Empty for a
     /// single material.

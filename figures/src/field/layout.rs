@@ -24,7 +24,7 @@ pub(super) struct FieldLayout {
     pub(super) frame: Rectangle,
     /// Stretch factor of each axis; 1 except for elongated domains.
     pub(super) stretch: [f64; 2],
-    /// Area of the colour bar; `None` if the field is zero everywhere.
+    /// Area of the colour bar; `None` if no finite value differs from zero and the scale is not fixed.
     pub(super) bar_area: Option<Rectangle>,
     pub(super) is_bar_vertical: bool,
     /// Whether the name of the y axis is written above the frame, since it is too long for the space beside it.

@@ -18,8 +18,8 @@ pub(super) struct FieldLegendEntry {
     pub(super) swatch: page::Swatch,
 }
 
-/// Widest text of a percentage of cells; in figures with a fixed scale, entries whose text varies between frames have
-/// only this percentage.
+/// Widest text of a percentage of cells; in figures with a fixed scale only the percentages in the texts of entries
+/// vary between frames.
 const WIDEST_SHARE_TEXT: &str = ">99.9 %";
 
 impl FieldFigure {

@@ -8,7 +8,7 @@ use crate::picture::{
 };
 
 const MARK_NAME_SIZE: f64 = 22.0;
-/// Radius about the centre of a mark that is kept free of names, pixels.
+/// Half the edge length of the square about a mark that is kept free of names, pixels.
 const MARK_RADIUS: f64 = 15.0;
 
 impl FieldFigure {
@@ -122,7 +122,7 @@ pub(super) fn draw_mark(picture: &mut Picture, [x, y]: Point, kind: FieldMarkKin
     }
 }
 
-/// Returns the bounding box of a mark.
+/// Returns the square about a mark that is kept free of names.
 pub(super) fn mark_area([x, y]: Point) -> Rectangle {
     Rectangle {
         left: x - MARK_RADIUS,

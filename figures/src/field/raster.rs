@@ -1,4 +1,5 @@
-//! Raster of a field: several cells are merged if there are more cells than pixels.
+//! Raster of a field: several cells are merged if there are more cells than pixels, or than [`MAX_COARSE_CELLS`] in SVG
+//! files and for contour lines.
 
 use super::figure::FieldFigure;
 use crate::picture::Rectangle;

@@ -110,7 +110,7 @@ pub(super) fn to_fine_pixels([x, y]: Point) -> (i32, i32) {
 /// First coordinate of the placeholder polygons of patches in an SVG, far outside the picture.
 pub(super) const PATCH_PLACEHOLDER_X: i32 = -1_000_000;
 
-/// Returns the corners of a patch in fine pixels; `None` if the patch is smaller than a fine pixel.
+/// Returns the corners of a patch in fine pixels; `None` if its width or height rounds to 0.
 pub(super) fn fine_patch_corners(area: &Rectangle) -> Option<([i32; 2], [i32; 2])> {
     let (from, to) =
         (to_fine_pixels([area.left, area.top]), to_fine_pixels([area.right, area.bottom]));

@@ -40,7 +40,7 @@ pub(super) fn draw_curve(
     draw_markers(picture, centre, index, points);
 }
 
-/// Splits a curve at its gaps.
+/// Splits a curve at its gaps; parts of a single point are omitted.
 pub(crate) fn split_at_gaps(points: &[(f64, Point)]) -> Vec<Vec<Point>> {
     let parts = points.split(|(_, point)| point[0].is_nan()).filter(|part| part.len() > 1);
     parts.map(|part| part.iter().map(|(_, point)| *point).collect()).collect()

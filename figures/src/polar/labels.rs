@@ -11,10 +11,10 @@ use crate::picture::{
 
 pub(crate) const LABEL_ROW_HEIGHT: f64 = 1.4 * TICK_LABEL_SIZE;
 
-/// Distance from the rim to the centre of the angles around it, pixels.
+/// Approximate distance from the rim to the centres of the angles written around it, pixels.
 pub(crate) const ANGLE_LABEL_DISTANCE: f64 = 32.0;
 
-/// Label of all spokes with the same angle.
+/// Label of all spokes with the same angle, rounded to 0.01°.
 pub(crate) struct SpokeLabel {
     pub(super) angle_deg: f64,
     /// Formatted angle, followed by the labels of its spokes.
@@ -60,7 +60,7 @@ pub(crate) fn build_labels<'a>(spokes: impl Iterator<Item = &'a Spoke>) -> [Vec<
     [right, left]
 }
 
-/// Writes the angles around the rim, except where a leader line passes.
+/// Draws ticks around the rim every 15° and writes the angles every 30°, except where a leader line passes.
 pub(crate) fn draw_angle_labels(
     picture: &mut Picture,
     centre: Point,

@@ -34,7 +34,8 @@ impl RadialScale {
         self.rim_radius * (HOLE_FRACTION + (1.0 - HOLE_FRACTION) * share)
     }
 
-    /// Returns the radius of a growth rate, pixels; infinite growth rates are drawn just inside the rim or the hole.
+    /// Returns the radius of a growth rate, pixels; infinite growth rates are drawn just inside the rim (+∞) or just
+    /// outside the hole (−∞).
     pub(super) fn growth_radius(&self, growth: f64) -> f64 {
         let inset = 0.015 * (self.high - self.low);
         self.position_radius(

@@ -62,8 +62,8 @@ pub struct VerdictMap {
     pub categories: Vec<VerdictCategory>,
     /// Index into `categories` for each cell; x varies fastest.
     pub category_indices: Vec<u8>,
-    /// Growth level of each cell, positive, in the unit of `level_label`; NaN if there is none. x varies fastest. Used
-    /// in cells with the style [`FillStyle::IllPosed`].
+    /// Growth level of each cell, positive or infinite, in the unit of `level_label`; NaN if there is none. x varies
+    /// fastest. Used in cells with the style [`FillStyle::IllPosed`].
     pub growth_levels: Vec<f64>,
     /// Name and unit of the growth level.
     pub level_label: String,

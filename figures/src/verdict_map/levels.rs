@@ -18,8 +18,9 @@ pub(super) struct LevelRange {
 }
 
 impl LevelRange {
-    /// Computes the range of the positive levels; `None` if there are none. Outliers (at most 1 % of the levels at
-    /// either end, e.g. near a singular line) are excluded if they would more than double the range.
+    /// Computes the range of the positive levels; a default range if all are infinite, `None` if there are none. The
+    /// outermost 1 % of the levels at an end, e.g. near a singular line, are excluded if they extend it by more than
+    /// the length of the remaining range, at least 0.3 decades.
     pub(super) fn from_levels(levels: impl Iterator<Item = f64>) -> Option<Self> {
         let mut has_infinite = false;
         let mut logs: Vec<f64> = Vec::new();

@@ -6,7 +6,7 @@ pub(super) fn check_time(time: f64) -> Result<f64, VtiError> {
     if time.is_finite() { Ok(time) } else { Err(VtiError::Time(time)) }
 }
 
-/// Formats a name as attribute value; refuses characters that XML does not allow.
+/// Formats a name as attribute value; refuses empty names, control characters, U+FFFE and U+FFFF.
 pub(super) fn format_attribute(name: &str) -> Result<String, VtiError> {
     let foreign = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
     if name.is_empty() || name.contains(foreign) {

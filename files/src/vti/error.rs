@@ -9,7 +9,7 @@ pub enum VtiError {
          origin and {spacing} spacings"
     )]
     Axes {
-        /// Length of the list of cell numbers.
+        /// Number of axes for which a number of cells is given.
         cells: usize,
         /// Number of coordinates of the origin.
         origin: usize,
@@ -19,7 +19,7 @@ pub enum VtiError {
     /// An axis has no cells, or the number of cells exceeds the range of the format or of the machine.
     #[error("image data cannot have {cells:?} cells along its axes")]
     Size {
-        /// Cells along each axis.
+        /// Number of cells along each axis.
         cells: Vec<usize>,
     },
     /// A coordinate of the origin is not finite.
@@ -39,7 +39,7 @@ pub enum VtiError {
     /// A time is not finite.
     #[error("the time of image data cannot be {0}")]
     Time(f64),
-    /// A name is empty or has characters that XML does not allow.
+    /// A name is empty or contains control characters, U+FFFE or U+FFFF.
     #[error("image data cannot hold the name {0:?}")]
     Name(String),
     /// An array of this name exists already.

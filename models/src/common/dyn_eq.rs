@@ -1,4 +1,4 @@
-//! Comparison and recovery of values behind a trait object.
+//! Equality of values behind trait objects, and recovery of their concrete type.
 
 use std::any::Any;
 

@@ -2,10 +2,10 @@
 //!
 //! The standard library calls the platform's sin, cos, exp, …: glibc, musl and macOS differ in the last bit, and the
 //! code that glibc selects depends on whether the processor has fused multiply-add. A correctly rounded result is
-//! unique. The functions here call the crate `pxfm`, which evaluates in double precision and repeats in 128 bits if the
-//! first pass does not decide the rounding (Ziv 1991). `pxfm` uses fused multiply-add where the processor has it, and
-//! returns the same bits without it (`tests/elementary.rs`). Names follow C23, which reserves the prefix `cr_` for
-//! correctly rounded functions (ISO/IEC TS 18661-4).
+//! unique. The functions here call the crate `pxfm`, which evaluates with a few bits more than a double has and repeats
+//! in higher precision if the first pass does not decide the rounding (Ziv 1991). `pxfm` uses fused multiply-add where
+//! the processor has it, and returns the same bits without it (`tests/elementary.rs`). Names follow C23, which reserves
+//! the prefix `cr_` for correctly rounded functions (ISO/IEC TS 18661-4).
 //!
 //! The operations `+ − × ÷ √` are correctly rounded on every platform by IEEE 754, so expressions of these operations
 //! alone are platform-independent without this module.
@@ -47,8 +47,8 @@ pub trait Elementary: Sized {
     fn cr_log10(self) -> Self;
     /// Power xᵖ with the exponent p = `power`.
     fn cr_powf(self, power: Self) -> Self;
-    /// Euclidean norm √(self² + other²) (`hypot`), within one unit in the last place, without intermediate overflow or
-    /// underflow.
+    /// Euclidean norm √(self² + other²) (`hypot`), within one unit in the last place, without harmful intermediate
+    /// overflow or underflow; ∞ if an argument is infinite, even if the other is NaN.
     fn root_sum_square(self, other: Self) -> Self;
 }
 

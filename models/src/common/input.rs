@@ -4,11 +4,11 @@
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{input}: found {rejected_value}; {allowed_values}")]
 pub struct InputError {
-    /// Name of the input: a parameter of a model or of a yield set, or a quantity of the state.
+    /// Name of the input: a constant of a model or yield set, a quantity of the state, or a case key such as `kind`.
     pub input: &'static str,
-    /// The rejected value; angles in degrees.
+    /// The rejected value as text, or a description of it; angles in degrees.
     pub rejected_value: String,
-    /// The allowed values, as a sentence fragment.
+    /// The allowed values or the reason for the rejection, as a sentence fragment.
     pub allowed_values: String,
 }
 
@@ -31,7 +31,8 @@ pub(crate) fn ensure(
     }
 }
 
-/// Converts an angle from rad to degrees, rounded to 1e-10° to hide the rounding error of the conversion.
+/// Converts an angle from rad to degrees, rounded to 1e-10° to hide the rounding error of the conversion; not rounded
+/// if rounding would overflow.
 pub(crate) fn to_rounded_degrees(radians: f64) -> f64 {
     let degrees = radians.to_degrees();
     let rounded = (degrees * 1e10).round() / 1e10;

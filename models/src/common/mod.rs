@@ -1,5 +1,5 @@
-//! Tools shared by all models: rounding bounds, linearised systems, symmetric rate equations, parameter metadata,
-//! elementary functions with platform-independent bits.
+//! Tools shared by all models: number types, rounding bounds, linearised systems, symmetric rate equations, parameter
+//! metadata and ranges, and elementary functions and matrix products with platform-independent bits.
 
 mod dyn_eq;
 pub mod elementary;

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A floating-point number or SIMD lanes of numbers; every operation acts lane by lane.
+/// A floating-point number or SIMD lanes of numbers; every operation except [`any_gt`](Self::any_gt) acts lane by lane.
 pub trait Number:
     Copy
     + Debug
@@ -26,7 +26,7 @@ pub trait Number:
     const THIRD: Self;
     /// The number ¼.
     const QUARTER: Self;
-    /// The smallest positive normal number; smaller numbers are subnormal.
+    /// The smallest positive normal number; smaller positive numbers are subnormal.
     const MIN_POSITIVE: Self;
     /// Machine epsilon: distance from 1 to the next number.
     const EPSILON: Self;
@@ -34,10 +34,10 @@ pub trait Number:
     /// The number nearest to a double, in all lanes.
     fn from_f64(value: f64) -> Self;
 
-    /// Maximum of two numbers, lane by lane; `other` where `self > other` is false, also for NaN.
+    /// Maximum of two numbers, lane by lane; `other` where `self > other` is false, including NaN.
     fn max(self, other: Self) -> Self;
 
-    /// Minimum of two numbers, lane by lane.
+    /// Minimum of two numbers, lane by lane; `other` where `self < other` is false, including NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         -(-self).max(-other)
@@ -47,20 +47,19 @@ pub trait Number:
     fn sqrt(self) -> Self;
 
     /// Minmod limiter of three arguments: the argument of smallest magnitude, or zero if `one` and `other` differ in
-    /// sign.
-    /// `self` must be a mean of `one` and `other`, so that it has their sign where the two signs agree.
+    /// sign. `self` must be a mean of `one` and `other`, so that it has their sign where the two signs agree.
     fn minmod3(self, one: Self, other: Self) -> Self;
 
-    /// Flushes magnitudes below `limit` to zero, since subnormal arithmetic is slow; NaN is unchanged.
+    /// Flushes numbers of magnitude below `limit` to zero, since subnormal arithmetic is slow; NaN is unchanged.
     fn flush_below(self, limit: Self) -> Self;
 
     /// Whether any lane is greater than its counterpart in `other`.
     fn any_gt(self, other: Self) -> bool;
 }
 
-/// Correctly rounded x/3 without a division: with q = x·⅓ both differences in (x − 2q) − q are exact (Sterbenz 1974),
-/// and x/3 is at least a sixth of a unit in the last place away from a rounding boundary. Near underflow the last bit
-/// may differ; −0 becomes 0.
+/// Correctly rounded x/3 without a division: with the rounded product q = x·⅓ both differences in (x − 2q) − q are
+/// exact (Sterbenz 1974), and x/3 is at least a sixth of a unit in the last place away from a rounding boundary. Near
+/// underflow the last bit may differ; −0 becomes 0, and infinite x gives NaN.
 #[inline(always)]
 pub fn divide_by_three<N: Number>(x: N) -> N {
     let quotient = x * N::THIRD;

@@ -12,13 +12,13 @@ pub struct Parameter {
     pub name: &'static str,
     /// Quantity and symbol, for axes and legends: `friction angle φ`.
     pub label: &'static str,
-    /// SI unit; empty for pure numbers. Angles are marked [`ANGLE_UNIT`].
+    /// SI unit; empty for pure numbers, [`ANGLE_UNIT`] for angles.
     pub unit: &'static str,
     /// Meaning of the quantity and its allowed values, in one line.
     pub meaning: &'static str,
     /// Whether a value is required, has a default, or is optional.
     pub presence: Presence,
-    /// Allowed range, independent of the other constants.
+    /// Allowed range in the unit of the parameter, independent of the other constants.
     pub range: AllowedRange,
 }
 
@@ -37,7 +37,7 @@ pub enum Presence {
 }
 
 impl Parameter {
-    /// A required constant whose range is all finite numbers.
+    /// A required constant whose range is all finite numbers; `example` in the unit of the parameter.
     pub const fn new_required(
         [name, label, unit]: [&'static str; 3],
         meaning: &'static str,
@@ -46,7 +46,7 @@ impl Parameter {
         Self::new([name, label, unit], meaning, Presence::Required(example))
     }
 
-    /// A constant with a default, whose range is all finite numbers.
+    /// A constant whose range is all finite numbers, with the default `default` in the unit of the parameter.
     pub const fn with_default(
         [name, label, unit]: [&'static str; 3],
         meaning: &'static str,
@@ -90,7 +90,8 @@ impl Parameter {
         }
     }
 
-    /// Converts a value from the unit of the parameter to SI units: angles from degrees to rad.
+    /// Converts a value from the unit of the parameter to SI units: angles from degrees to rad; other values are in SI
+    /// units already.
     pub fn to_si(&self, stated: f64) -> f64 {
         if self.unit == ANGLE_UNIT { stated.to_radians() } else { stated }
     }

@@ -1,8 +1,8 @@
 //! Real matrix products whose bits do not depend on the processor.
 //!
-//! `nalgebra` delegates products of real matrices with more than five rows and columns to the crate `matrixmultiply`,
-//! which uses fused multiply-add where the processor has it. Products of complex matrices, matrix–vector products and
-//! decompositions do not call `matrixmultiply`.
+//! `nalgebra` delegates products of real, dynamically sized matrices to the crate `matrixmultiply` if both factors have
+//! more than five rows and columns; `matrixmultiply` uses fused multiply-add where the processor has it. Products of
+//! complex matrices, matrix–vector products and decompositions do not call `matrixmultiply`.
 
 use nalgebra::{DMatrix, Dim, Matrix, Storage};
 

@@ -31,7 +31,7 @@ impl AllowedRange {
             }
     }
 
-    /// Converts a range in degrees to radians.
+    /// Converts the bounds of a range from degrees to radians.
     pub fn to_radians(self) -> Self {
         match self {
             Self::PositiveUpTo(most) => Self::PositiveUpTo(most.to_radians()),

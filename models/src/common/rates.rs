@@ -20,7 +20,7 @@ use nalgebra::DMatrix;
 /// Rate equations in `D` space dimensions; see the [module](self).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateEquations<const D: usize> {
-    /// Names of the unknowns: velocities v, then stresses s.
+    /// Unknowns: velocities v, then stresses s.
     pub unknowns: &'static [Unknown],
     /// Names of the equations: balances, then constitutive laws.
     pub equations: &'static [&'static str],
@@ -37,17 +37,17 @@ pub struct RateEquations<const D: usize> {
     pub relaxation: RoundedMatrix,
 }
 
-/// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U` in the notation of Sadovskii & Sadovskaya (2019, "Elastic
-/// Cosserat continuum"): A symmetric positive definite, Bⁱ symmetric, Q antisymmetric
-/// without plastic flow.
+/// A symmetric-hyperbolic system `A U̇ = Σ Bⁱ ∂ᵢU + Q U` for U = (v, s), velocities v and stresses s, in the notation
+/// of Sadovskii & Sadovskaya (2019, "Elastic Cosserat continuum"): A symmetric positive definite, Bⁱ symmetric, Q
+/// antisymmetric without plastic flow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricForm<const D: usize> {
-    /// Matrix A; ½ U·AU is the energy density.
+    /// Matrix A = diag(M, D⁻¹); for an elastic solid ½ U·AU is the density of kinetic and elastic energy.
     pub a: DMatrix<f64>,
     /// Symmetric flux matrices Bⁱ.
     pub b: [DMatrix<f64>; D],
-    /// Source matrix Q: antisymmetric, minus the relaxation R if the background flows plastically; for associated flow
-    /// R is positive semidefinite and damps perturbations.
+    /// Source matrix Q: antisymmetric, minus the relaxation R in the block of the stresses if the background flows
+    /// plastically. R is positive semidefinite and damps perturbations.
     pub q: DMatrix<f64>,
 }
 
@@ -103,7 +103,8 @@ impl<const D: usize> RateEquations<D> {
         }
     }
 
-    /// The symmetric-hyperbolic form; `None` where the stiffness is not symmetric positive definite.
+    /// The symmetric-hyperbolic form; `None` if the stiffness is not positive definite, or not symmetric to within
+    /// 1e-12 of its largest entry.
     pub fn symmetric_form(&self) -> Option<SymmetricForm<D>> {
         let (nv, ns) = (self.velocity_count(), self.stress_count());
         let stiffness = self.stiffness_values();
@@ -133,8 +134,8 @@ impl<const D: usize> RateEquations<D> {
 
 impl<const D: usize> SymmetricForm<D> {
     /// Galerkin restriction of the system to the subspace spanned by the columns of `basis`, e.g. the tangent plane of
-    /// a yield surface (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). It stays
-    /// symmetric-hyperbolic.
+    /// a yield surface (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum"). The restricted system is
+    /// symmetric-hyperbolic if these columns are linearly independent.
     pub fn restrict(&self, basis: &DMatrix<f64>) -> Self {
         let restrict = |m: &DMatrix<f64>| triple_product(&basis.transpose(), m, basis);
         Self {

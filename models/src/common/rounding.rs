@@ -1,8 +1,9 @@
 //! Floating-point numbers with a running rounding-error bound.
 //!
-//! Verdicts depend on signs. A sign is certain only if the value exceeds a bound on its error, so the linearised
-//! equations are written in [`Rounded`]: a double with a running error bound (Wilkinson's running error analysis). A
-//! value with a zero bound is exact. Products and sums propagate structural zeros (value and bound zero) exactly.
+//! Verdicts on well-posedness depend on signs. A sign is certain only if the magnitude of the value exceeds a bound on
+//! its error, so the linearised equations are written in [`Rounded`]: a double with a running error bound (Wilkinson's
+//! running error analysis). A value with a zero bound is exact. Products and sums propagate structural zeros (value and
+//! bound zero) exactly.
 
 use crate::common::elementary::Elementary;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
@@ -13,7 +14,7 @@ pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// Factor by which bounds, themselves rounded to nearest, are inflated to stay upper bounds.
 const BOUND_INFLATION: f64 = 1.0 + 2.0 * f64::EPSILON;
 
-/// The smallest positive double: the error of a product that underflows.
+/// The smallest positive double: bounds the error of an operation that underflows.
 const MIN_SUBNORMAL: f64 = f64::from_bits(1);
 
 /// A double `value` within `bound` of the exact number that it approximates.
@@ -47,7 +48,7 @@ impl Rounded {
         Self { value: radians, bound: 3.0 * UNIT_ROUNDOFF * radians.abs() * BOUND_INFLATION }
     }
 
-    /// Whether the value is exactly zero by structure, not by rounding.
+    /// Whether the number is exactly zero (value and bound zero), not zero by rounding.
     pub fn is_structural_zero(self) -> bool {
         self.value == 0.0 && self.bound == 0.0
     }
@@ -63,7 +64,8 @@ impl Rounded {
         }
     }
 
-    /// Sine, with an assumed error of the computed sine of at most one unit in the last place.
+    /// Sine. Its bound is the bound of the argument, since |d sin x/dx| ≤ 1, plus one unit in the last place for the
+    /// evaluation.
     pub fn sin(self) -> Self {
         if self.is_structural_zero() {
             return Self::ZERO;
@@ -72,14 +74,15 @@ impl Rounded {
         Self::with_rounding_error(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
-    /// Cosine, with an assumed error of the computed cosine of at most one unit in the last place.
+    /// Cosine. Its bound is the bound of the argument, since |d cos x/dx| ≤ 1, plus one unit in the last place for the
+    /// evaluation.
     pub fn cos(self) -> Self {
         let value = self.value.cr_cos();
         Self::with_rounding_error(value, self.bound + UNIT_ROUNDOFF * value.abs())
     }
 
-    /// Arc sine of a number whose exact value lies in [−1, 1]. The bound is the largest distance to the arc sines of
-    /// value ± bound, the ends of the interval of possible arguments.
+    /// Arc sine of a number whose exact value lies in [−1, 1]. Its bound is the larger of the distances to the arc
+    /// sines of value ± bound, the ends of the interval of possible arguments, plus rounding errors.
     pub fn asin(self) -> Self {
         let at = |x: f64| x.clamp(-1.0, 1.0).cr_asin();
         let value = at(self.value);
@@ -171,7 +174,7 @@ impl Div for Rounded {
     }
 }
 
-/// Product with a literal factor, such as the 2 of `2 sin φ`, which is exact.
+/// Product with an exact factor, such as the literal 2 of `2 sin φ`.
 impl Mul<Rounded> for f64 {
     type Output = Rounded;
     fn mul(self, other: Rounded) -> Rounded {

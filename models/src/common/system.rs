@@ -1,4 +1,4 @@
-//! A linearised system of equations as data: the only interface between a model and the analysis.
+//! A linearised system of equations as data: the form in which the analysis receives the equations of a model.
 
 use crate::common::rounding::Rounded;
 use nalgebra::DMatrix;
@@ -20,7 +20,7 @@ pub type RoundedMatrix = DMatrix<Rounded>;
 /// [`reset`](Self::reset) and index assignments; refilling a system of the same size allocates nothing.
 #[derive(Clone, Debug)]
 pub struct LinearisedSystem<const D: usize> {
-    /// Names of the unknowns z, one per column.
+    /// Unknowns z, one per column.
     pub unknowns: &'static [Unknown],
     /// Names of the equations, one per row.
     pub equations: &'static [&'static str],

@@ -38,7 +38,7 @@ impl Solid {
     /// Rate equations in `D` dimensions with the tangent stiffness: plastic loading of all active conditions.
     ///
     /// # Errors
-    /// The plastic denominator H + n·Dm of an active condition is not positive; see [`NoResponse`].
+    /// The plastic denominator H + n·Dm of an active condition is not certainly positive; see [`NoResponse`].
     pub fn rates<const D: usize>(&self) -> Result<RateEquations<D>, NoResponse> {
         let Some(plastic) = &self.plastic_state else { return Ok(self.elastic_rates()) };
         let (layout, stiffness) = self.elastic_law.layout_and_stiffness::<D>();
@@ -48,10 +48,11 @@ impl Solid {
     }
 
     /// Rate equations including the relaxation R due to plastic flow of the background, with the out-of-plane
-    /// stresses among the unknowns; `None` if R is zero.
+    /// stresses among the unknowns; `None` if R is zero: an elastic solid, given active conditions, zero multiplier
+    /// rate, or linear conditions.
     ///
     /// # Errors
-    /// The plastic denominator H + n·Dm of an active condition is not positive; see [`NoResponse`].
+    /// The plastic denominator H + n·Dm of an active condition is not certainly positive; see [`NoResponse`].
     pub fn damped_rates<const D: usize>(&self) -> Result<Option<RateEquations<D>>, NoResponse> {
         let Some(PlasticState {
             set,

@@ -16,10 +16,10 @@ pub struct PlasticState {
     pub set: YieldSet,
     /// Stress scaled onto yield; `None` if the active conditions are given instead.
     pub stress: Option<Stress>,
-    /// Active conditions (f = 0); at least one.
+    /// Active conditions (f = 0); at least one if `stress` is given.
     pub active_conditions: Vec<ActiveCondition>,
-    /// Plastic multiplier rate Λ of the background flow, 1/s; 0 if the active conditions are given. It has no effect on
-    /// interlayer sets, whose conditions are linear.
+    /// Plastic multiplier rate Λ of the background flow, 1/s; ≥ 0; 0 if the active conditions are given. It has no
+    /// effect for interlayer sets, whose conditions are linear.
     pub multiplier_rate: f64,
 }
 
@@ -32,7 +32,8 @@ impl PlasticState {
     /// (1/s).
     ///
     /// # Errors
-    /// No multiple of the direction yields (see [`scale_onto_yield`]), or the rate is negative.
+    /// The stress cannot be scaled onto yield (see [`scale_onto_yield`]), no condition is active there (a cone on its
+    /// axis has no unique normal), or the rate is negative or not finite.
     pub fn from_stress(
         set: YieldSet,
         pressure: f64,
@@ -58,7 +59,7 @@ impl PlasticState {
     /// holds indices into [`half_spaces`](crate::yield_set::YieldConditions::half_spaces).
     ///
     /// # Errors
-    /// An index is out of range.
+    /// An index is out of range; for a set that is not polyhedral, every index.
     pub fn with_active(set: YieldSet, active: &[usize]) -> Result<Self, InputError> {
         let all: Vec<ActiveCondition> =
             set.half_spaces().into_iter().flatten().map(|(condition, _)| condition).collect();
@@ -74,11 +75,12 @@ impl PlasticState {
     }
 }
 
-/// Computes the stress −p δ + s·`direction` on yield, with the largest s ≥ 0 for which it is in the yield set; p is
-/// `pressure` (Pa) and δ the unit tensor.
+/// Computes the stress −p δ + s·`direction` on yield, with the largest s ≥ 0 for which this stress is in the yield set;
+/// p is `pressure` (Pa) and δ the unit tensor.
 ///
 /// # Errors
-/// The hydrostatic stress −p δ is outside the set or has no strength, or no multiple of the direction yields.
+/// The hydrostatic stress −p δ is outside the set or a condition has no strength there, or no positive multiple of the
+/// direction yields.
 pub fn scale_onto_yield(
     set: &YieldSet,
     pressure: f64,

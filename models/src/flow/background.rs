@@ -8,10 +8,11 @@ use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, ensure, to_rounded_degrees};
 use crate::common::rounding::Rounded;
 
-/// Relative tolerance for redundant input quantities.
+/// Tolerance of the difference between a redundant input and its derived value, relative to the size of the terms.
 const REDUNDANCY_TOLERANCE: f64 = 1e-9;
 
-/// Relative distance from the yield surfaces within which a stress counts as on yield.
+/// Distance within which a stress counts as on yield: |q − q_y| relative to q_y, the deviatoric stress on yield, and
+/// |r − 0| or |r ∓ m| relative to the rotational strength m.
 const YIELD_TOLERANCE: f64 = 1e-12;
 
 /// Completes `state` to a background by the yield condition, the flow rule and the balance laws.
@@ -115,7 +116,9 @@ fn keyed_quantities(state: &MaterialState) -> impl Iterator<Item = (&'static str
     pairs.chain(single.into_iter().filter_map(|(key, x)| Some((key, x?))))
 }
 
-/// Checks that all numbers of `state` are finite, in range and used by the model.
+/// Checks that all given numbers of `state` are finite, that density, shear rate and pressure are in range, and that in
+/// a model that does not use them spin, body moment and rate of the stress angle are absent, non-coaxiality and density
+/// gradient absent or zero.
 fn check_ranges(
     coulomb: &MohrCoulomb,
     rule: &FlowRule,
@@ -180,8 +183,8 @@ fn check_ranges(
     )
 }
 
-/// Returns the non-coaxiality Δ, rad: the given value, else the solution of the flow rule with cos 2Δ > 0 for a given
-/// spin, else 0.
+/// Returns the non-coaxiality Δ, rad: the given value, which must agree with the spin if both are given; else the
+/// solution of the flow rule with cos 2Δ ≥ 0 for a given spin; else 0.
 fn compute_noncoaxiality(rule: &FlowRule, state: &MaterialState) -> Result<Rounded, InputError> {
     let given = Rounded::from_angle(state.noncoaxiality.unwrap_or(0.0));
     let Some(spin) = state.spin else { return Ok(given) };
@@ -217,8 +220,8 @@ fn compute_noncoaxiality(rule: &FlowRule, state: &MaterialState) -> Result<Round
 }
 
 /// Completes the stress by default values of the deviatoric stress q and the rotational stress r, and finds its
-/// position relative to the yield conditions. Values within [`YIELD_TOLERANCE`] of yield are replaced by the values on
-/// yield.
+/// position relative to the yield conditions. Within [`YIELD_TOLERANCE`], q is replaced by its value on yield and r by
+/// 0 or ±m with the rotational strength m.
 fn compute_stress_and_region(
     coulomb: &MohrCoulomb,
     rotation: MaterialRotation,

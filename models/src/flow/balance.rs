@@ -1,8 +1,8 @@
 //! Linearised balance equations and flow rule shared by the granular-flow models.
 //!
 //! Harris & Grekova (2005), eqs (16)–(18), (41), (42), linearised about a background as in section 5 of the paper, with
-//! the printed errors of eqs (83) and (86) corrected. For a dilatancy angle ν > 0 the density is an unknown. Lower-case
-//! symbols are perturbations, capitals the background.
+//! the printed errors of eqs (83) and (86) corrected. For a dilatancy angle ν > 0 the density is an unknown. The
+//! equations quoted below are the nonlinear ones, in lower-case symbols; capitals are values of the background.
 
 use super::state::{DeformingFlow, FlowRule, MohrCoulomb};
 use crate::common::rounding::Rounded;

@@ -1,10 +1,10 @@
 //! Closed-form verdicts on well-posedness.
 //!
 //! For some models and backgrounds the growth rate Re ς of short waves exp(ςt + ik·x) is known in closed form. A
-//! formula decides only if its result is certain: the rounding bound of every quantity must be far below the quantity
-//! itself, and all numbers must be far from overflow and underflow. Otherwise the formula returns `None` and the
-//! linearised equations are analysed numerically. So a formula never returns *marginal* and never decides near a
-//! stability boundary.
+//! formula decides only if its result is certain: the rounding bound of every quantity whose sign or value decides must
+//! be far below the quantity itself, and all numbers must be far from overflow and underflow. Otherwise the formula
+//! returns `None` and the linearised equations are analysed numerically. So a formula never returns *marginal* and
+//! never decides near a stability boundary.
 
 use crate::common::elementary::Elementary;
 use crate::common::rounding::Rounded;
@@ -49,12 +49,13 @@ const SAFE_MAGNITUDES: std::ops::Range<f64> = 1e-30..1e30;
 
 /// Smallest cosine of a friction or dilatancy angle at which a formula decides: 0.57° from a right angle. As φ → 90°
 /// the degenerate directions β = ±(90° − φ) merge with each other and with the direction in which the coefficient of
-/// the highest power of ς has its minimum, which is at most (1 − sin φ)²: the numerical analysis no longer separates
-/// these directions to ten digits.
+/// the highest power of ς has its minimum, and this minimum vanishes at least like 1 − sin φ: the numerical analysis no
+/// longer separates these directions to ten digits.
 const MIN_COSINE: f64 = 1e-2;
 
 impl ClosedFormVerdict {
-    /// Growth of order `order` with `coefficient` (m^order/s); `None` unless ten digits of the coefficient are certain.
+    /// Growth of order `order` with `coefficient` (m^order/s); `None` unless the coefficient is positive and finite and
+    /// ten of its digits are certain.
     /// `beta` is β = 2(Ψ_Σ − ψ_K), rad, in the direction of largest growth, with the stress angle Ψ_Σ and the angle ψ_K
     /// of the wave vector.
     pub(crate) fn from_growth(
@@ -97,7 +98,8 @@ pub(crate) fn is_below_right_angle(angle: f64) -> bool {
     angle.cr_cos() >= MIN_COSINE
 }
 
-/// Whether every number of a flow is zero or has a magnitude in [`SAFE_MAGNITUDES`].
+/// Whether density, stresses, rates, velocity, acceleration and gradients of a flow are each zero or of a magnitude in
+/// [`SAFE_MAGNITUDES`].
 pub(crate) fn has_safe_magnitudes(flow: &DeformingFlow) -> bool {
     let [[g11, g12], [g21, g22]] = flow.velocity_gradient;
     let single = [

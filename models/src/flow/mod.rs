@@ -2,9 +2,9 @@
 //!
 //! The Harris–Grekova model (2005), double shearing (Spencer 1964; Mehrabadi & Cowin 1978), the plastic potential and
 //! the double-sliding free-rotating model (de Josselin de Jong 1977) share the balances of momentum and mass, the yield
-//! condition and the form of the flow rule; they differ in the definition of the material rotation. This module holds
-//! the shared equations ([`state`], [`balance`]), the registry entry of a model ([`FlowModel`]) and the model with
-//! checked constants ([`Model`]).
+//! condition and the form of the flow rule; they differ in the coefficients of the flow rule and in the definition of
+//! the material rotation. This module holds the shared equations ([`state`], [`balance`]), the registry entry of a
+//! model ([`FlowModel`]) and the model with checked constants ([`Model`]).
 
 mod background;
 pub mod balance;

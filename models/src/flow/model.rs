@@ -47,7 +47,7 @@ pub trait FlowLaw: fmt::Debug + Send + Sync {
     /// Replaces the constants, in the order of [`FlowModel::parameters`], in SI units and rad.
     ///
     /// # Errors
-    /// A constant is out of range; the model is unchanged.
+    /// The number of constants is wrong, or a constant is out of range; the model is unchanged.
     fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError>;
 
     /// Mohr–Coulomb yield condition of the model.
@@ -150,15 +150,16 @@ impl Model {
     /// Creates a model of `kind` from its constants, in the order of the kind's parameters, in SI units and rad.
     ///
     /// # Errors
-    /// A constant is out of range; the error names the first such constant.
+    /// The number of constants is wrong, or a constant is out of range; the error names the first such constant.
     pub fn new(kind: FlowKind, constants: &[f64]) -> Result<Self, InputError> {
         Ok(Self { kind, law: (kind.0.constructor)(constants)? })
     }
 
-    /// Replaces the constants; allocates only if a clone shares the memory of this model.
+    /// Replaces the constants, in the order of the kind's parameters, in SI units and rad; allocates only if a clone of
+    /// this model shares its memory.
     ///
     /// # Errors
-    /// A constant is out of range; the model is unchanged.
+    /// The number of constants is wrong, or a constant is out of range; the model is unchanged.
     pub fn set_constants(&mut self, constants: &[f64]) -> Result<(), InputError> {
         match Arc::get_mut(&mut self.law) {
             Some(law) => law.set_constants(constants)?,
@@ -180,8 +181,8 @@ impl Model {
     /// Completes `state` to a background by the flow rule of the model and the balance laws.
     ///
     /// # Errors
-    /// An input is out of range, is not used by the model, or contradicts the flow rule or a balance law; the error
-    /// then gives the residual of the violated equation.
+    /// An input is out of range or not finite, is not used by the model, or contradicts the flow rule or a balance law;
+    /// in the last case the error gives the residual of the violated equation.
     pub fn background(&self, state: &MaterialState) -> Result<Background, InputError> {
         complete_background(self.coulomb(), &self.flow_rule(), self.rotation(), state)
     }

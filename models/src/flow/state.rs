@@ -120,12 +120,12 @@ pub struct MaterialState {
     pub density: f64,
     /// Pressure p, Pa, compression-positive; > −c cot φ.
     pub pressure: f64,
-    /// Deviatoric stress q, Pa; absent: its value on yield.
+    /// Deviatoric stress q, Pa; ≥ 0; absent: its value on yield.
     pub deviatoric_stress: Option<f64>,
     /// Rotational stress r = ½(σ₁₂ − σ₂₁) in the index order of Harris & Grekova, Pa; absent:
     /// −m sign(ω − s₂₁), for which the rotational power is never negative.
     pub rotational_stress: Option<f64>,
-    /// Angle Ψ_Σ of the greater principal stress from x₁, rad.
+    /// Angle Ψ_Σ from x₁ of the algebraically greater principal stress (tension-positive), rad.
     pub stress_angle: f64,
     /// Magnitude Q_D of the deviatoric deformation rate, 1/s; > 0.
     pub shear_rate: f64,
@@ -133,9 +133,10 @@ pub struct MaterialState {
     pub velocity: [f64; 2],
     /// Half the vorticity s₂₁ = ½(∂₁V₂ − ∂₂V₁), 1/s.
     pub half_vorticity: f64,
-    /// Non-coaxiality Δ = Ψ_D − Ψ_Σ, rad; absent: from the spin, or 0.
+    /// Non-coaxiality Δ = Ψ_D − Ψ_Σ, rad, with the angle Ψ_D from x₁ of the greater principal deformation rate; absent:
+    /// from the spin, or 0 if the spin is absent too; 0 or absent in a coaxial model.
     pub noncoaxiality: Option<f64>,
-    /// Intrinsic spin Ω, rad/s; absent: from the non-coaxiality.
+    /// Intrinsic spin Ω, rad/s; absent: from the non-coaxiality. Only in models with spin.
     pub spin: Option<f64>,
     /// Gradient of the pressure, Pa/m.
     pub pressure_gradient: [f64; 2],
@@ -155,7 +156,7 @@ pub struct MaterialState {
     pub velocity_gradient: Option<[[f64; 2]; 2]>,
     /// Material acceleration minus body force, DV/Dt − F, m/s²; checked when given.
     pub acceleration: Option<[f64; 2]>,
-    /// Body moment per unit mass G, m²/s²; checked when given.
+    /// Body moment per unit mass G, m²/s²; checked when given (models with a balance of spin only).
     pub body_moment: Option<f64>,
     /// Material rate of the stress angle, rad/s; checked when given (double shearing only).
     pub stress_angle_rate: Option<f64>,
@@ -173,11 +174,12 @@ impl MaterialState {
 /// Position of a state relative to the yield conditions (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum YieldRegion {
-    /// On both yield conditions: q = p sin φ + c cos φ and r ∈ {0, ±m}.
+    /// Fully deforming: q = p sin φ + c cos φ, and r = ±m or 0, with the deviatoric stress q, the rotational stress r
+    /// and the rotational strength m.
     FullyDeforming,
-    /// Inside a yield condition and outside none: rigid, or deformation not determined.
+    /// Rigid, or deformation not determined: q below yield or 0 < |r| < m, and neither q nor r outside yield.
     RigidOrIndeterminate,
-    /// Outside a yield condition: not admissible.
+    /// Not admissible: q above yield or |r| > m.
     OutsideYield,
 }
 
@@ -208,8 +210,8 @@ pub struct PlanarStress {
 impl PlanarStress {
     /// The stress tensor, second index = face normal, Pa.
     ///
-    /// Converts from the index order of Harris & Grekova (first index = face normal, eq. 6) by transposition; all other
-    /// code uses second index = face normal.
+    /// It is the transpose of the tensor of Harris & Grekova (first index = face normal, eq. 6), by whose index order
+    /// the rotational stress r is defined.
     pub fn to_tensor(&self) -> [[f64; 2]; 2] {
         let (p, q, r) = (self.pressure, self.deviator.value, self.rotational_stress);
         let (sin, cos) = (2.0 * self.angle).cr_sin_cos();

@@ -67,7 +67,8 @@ pub trait FaceLaw<N: Number>: Copy {
     /// History variables of a face at rest without stress.
     const REST_HISTORY: Self::History;
 
-    /// Advances the face by a step Δt (s): updates the history variables and returns the fluxes.
+    /// Advances the face by a step Δt = `step` (s): updates the history variables `memory` and returns the states on
+    /// both sides, which give the fluxes, and the dissipated energy.
     fn advance(
         &self,
         incoming: &RiemannData<N>,

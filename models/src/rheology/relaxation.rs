@@ -64,7 +64,7 @@ impl StandardLinearSolid {
     /// unrelaxed solid has the same bulk modulus and the shear modulus μ_U = μ_R + μ₁.
     ///
     /// # Errors
-    /// μ₁ or τ is not positive.
+    /// μ₁ or τ is not positive and finite, or the unrelaxed moduli are out of range.
     pub fn from_relaxed(
         relaxed: Isotropic,
         branch_modulus: f64,
@@ -81,7 +81,7 @@ impl StandardLinearSolid {
     /// with the relaxation time τ (s).
     ///
     /// # Errors
-    /// μ₁ or τ is not positive, or μ₁ ≥ μ_U, so that the relaxed shear modulus would not be positive.
+    /// μ₁ or τ is not positive and finite, or μ₁ ≥ μ_U, so that the relaxed shear modulus would not be positive.
     pub fn from_unrelaxed(
         unrelaxed: Isotropic,
         branch_modulus: f64,
@@ -167,7 +167,7 @@ impl StandardLinearSolid {
     }
 
     /// Relaxes stress and viscous strain over `duration` ≥ 0 (s) at constant strain and returns the dissipated energy,
-    /// J/m³. The viscous strain and the stress increment are symmetric.
+    /// J/m³. Only the symmetric parts of stress and viscous strain enter, and both increments are symmetric.
     pub fn relax(
         &self,
         stress: &mut Stress,
@@ -239,7 +239,7 @@ pub struct Relaxation<N> {
     pub strain_per_strain: N,
     /// Relaxed fraction κ = 1 − exp(−t/τ).
     pub relaxed_fraction: N,
-    /// Stress per viscous strain 2μ₁, Pa.
+    /// Decrease of the stress per increment of the viscous strain, 2μ₁, Pa.
     pub stress_per_strain: N,
     /// Dissipated energy per |d|², μ₁κ(2 − κ), Pa.
     pub dissipation: N,

@@ -1,4 +1,5 @@
-//! Cosserat solid in plane strain given by its compliances a₁, b₁, a₂, b₂, α₂; of cubic symmetry in general.
+//! Cosserat solid in plane strain given by its compliances a₁, b₁, a₂, b₂ and its couple modulus α₂; of cubic symmetry
+//! in general.
 
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};
@@ -8,7 +9,7 @@ use crate::solid::parameters::{ALPHA2, DENSITY, INERTIA, PlaneCompliances, Theor
 use crate::solid::stress::{Stress, StressComponent};
 use crate::solid::waves::{SpinRotation, VelocityStressPair};
 
-/// Registry entry of the Cosserat solid by compliances.
+/// Registry entry of the Cosserat solid in plane strain by compliances.
 pub static COSSERAT_COMPLIANCES: SolidModel = SolidModel {
     name: "cosserat-compliances",
     title: "Cosserat solid by compliances",

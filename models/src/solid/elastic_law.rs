@@ -40,14 +40,15 @@ pub trait Elasticity: DynEq + Debug + Send + Sync {
         None
     }
 
-    /// Stiffness matrix (Hooke's law) between the stress components `stresses`, Pa or N.
+    /// Stiffness matrix (Hooke's law) between the stress components `stresses`, in their order, Pa or N. A law defined
+    /// in plane strain only is given the in-plane components of its layout.
     fn stiffness(&self, stresses: &[StressComponent]) -> RoundedMatrix;
 
-    /// Velocity–stress pairs of the one-dimensional waves along `axis`, in 2 (plane strain) or 3 dimensions.
+    /// Velocity–stress pairs of the one-dimensional waves along `axis` (from 0), in 2 (plane strain) or 3 dimensions.
     fn pairs(&self, dimensions: usize, axis: usize) -> Vec<VelocityStressPair>;
 
-    /// Coupling of spins and antisymmetric stress without gradients, which rotates the vector of both; `None` in
-    /// classical solids.
+    /// Source term that couples spins and antisymmetric stress without gradients: a rotation of the vector (spin,
+    /// antisymmetric stress). `None` in classical solids.
     fn rotation(&self) -> Option<SpinRotation> {
         None
     }
@@ -87,8 +88,8 @@ impl ElasticLaw {
         self.0.as_any().downcast_ref()
     }
 
-    /// Layout of the unknowns in `D` dimensions, and the stiffness matrix of all its stress components, of which the
-    /// out-of-plane stresses are last.
+    /// Layout of the unknowns in `D` dimensions, and the stiffness matrix between all its stress components;
+    /// out-of-plane stresses, if any, are last.
     pub fn layout_and_stiffness<const D: usize>(&self) -> (UnknownLayout, RoundedMatrix) {
         const { assert!(D == 2 || D == 3) };
         let layout = if D == 2 { plane_layout(self.theory()) } else { space_layout(self.theory()) };

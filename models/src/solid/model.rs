@@ -45,7 +45,7 @@ impl SolidKind {
     /// Builds the elastic law with the given constants, in the order of the kind's parameters, in SI units.
     ///
     /// # Errors
-    /// A constant is out of range.
+    /// The number of constants is wrong, or a constant is out of range.
     pub fn law(self, constants: &[f64]) -> Result<ElasticLaw, InputError> {
         (self.0.constructor)(constants)
     }

@@ -114,9 +114,10 @@ pub struct WaveSpeeds {
     pub longitudinal: f64,
     /// Shear waves in the short-wave limit, c_s² = (μ + α)/ρ (classical: μ/ρ).
     pub shear: f64,
-    /// Longitudinal microrotation waves (torsion, axis along the wave vector), c_m² = (β + 2γ)/j.
+    /// Longitudinal microrotation waves (torsion, axis along the wave vector), c_m² = (β + 2γ)/j; `None` without couple
+    /// stress.
     pub torsion: Option<f64>,
-    /// Transverse microrotation waves (axis normal to the wave vector), c_ω² = (γ + η)/j.
+    /// Transverse microrotation waves (axis normal to the wave vector), c_ω² = (γ + η)/j; `None` without couple stress.
     pub rotation: Option<f64>,
 }
 
@@ -124,7 +125,7 @@ impl Isotropic {
     /// Creates the solid after checking the inequalities that make the elastic energy positive definite.
     ///
     /// # Errors
-    /// An inequality is violated; the error gives it with the numbers.
+    /// An inequality is violated or a constant is not finite; the error gives the inequality with the numbers.
     pub fn new(
         lambda: f64,
         mu: f64,
@@ -165,15 +166,15 @@ impl Isotropic {
         self.microrotation.and_then(|m| m.couple)
     }
 
-    /// Elastic energy of a stress, J/m³: ½σ·C·σ + ½m·C·m with the compliance C. Parts of the stress for which the solid
-    /// has no modulus store no energy.
+    /// Elastic energy of a stress, J/m³: ½σ·C·σ + ½m·C′·m with the compliances C of the force stress σ and C′ of the
+    /// couple stress m. Parts of the stress for which the solid has no modulus store no energy.
     pub fn stored_energy(&self, stress: &Stress) -> f64 {
         stored_energy(StressShape::GENERAL, &stress.force, &stress.couple, &self.energy_moduli())
     }
 
-    /// Moduli of the elastic energy: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part
-    /// and mean of the force stress; γ, η and 3β + 2γ (N) for the same parts of the couple stress. Infinite if the
-    /// solid has no such modulus.
+    /// Moduli of the elastic energy: μ, α and 3λ + 2μ (Pa) for symmetric deviator, antisymmetric part and mean of the
+    /// force stress; γ, η and 3β + 2γ (N) for the same parts of the couple stress. Infinite if the solid has no such
+    /// modulus.
     pub fn energy_moduli(&self) -> [[f64; 3]; 2] {
         let alpha = self.microrotation.map_or(0.0, |m| m.alpha);
         let couple = self.couple().map_or([0.0; 3], |c| [c.beta, c.gamma, c.eta]);
@@ -236,7 +237,7 @@ impl PlaneCompliances {
     /// Checks the inequalities that make the elastic energy positive definite.
     ///
     /// # Errors
-    /// An inequality is violated; the error gives it with the numbers.
+    /// An inequality is violated or a constant is not finite; the error gives the inequality with the numbers.
     pub fn check(self) -> Result<Self, InputError> {
         let Self { a1, b1, a2, b2, alpha2, density, inertia } = self;
         check_positive(

@@ -30,7 +30,7 @@ impl StressComponent {
         matches!(self, Self::Couple(..))
     }
 
-    /// Value of the component in `stress`.
+    /// Value of the component in `stress`; of a symmetric component the mean of σᵢⱼ and σⱼᵢ.
     pub fn value_in(self, stress: &Stress) -> f64 {
         match self {
             Self::Force(i, j) => stress.force[i][j],
@@ -67,11 +67,11 @@ pub type Tensor<N> = [[N; 3]; 3];
 /// Known zeros and symmetries of a stress, which kernels use to skip terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StressShape {
-    /// Whether the force stress is bitwise symmetric.
+    /// Whether the force stress is bitwise symmetric; [`split`](Self::split) then takes its argument as symmetric.
     pub is_symmetric: bool,
     /// Plane strain: σ₁₃, σ₂₃, σ₃₁, σ₃₂ are zero, and all couple stresses except m₁₃, m₂₃, m₃₁, m₃₂.
     pub is_plane: bool,
-    /// Whether the couple stress may be nonzero.
+    /// Whether the couple stress may be nonzero; if false, it is ignored.
     pub has_couples: bool,
 }
 

@@ -27,9 +27,9 @@ use Velocity::{Spin, Translation};
 /// Unknowns and equations of a theory in space or in plane strain.
 #[derive(Debug)]
 pub struct UnknownLayout {
-    /// Names of the velocities, then of all stresses; a layout without out-of-plane stresses uses the first of them.
+    /// Velocities, then all stresses; a layout without out-of-plane stresses uses a leading part of the list.
     unknowns: &'static [Unknown],
-    /// Names of the equations: balances, then constitutive laws.
+    /// Names of the equations: balances, then constitutive laws; used like `unknowns`.
     equations: &'static [&'static str],
     /// Generalised velocities among the unknowns.
     pub velocities: &'static [Velocity],
@@ -44,14 +44,14 @@ const fn new_unknown(name: &'static str, family: &'static str) -> Unknown {
     Unknown { name, family }
 }
 
-/// Builds the static lists of names of unknowns and equations.
+/// Builds the static lists of unknowns and of names of equations.
 macro_rules! names {
     ($($name:literal $family:literal $equation:literal;)*) => {
         (&[$(new_unknown($name, $family)),*], &[$($equation),*])
     };
 }
 
-/// Names of the unknowns and of the equations of a system.
+/// Unknowns and names of the equations of a system.
 type SystemNames = (&'static [Unknown], &'static [&'static str]);
 
 static PLANE_CLASSICAL: SystemNames = names! {
@@ -235,7 +235,7 @@ impl UnknownLayout {
         Self { unknowns: names.0, equations: names.1, velocities, stresses, all_components }
     }
 
-    /// All stress components: unknowns, then out-of-plane stresses.
+    /// All stress components; the out-of-plane stresses of plane strain, whether unknowns or not, are last.
     pub fn all_stresses(&self) -> impl Iterator<Item = StressComponent> + Clone {
         self.all_components.iter().copied()
     }
@@ -251,7 +251,7 @@ impl UnknownLayout {
         Self { all_components: self.stresses, ..self }
     }
 
-    /// Names of the unknowns: velocities, then stresses.
+    /// Unknowns: velocities, then stresses.
     pub fn unknowns(&self) -> &'static [Unknown] {
         &self.unknowns[..self.velocities.len() + self.stresses.len()]
     }

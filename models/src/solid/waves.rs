@@ -69,7 +69,7 @@ impl VelocityStressPair {
         (self.modulus / self.inertia).sqrt()
     }
 
-    /// Impedance z = mc, kg/(m²s) for translations.
+    /// Impedance z = mc, kg/(m²s) for translations and kg/s for spins.
     pub fn impedance(&self) -> f64 {
         (self.inertia * self.modulus).sqrt()
     }

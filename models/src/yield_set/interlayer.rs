@@ -97,7 +97,8 @@ impl YieldConditions for InterlayerYieldSet {
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress> {
         if let Some(solid) = law.downcast::<Isotropic>() {
             let mut projection = project_in_plane(self, &PlaneMetric::from(solid), trial);
-            // The out-of-plane stresses follow from Hooke's law: the out-of-plane elastic and plastic strains are zero.
+            // The out-of-plane stresses follow from Hooke's law: the plastic strain has no out-of-plane components, so
+            // the out-of-plane elastic strains do not change.
             let change = |i: usize, j: usize| projection.stress.force[i][j] - trial.force[i][j];
             let normal = change(0, 0) + change(1, 1);
             projection.stress.force[2][2] +=

@@ -29,7 +29,8 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
     /// couple stress, are compared as numbers.
     fn yield_function(&self, stress: &Stress) -> f64;
 
-    /// Active or violated conditions: f ≥ 0 to within `tolerance`, relative to the size of the terms of f.
+    /// Active or violated conditions: f ≥ 0 to within `tolerance`, relative to the size of the terms of f. Conditions
+    /// without a unique normal at `stress`, as of a cone on its axis, are omitted.
     fn active_conditions(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition>;
 
     /// Checks that plastic flow is ideal (no hardening) and associated, as time-domain runs require.
@@ -38,7 +39,8 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
     /// A constant gives hardening or non-associated flow.
     fn check_ideal_and_associated(&self) -> Result<(), InputError>;
 
-    /// Largest s ≥ 0 for which `start` + s·`direction` is in the set: the exit point of a ray; may be infinite.
+    /// Largest s ≥ 0 for which `start` + s·`direction` is in the set: the exit point of a ray from a hydrostatic stress
+    /// `start`; may be infinite.
     ///
     /// # Errors
     /// `start` is not an interior point of the set.
@@ -48,7 +50,8 @@ pub trait YieldConditions: DynEq + Debug + Send + Sync {
     /// [compatible with the set](YieldSetModel::is_compatible_law).
     fn project(&self, law: &ElasticLaw, trial: &Stress) -> Projection<Stress>;
 
-    /// Hessian of the yield function with respect to `components`, 1/Pa; `None` if the condition is linear.
+    /// Hessian of the yield function with respect to `components` (1/Pa between force stresses); `None` if the
+    /// conditions are linear, or where a cone has no unique normal.
     ///
     /// Multiplied by the plastic multiplier rate Λ (1/s) of the background, it is the relaxation matrix R of
     /// perturbations (Sadovskii & Sadovskaya 2019, "Elastic-plastic Cosserat continuum", for curved sets).
@@ -231,7 +234,7 @@ impl YieldSetKind {
     /// [`parameters_for`](Self::parameters_for), in SI units.
     ///
     /// # Errors
-    /// A constant is out of range.
+    /// The number of constants is wrong, or a constant is out of range.
     pub fn build_set(self, theory: Theory, constants: &[f64]) -> Result<YieldSet, InputError> {
         (self.0.constructor)(theory, constants)
     }

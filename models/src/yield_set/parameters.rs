@@ -314,8 +314,8 @@ impl Mises {
         (0.5 * (force + couple)).sqrt()
     }
 
-    /// Hessian of τ̄ with respect to `components`, 1/Pa: symmetric positive semidefinite. `None` on the hydrostatic
-    /// axis.
+    /// Hessian of τ̄ with respect to `components` (1/Pa between force stresses): symmetric positive semidefinite.
+    /// `None` where τ̄ = 0, on the axis of the cone.
     pub fn curvature(
         &self,
         stress: &Stress,
@@ -337,7 +337,8 @@ impl Mises {
         }))
     }
 
-    /// The active condition at `stress`; `None` on the hydrostatic axis, where the cone has no unique normal.
+    /// The condition with its normal at `stress`; `None` where τ̄ = 0, on the axis of the cone, which has no unique
+    /// normal there.
     pub fn condition(&self, stress: &Stress) -> Option<ActiveCondition> {
         let shear = self.equivalent_shear(stress);
         if shear <= 0.0 {

@@ -26,10 +26,10 @@ use crate::solid::parameters::{Isotropic, PlaneCompliances, Theory};
 use crate::solid::stress::{Stress, StressShape, squared_norm};
 use crate::solid::symbol::plane_layout;
 
-/// Result of a projection: the projected stress, which is in the yield set, and the elastic energy lost.
+/// Result of a projection: the projected stress and the elastic energy lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection<S> {
-    /// Projected stress P(s̄).
+    /// Projected stress P(s̄), in the yield set to within rounding.
     pub stress: S,
     /// Elastic energy lost, J/m³; ≥ 0.
     pub energy_lost: f64,
@@ -452,7 +452,7 @@ impl InterlayerYieldSet {
             }
 
             // Recompute s, z and λ from the active half-spaces alone. Iterative refinement: each pass removes the
-            // excess left by rounding, at the current magnitude of s.
+            // excess n·s − k that the rounding errors of the previous pass have left.
             (stress, path) = (*trial, [0.0; 6]);
             for _ in 0..3 {
                 let mut excess = [0.0; 6];

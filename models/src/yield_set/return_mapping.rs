@@ -14,7 +14,8 @@ use crate::solid::stress::{StressShape, Tensor};
 /// order.
 pub const EIGENSPACE_COUNT: usize = 5;
 
-/// Rounding error of the value of a yield condition, relative to the magnitudes of its terms; a power of 2.
+/// Bound on the rounding error of the value of a yield condition, relative to the sum of the magnitudes of its terms; a
+/// power of 2.
 pub const YIELD_ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// Coefficients of the return mapping of a [`Mises`] cone in an isotropic solid with the bulk modulus K. Eigenspaces

@@ -14,14 +14,15 @@ use crate::common::system::RoundedMatrix;
 use crate::solid::stress::StressComponent;
 
 /// Error of the tangent stiffness: the rate response of the solid is undefined, since the plastic denominator H + nᵀD m
-/// (plastic modulus H, yield normal n, stiffness D, flow direction m) is not positive for an active condition.
+/// (plastic modulus H, yield normal n, stiffness D, flow direction m) does not exceed its rounding bound for an active
+/// condition: it is not certainly positive.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "no response while yielding ({condition}): H + n·Dm = {value:e} Pa must be positive; less \
      difference between friction and dilatancy, or more hardening"
 )]
 pub struct NoResponse {
-    /// Name of the condition whose plastic denominator is not positive.
+    /// Name of the condition whose plastic denominator is not certainly positive.
     pub condition: &'static str,
     /// Value of the plastic denominator H + nᵀD m, Pa.
     pub value: f64,
@@ -32,7 +33,7 @@ pub struct NoResponse {
 /// A condition without hardening whose normal depends linearly on the normals of the previous conditions is skipped.
 ///
 /// # Errors
-/// The plastic denominator H + nᵀD m of a condition is not positive; see [`NoResponse`].
+/// The plastic denominator H + nᵀD m of a condition is not certainly positive; see [`NoResponse`].
 pub fn tangent(
     elastic_stiffness: &RoundedMatrix,
     stresses: &[StressComponent],
@@ -41,7 +42,8 @@ pub fn tangent(
     let mut tangent = elastic_stiffness.clone();
     let size = stresses.len();
     for (index, condition) in active_conditions.iter().enumerate() {
-        // Rounding bound of the components of a normal: 8 u times the largest component of the same unit.
+        // Rounding bound of the nonzero components of a normal or flow direction: 8 u times the largest component of
+        // the same unit, with the unit roundoff u.
         let component_derivatives = |gradient: &crate::solid::stress::Stress| -> Vec<Rounded> {
             let largest = [false, true].map(|is_couple| {
                 let same_unit = stresses.iter().filter(|c| c.is_couple() == is_couple);

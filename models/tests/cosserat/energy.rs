@@ -95,7 +95,7 @@ fn check_energy<const D: usize>(random: &mut RandomNumbers, solid: &Isotropic) {
         + energy_density(force_moduli(solid), &strain)
         + energy_density(couple_moduli(solid), &curvature);
     let own = 0.5 * u.dot(&(&a * &u));
-    // Condition numbers of random moduli reach 100.
+    // The tolerance allows for condition numbers of the stiffness matrix up to 100.
     assert!((own - energy).abs() <= 1e-13 * energy, "{own} {energy}");
 
     // All stresses, including the out-of-plane stresses, follow Hooke's law with zero out-of-plane strain.
@@ -115,9 +115,9 @@ fn check_energy<const D: usize>(random: &mut RandomNumbers, solid: &Isotropic) {
     }
 }
 
-/// For random solids in 2 and 3 dimensions the energy ½UᵀAU of the symmetric form is the kinetic and elastic energy,
-/// the stiffness matrix agrees with Hooke's law for tensors, A and Bⁱ are symmetric and Q antisymmetric, and the number
-/// of unknowns is correct.
+/// For random solids in 2 and 3 dimensions ½UᵀAU of the symmetric form is the sum of kinetic and elastic energy
+/// density, the stiffness matrix agrees with Hooke's law for tensors, A and Bⁱ are symmetric and Q antisymmetric, and
+/// the number of unknowns is correct.
 #[test]
 fn energy_of_the_symmetric_form_is_the_elastic_and_kinetic_energy() {
     let mut random = RandomNumbers::new(3);

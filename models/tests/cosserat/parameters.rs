@@ -85,14 +85,15 @@ fn violated_inequalities_are_rejected() {
     assert_eq!(Isotropic::new(1.0, 1.0, 1.0, Some(foam)).unwrap_err().input, "beta");
 }
 
-/// Conversion of moduli to compliances and back returns the moduli; the compliances satisfy the published relations,
-/// and cubic compliances are rejected.
+/// Conversion of moduli to compliances and back returns the moduli, and the compliances satisfy the published
+/// relations. Compliances of a cubic solid are rejected, and only in cubic solids the wave speeds depend on the
+/// direction.
 #[test]
 fn moduli_are_recovered_from_compliances() {
     let mut random = RandomNumbers::new(9);
     for _ in 0..1000 {
         let mut solid = random_solid(&mut random, 2);
-        // Moduli over eleven decades; α from 1e-3 to 1e3 times μ.
+        // λ and μ over eleven decades; α from 1e-3 to 1e3 times μ.
         let scale = draw_log_uniform(&mut random, 0.0, 11.0);
         (solid.lambda, solid.mu) = (solid.lambda * scale, solid.mu * scale);
         let alpha = solid.mu * draw_log_uniform(&mut random, -3.0, 3.0);

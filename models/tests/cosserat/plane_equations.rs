@@ -128,7 +128,7 @@ fn plane_equations_in_terms_of_moduli_agree_with_hookes_law() {
     (c[(5, 2)], c[(6, 2)]) = (2.0 * alpha, -2.0 * alpha);
     for axis in 0..2 {
         assert_close(&linear.b[axis].map(|x| x.value), &b[axis], 1e-15, "B");
-        // Coefficients that are zero in the equations are structural zeros, and no other entry is one.
+        // Exactly the coefficients that are zero in the equations are structural zeros.
         for (own, published) in linear.b[axis].iter().zip(b[axis].iter()) {
             assert_eq!(own.is_structural_zero(), *published == 0.0);
         }

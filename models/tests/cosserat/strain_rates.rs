@@ -54,7 +54,7 @@ fn strain_rates_follow_from_velocity_gradients_and_spins() {
             assert!((own - expected).abs() <= 1e-15, "{component:?}: {own} {expected}");
         }
     }
-    // In plane strain Λ̇₂₁ = ∂₁v₂ − ω₃, and σ₂₁ − σ₁₂ is the source of spin.
+    // In plane strain Λ̇₂₁ = ∂₁v₂ − ω₃.
     let layout = plane_layout(random_solid(&mut random, 2).theory());
     let place = layout.stresses.iter().position(|c| *c == Force(1, 0)).unwrap();
     assert_eq!(layout.rotation()[(place, 2)], -1.0);

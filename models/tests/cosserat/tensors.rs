@@ -21,8 +21,8 @@ pub fn component_value(
     component.value_in(&Stress { force: to_rows(force), couple: to_rows(couple) })
 }
 
-/// Strain rate that is work-conjugate to a stress component: twice the symmetric tensor component for shear stresses of
-/// classical solids.
+/// Component of strain or curvature (or of their rates) that is work-conjugate to a stress component: twice the tensor
+/// component of the symmetric strain for a shear stress of a classical solid.
 pub fn conjugate_strain(
     component: StressComponent,
     strain: &Matrix3<f64>,

@@ -28,7 +28,7 @@ impl Comparison {
         self.misprints += usize::from((printed - truth).abs() > MISPRINT_THRESHOLD * size);
     }
 
-    /// Asserts that the printed formula is wrong in at least 95 % of the states.
+    /// Asserts that there are at least 200 comparisons and that the printed formula is wrong in at least 95 % of them.
     pub fn assert_mostly_misprinted(self) {
         assert!(self.comparisons >= 200);
         assert!(

@@ -62,8 +62,8 @@ fn eq_138_scaled_coefficient_has_two_misprints() {
 }
 
 /// Eq. (121): det F (110) is a quintic, but its factor ς²(f + gρς) is introduced by the elimination. Reference:
-/// det(Aς + E) expanded in 31 digits. No permutation contributes to ς³, ς⁴ and ς⁵, so the determinant is quadratic, and
-/// det F is the factor times the determinant.
+/// det(Aς + E) expanded in 31 digits. No permutation contributes to ς³, ς⁴ and ς⁵, so this determinant is quadratic,
+/// and det F is a constant times the factor times this determinant.
 #[test]
 fn eq_121_elimination_introduces_a_spurious_factor() {
     let mut random = RandomNumbers::new(14);

@@ -139,8 +139,8 @@ fn eq_107_misprints_the_columns() {
     vanishing.assert_mostly_misprinted();
 }
 
-/// Eqs (123)–(125) are correct as printed once eqs (105) and (107) are corrected. Eq. (126) is printed with b₄ⱼ in
-/// place of e₄ⱼ, which also has the wrong power of k. Reference: the sums of products of hᵢⱼ.
+/// Eqs (123)–(125) are correct as printed once eqs (105) and (107) are corrected. Eq. (126) is printed with b₄ⱼ, which
+/// also has the wrong power of k, in place of e₄ⱼ. Reference: the sums of products of hᵢⱼ.
 #[test]
 fn eq_126_misprints_e4j() {
     let mut random = RandomNumbers::new(9);

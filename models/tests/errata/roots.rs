@@ -8,7 +8,7 @@ use crate::system::{IncompressibleFlow, STATE_COUNT};
 
 /// Eq. (149) is too large by a factor of two, since it uses the printed c₅₅ of eq. (83). Reference: the larger root of
 /// the exact determinant at k = 1e9 1/m in a uniform background, where the corrections of Re ς/k² are of relative size
-/// 1/k² (a few thousand over 1e18).
+/// K²/k² with K² of a few thousand 1/m².
 #[test]
 fn eq_149_leading_root_is_too_large_by_two() {
     let mut random = RandomNumbers::new(11);
@@ -35,8 +35,8 @@ fn eq_149_leading_root_is_too_large_by_two() {
     }
 }
 
-/// Eq. (150), another form of (149), is printed with sin⁴ in place of one sin² and with a factor 4. Reference: (149)
-/// divided by two.
+/// Eq. (150), another form of (149), is printed with sin⁴ in place of one sin², and with a factor 4 in place of 2.
+/// Reference: the factor (cos β − sin φ)² of (149), divided by two.
 #[test]
 fn eq_150_misprints_the_product_of_sines() {
     let mut random = RandomNumbers::new(12);

@@ -63,9 +63,10 @@ fn eq_130_and_136_limits_along_rays_do_not_bound_the_growth() {
     assert!(near > 0.0 && ((far / near).log10() - 3.0).abs() < 0.01, "{near:e} {far:e}");
 }
 
-/// The growth rate in a layer around a degenerate direction β₀ of the model exceeds the limits along rays: as k → ∞
-/// with fixed s = (β − β₀)k, Re ς tends to a function of s that exceeds, somewhere in the layer, the limits along all
-/// rays including the degenerate direction. So the limits of eq. (130) do not give the bound on the growth rate.
+/// In some states the growth rate in a layer around a degenerate direction β₀ of the model exceeds the limits along
+/// rays: as k → ∞ with fixed s = (β − β₀)k, Re ς tends to a function of s that exceeds, somewhere in the layer, the
+/// limits along all rays including the degenerate direction. So the limits of eq. (130) do not give the bound on the
+/// growth rate.
 #[test]
 fn eq_130_and_136_growth_is_largest_in_layers_around_degenerate_directions() {
     let mut random = RandomNumbers::new(18);

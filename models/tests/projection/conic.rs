@@ -49,7 +49,8 @@ fn half_squared_distance(a: &[f64], b: &[f64]) -> f64 {
     0.5 * a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>()
 }
 
-/// Relative excess of the objective at `own` over the objective at `solver_solution`, and the distance of both.
+/// Relative excess of the objective at `own` over the objective at `solver_solution`, and the distance between these
+/// two points.
 fn compare_solutions(own: &[f64], solver_solution: &[f64], center: &[f64]) -> (f64, f64) {
     let (objective, reference) =
         (half_squared_distance(own, center), half_squared_distance(solver_solution, center));
@@ -96,7 +97,8 @@ fn mises_projections_agree_with_a_conic_solver() {
         }
         let scale = twice_elastic_energy(&solid, &trial).sqrt();
         let (d, p) = (eigenspace_stiffnesses(&solid), eigenspace_weights(&set));
-        // Coordinates w in which the energy is ½|w|²: s = √D w in each eigenspace with the stiffness D.
+        // Coordinates w in which the energy is ½|w|²: s = √D w in each eigenspace with the stiffness D; below they are
+        // divided by `scale`, the norm |w̄| of the trial stress.
         let eigenspace = |number: usize| match number {
             0..5 => Some(0),
             5..8 => Some(1),

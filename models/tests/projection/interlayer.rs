@@ -233,15 +233,16 @@ fn random_interlayer_trial(
     let drop = random.uniform_index(4);
     for (i, component) in trial.iter_mut().enumerate() {
         *component *= size;
-        // In a quarter of the cases each component is zero with probability ½: the trial stress is in a plane or on an
-        // axis of symmetry of the set.
+        // In a quarter of the cases each component, except shear stresses of classical solids, is zero with probability
+        // ½: the trial stress is in a plane or on an axis of symmetry of the set.
         if drop == 0 && random.uniform_index(2) == 0 && !(solid.is_classical && (2..4).contains(&i))
         {
             *component = 0.0;
         }
     }
     if random.uniform_index(4) == 0 {
-        // In a quarter of the cases the trial stress is on or near edges and faces of the set or its apex.
+        // In a quarter of the cases random components place the trial stress on or near edges, faces or apex of the
+        // set.
         let off =
             if random.uniform_index(2) == 0 { 0.0 } else { draw_log_uniform(random, -16.0, -2.0) };
         for face in 0..2 {

@@ -271,7 +271,7 @@ impl Complex {
         if size.high == 0.0 {
             return self;
         }
-        // The root with the larger of |re| and |im| is computed first, without cancellation.
+        // The larger in magnitude of the real and imaginary parts is computed first, without cancellation.
         let large = ((size + self.re.abs()) * dd(0.5)).sqrt();
         let small = self.im / (large + large);
         if self.re.high >= 0.0 {

@@ -37,7 +37,9 @@ pub fn random_parameters(
     }
 }
 
-/// Random state in which every quantity that the model admits is nonzero; |Δ| up to 85°.
+/// Random state without special values: the required quantities, gradients and rates are nonzero (density gradient only
+/// for ν > 0), |Δ| is between 3° and 85° (absent for a plastic potential), and the other optional quantities are
+/// absent.
 pub fn random_state(
     random: &mut RandomNumbers,
     kind: FlowKind,
@@ -203,7 +205,8 @@ pub fn solve_background_fields(
         fields.space_derivatives[0][1] = rate * sine + spin;
         fields.space_derivatives[1][1] = half_trace - rate * cosine;
     };
-    // Sets the quantity that `set` assigns to the zero of the residual `row`, which is linear in it.
+    // Assigns by `set` the value of a quantity at which the residual `row`, a linear function of the quantity,
+    // vanishes.
     let solve = |fields: &mut PointFields<DoubleDouble>,
                  row: usize,
                  set: &dyn Fn(&mut PointFields<DoubleDouble>, DoubleDouble)| {

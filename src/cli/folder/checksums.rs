@@ -7,12 +7,13 @@ use files::{FileDigest, read_regular_file};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// Difference between a result file and its recorded length and checksum.
+/// Damage to a result file: it differs from its recorded length and checksum, is missing, cannot be read, or has no
+/// checksum.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Damage {
     /// File name.
     pub file: String,
-    /// Description of the difference.
+    /// Description of the damage.
     #[serde(rename = "found")]
     pub description: String,
 }
@@ -47,11 +48,11 @@ pub(super) fn read_checksums(folder: &Path) -> Result<Option<Checksums>, String>
 }
 
 impl ResultFolder {
-    /// Reads the checksum list, empty if there is none. With `--force` a damaged list counts as empty; files listed in
-    /// it then have no checksum.
+    /// Reads the checksum list, empty if there is none. With `--force` a list that is damaged or cannot be read counts
+    /// as empty; files listed in it then have no checksum.
     ///
     /// # Errors
-    /// The list is damaged.
+    /// The list is damaged or cannot be read, and `--force` was not given.
     pub(super) fn load_checksums(&self) -> Result<Checksums, OutputError> {
         match read_checksums(&self.path) {
             Err(_) if self.can_overwrite => Ok(Checksums::default()),
@@ -113,7 +114,8 @@ impl ResultFolder {
         }
     }
 
-    /// Checks the files selected by `is_needed` against the checksum list; passes if there is no list.
+    /// Checks the files selected by `is_needed` against the checksum list; a file without entry in the list passes, and
+    /// if there is no list, all files pass.
     ///
     /// # Errors
     /// The list or one of the files is damaged.

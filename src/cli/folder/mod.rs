@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Longest wait for the lock of another process that publishes files.
+/// Longest wait for the publication lock while another process publishes or removes files.
 const PUBLICATION_LOCK_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Folder to which the results of a case may be written.
@@ -61,7 +61,9 @@ impl ResultFolder {
     /// in the folder, it is overwritten only by identical content; input files of the case are never overwritten.
     ///
     /// # Errors
-    /// The folder cannot be written or contains other files; the error states the remedy.
+    /// The folder cannot be written or contains other files, a run in it is in progress, the source file or an input
+    /// file of the case would be overwritten, or the resolved case is larger than a case file may be; the error states
+    /// the remedy.
     pub fn from_case(case: &Case, out: Option<&Path>, force: bool) -> Result<Self, OutputError> {
         let path = out.map_or_else(|| Path::new("out").join(&case.name), Path::to_owned);
         let (text, case_without_plot_options) =
@@ -205,7 +207,7 @@ impl ResultFolder {
         own.try_for_each(|name| remove_if_exists(&self.path.join(name)))
     }
 
-    /// Writes the resolved case and the program version, unless identical files exist.
+    /// Writes the resolved case and the program version; a file that exists with identical content is not rewritten.
     fn write_origin(&self) -> Result<(), OutputError> {
         for (name, bytes) in self.origin_files() {
             let path = self.path.join(name);

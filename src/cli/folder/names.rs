@@ -8,7 +8,7 @@ pub(super) const CASE_FILE: &str = "case.toml";
 /// File with name, version and commit of the program, and the checksum of the case.
 pub(super) const PROGRAM_FILE: &str = "program.json";
 
-/// Temporary file that tests whether a folder is writable.
+/// Stem of the name of the temporary file that tests whether a folder is writable.
 pub(super) const PROBE_FILE: &str = "probe";
 
 /// Files of `map` besides [`ResultFolder::COMMON_FILES`](super::ResultFolder::COMMON_FILES).
@@ -50,7 +50,8 @@ pub const CHECK_FILES: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
 
 /// Files of `run` besides the common files. Those of receivers, snapshots, animation, dissipation and spectra are
-/// written only if the case has such output. Snapshot files have their own names, see [`is_snapshot`].
+/// written only if the case has such output. Checkpoint and lock exist only until the run finishes. Snapshot files have
+/// their own names, see [`is_snapshot`].
 pub const RUN_FILES: [&str; 21] = [
     "run.png",
     "run.svg",
@@ -130,8 +131,9 @@ pub fn is_snapshot(name: &str) -> bool {
     inner.is_some_and(|step| !step.is_empty() && step.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// Iterates over the names of all files that a verb may write. `--force` removes those of another case, so that results
-/// never coexist with a case they do not belong to.
+/// Iterates over the names of all files that a verb may write, except snapshots, the log, the resolved case and the
+/// program version. `--force` removes the files of these names that belong to another case, so that results never
+/// coexist with a case they do not belong to.
 pub fn result_names() -> impl Iterator<Item = &'static str> {
     let own = MAP_FILES
         .into_iter()
@@ -162,7 +164,7 @@ pub(super) fn is_transient(name: &str) -> bool {
     is_temporary(name) || [AppendedFile::Lock.name(), PUBLICATION_LOCK_FILE].contains(&name)
 }
 
-/// Returns whether a verb may write a file of that name.
+/// Returns whether the name is that of a snapshot or one of the [`result_names`].
 pub(super) fn is_result_name(name: &str) -> bool {
     is_snapshot(name) || result_names().any(|known| known == name)
 }

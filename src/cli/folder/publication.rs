@@ -14,12 +14,12 @@ enum PublicationKind {
     RedrawnPictures,
 }
 
-/// Files of a verb, completely written under temporary names, which are removed on drop.
+/// Files of a verb, completely written under temporary names; files that have not been published are removed on drop.
 pub struct Publication<'a> {
     folder: &'a ResultFolder,
     kind: PublicationKind,
     staged_files: Vec<(String, StagedFile, FileDigest)>,
-    /// Names of files to be removed.
+    /// Names of files to be removed at publication if they exist.
     removed_names: Vec<String>,
 }
 
@@ -68,7 +68,8 @@ impl Publication<'_> {
     /// leftovers of killed processes. The files of a run in progress are untouched.
     ///
     /// # Errors
-    /// The folder was changed by another process meanwhile, or a file cannot be written.
+    /// The folder meanwhile received other content or a run in progress, its finished run was removed, the publication
+    /// lock cannot be acquired, the checksum list is damaged, or a file cannot be written or removed.
     pub fn publish(self) -> Result<(), OutputError> {
         let Self { folder, kind, staged_files, removed_names } = self;
         let _brief = folder.lock_for_publication()?;

@@ -200,7 +200,7 @@ impl ResultFolder {
 pub struct RunFolder<'a> {
     folder: &'a ResultFolder,
     lock: Lock,
-    /// Checksums of the files written so far.
+    /// Lengths and checksums of the files written so far.
     checksums: Checksums,
     /// Staged report, published last: its existence marks the run as finished.
     staged_report: Option<StagedFile>,
@@ -222,8 +222,8 @@ impl<'a> RunFolder<'a> {
         Ok(Self::new(folder, lock))
     }
 
-    /// Writes one of the [`result_names`](super::result_names) atomically; the report becomes visible when the run [is
-    /// finished](Self::finish).
+    /// Writes a snapshot or another file of a simulation atomically; the report `run.json` becomes visible when the run
+    /// [is finished](Self::finish).
     ///
     /// # Errors
     /// The file cannot be written.
@@ -241,7 +241,7 @@ impl<'a> RunFolder<'a> {
         Ok(written)
     }
 
-    /// Adds the checksum of a file that [`write_result`](Self::write_result) did not write.
+    /// Adds the length and checksum of a file that [`write_result`](Self::write_result) did not write.
     pub fn insert_checksum(&mut self, name: &str, written: FileDigest) {
         self.checksums.insert(name, written);
     }
@@ -255,7 +255,8 @@ impl<'a> RunFolder<'a> {
         remove_if_exists(&self.folder.path.join(name))
     }
 
-    /// Finishes the run: writes the checksums of all its files, publishes the report and removes the checkpoint.
+    /// Finishes the run: writes the checksums of all its files, publishes the report, and removes the checkpoint and
+    /// the run lock.
     ///
     /// # Errors
     /// A file cannot be written or removed.

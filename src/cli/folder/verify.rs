@@ -18,7 +18,7 @@ pub struct Verification {
     pub file_count: usize,
     /// Whether the folder holds an unfinished run, which is checked up to its last checkpoint.
     pub is_unfinished: bool,
-    /// Damaged files, sorted by name.
+    /// Files that are damaged, missing or without checksum, sorted by name.
     #[serde(rename = "damaged")]
     pub damaged_files: Vec<Damage>,
 }
@@ -27,7 +27,7 @@ pub struct Verification {
 /// last checkpoint of that run. Files of other programs are ignored.
 ///
 /// # Errors
-/// The folder holds no results.
+/// The folder holds no results or cannot be read.
 pub fn verify_folder(path: &Path) -> Result<Verification, Error> {
     let names = list_file_names(path)?;
     let holds = |name: &str| names.iter().any(|own| own == name);

@@ -12,7 +12,7 @@ pub(in crate::cli) const ANIMATION_FILE: &str = "animation.gif";
 
 /// Animation to be written to a folder.
 pub(in crate::cli) enum AnimationOutput {
-    /// The case requests no animation, or there are fewer than two snapshots.
+    /// The case requests no snapshots, or there are fewer than two.
     Absent,
     /// All values are zero. An existing animation, which shows another quantity, must be removed.
     AllZero,

@@ -11,9 +11,9 @@ use std::io::ErrorKind;
 
 /// Checkpoint of a simulation of a solid or a flow.
 pub(in crate::cli) struct Checkpoint {
-    /// Lengths and checksums of the tables.
+    /// Lengths and checksums of the tables: receivers if any, ledger, for flows spectrum.
     pub(in crate::cli) tables: Vec<FileDigest>,
-    /// Lengths and checksums of all snapshots so far.
+    /// Lengths and checksums of all snapshots so far, by index.
     pub(in crate::cli) snapshots: Vec<FileDigest>,
     /// State of the solver.
     pub(in crate::cli) state: SimulationState,
@@ -46,7 +46,7 @@ impl Checkpoint {
     /// Reads the checkpoint of a folder; `None` if the run had not written one yet.
     ///
     /// # Errors
-    /// The checkpoint is damaged or of another case.
+    /// The checkpoint cannot be read, is damaged or is of another case.
     pub(in crate::cli) fn read(folder: &ResultFolder) -> Result<Option<Self>, OutputError> {
         let path = folder.file_path(AppendedFile::Checkpoint);
         let damaged = |cause: &str| OutputError::from_invalid_content(&path, cause);

@@ -22,7 +22,7 @@ pub(super) struct RunFiles<'a> {
     /// Folder of the run; `None` before the run begins.
     run_folder: Option<RunFolder<'a>>,
     tables: Vec<(AppendedFile, Appender)>,
-    /// Lengths and checksums of all snapshots so far.
+    /// Lengths and checksums of all snapshots so far, by index.
     snapshots: Vec<FileDigest>,
 }
 
@@ -149,7 +149,8 @@ impl<'a> RunFiles<'a> {
             .map_err(OutputError::from_append_error)?)
     }
 
-    /// Returns the run folder with the checksums of all its files; `None` before the run begins.
+    /// Syncs the tables to disk and returns the run folder, to whose checksums those of the tables are added; `None`
+    /// before the run begins.
     pub(super) fn into_folder(mut self) -> Result<Option<RunFolder<'a>>, Error> {
         let written = self.sync_tables()?;
         let Some(run) = &mut self.run_folder else { return Ok(None) };
@@ -177,7 +178,7 @@ fn serialise_snapshot_list<S: AsRef<str>>(list: &[(f64, S)]) -> Result<Vec<u8>, 
 /// Reads the tables of a results folder.
 ///
 /// # Errors
-/// A table is missing or not numeric.
+/// The case has no simulation, or a table is missing, cannot be read or is not numeric.
 pub(in crate::cli) fn read_records(
     case: &Case,
     folder: &ResultFolder,

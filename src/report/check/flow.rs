@@ -59,8 +59,8 @@ impl FlowCheck {
         text
     }
 
-    /// Creates the figure of growth and decay rates |γ|, 1/s, against the wave number: predicted rates as curves,
-    /// measured rates as rings.
+    /// Creates the figure of growth and decay rates |γ|, 1/s, against the wave number: rates predicted at the initial
+    /// wave vector as curves, measured rates as rings.
     pub(super) fn create_figure(&self, case: &Case) -> SpectrumFigure {
         let line = |curve: &RateCurve| {
             let sign = if curve.is_growing { "grows" } else { "decays" };
@@ -84,7 +84,8 @@ impl FlowCheck {
     }
 
     /// Creates the figure of the growth rate of the fastest growing wave of each grid, 1/s, against its wave number,
-    /// with one curve per model; `None` without refinement.
+    /// with one curve per model, which has no points if the fastest mode does not grow on every grid; `None` without
+    /// refinement.
     pub(super) fn create_refinement_figure(&self, case: &Case) -> Option<SpectrumFigure> {
         let points =
             |own: &RefinementCheck, value: fn(&FastestModeCheck) -> f64| -> Vec<[f64; 2]> {

@@ -62,14 +62,14 @@ impl Report for CheckResult {
     }
 }
 
-/// Formats the largest relative error of measured rates; `None` stands for no measurement.
+/// Formats `largest`, the largest relative error of measured rates; `None` stands for no measurement.
 fn format_max_error(largest: Option<f64>) -> String {
     largest.map_or("nothing measured".to_owned(), |error| {
         format!("maximum error {}", format_scientific(error))
     })
 }
 
-/// Describes the number of waves without measurement; empty if zero.
+/// Formats the number of branches or modes without measurement as the suffix of a line; empty if zero.
 pub fn format_unmeasured_count(count: usize) -> String {
     if count == 0 { String::new() } else { format!("; {count} not measurable") }
 }
@@ -78,12 +78,12 @@ fn format_agreement(agrees: bool) -> &'static str {
     if agrees { "agrees" } else { "DISAGREES" }
 }
 
-/// Formats a number in scientific notation with two significant digits: `3.2e-7`.
+/// Formats a number in scientific notation with two significant digits: `3.2e-7`; zero as `0`.
 pub fn format_scientific(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
-/// Formats a number in scientific notation with two significant digits and its sign: `+3.2e-7`.
+/// Formats a number in scientific notation with two significant digits and its sign: `+3.2e-7`; zero as `0`.
 fn format_signed_scientific(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:+.1e}") }
 }

@@ -94,8 +94,9 @@ fn category_index(kinds: &[GrowthKind], point: &MapPoint) -> u8 {
     u8::try_from(index).unwrap_or(u8::MAX)
 }
 
-/// Returns label and values of the colour level: the growth coefficient if all points have one order, otherwise the
-/// leading growth rate at `wave_number`, 1/m, since coefficients of different orders have different units.
+/// Returns label and values of the colour level: the growth coefficient if all points with an order have the same one,
+/// otherwise the leading growth rate coefficient · k^order at `wave_number`, 1/m, since coefficients of different
+/// orders have different units.
 fn compute_colour_level(
     points: &[MapPoint],
     orders: &[f64],
@@ -120,7 +121,7 @@ fn compute_colour_level(
     }
 }
 
-/// Describes the model and the fixed parameters most relevant to the verdict.
+/// Describes the model, and those of the parameters most relevant to the verdict that the map does not sweep.
 fn format_subtitle(case: &Case, found: &MapResult) -> String {
     let fixed = [
         "model.friction_angle_deg",
@@ -164,7 +165,8 @@ fn format_subtitle(case: &Case, found: &MapResult) -> String {
         .join(", ")
 }
 
-/// Returns the curves of the model's closed-form bound on the non-coaxiality |Δ|, degrees, if Δ is one of the axes.
+/// Returns the curves of the model's closed-form bound on the non-coaxiality |Δ|, degrees, if Δ is one of the axes: one
+/// curve for each sign of Δ, with the points inside the axis range.
 fn collect_noncoaxiality_curves(found: &MapResult) -> Vec<MapCurve> {
     const NONCOAXIALITY_KEY: &str = "background.noncoaxiality_deg";
     let (nx, ny) = (found.x.points, found.y.points);

@@ -21,6 +21,7 @@ pub struct FrameConverter<'a> {
 pub struct AnimationFrame {
     /// Time of the snapshot, s.
     time: f64,
+    /// Values to be drawn, in display units, first axis of the picture fastest.
     values: Vec<f64>,
 }
 
@@ -68,7 +69,7 @@ impl<'a> FrameConverter<'a> {
         Ok(AnimationFrame { time, values: (self.read_values)(snapshot)? })
     }
 
-    /// Draws the frames as a GIF with a common colour scale up to `max_magnitude`.
+    /// Draws the frames as a GIF with a common colour scale, which ends at the magnitude `max_magnitude`.
     ///
     /// # Errors
     /// A frame is an error or cannot be drawn.

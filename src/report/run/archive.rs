@@ -36,7 +36,8 @@ pub(super) fn encode_fields(fields: &OutputFields) -> Result<Vec<u8>, Error> {
     Ok(archive.finish()?)
 }
 
-/// Reads the fields to be drawn from an archive on a grid of `cells` cells or points.
+/// Reads the fields to be drawn from an archive on a grid of `cells` cells or points; the deformation gradient of a
+/// flow is not read.
 ///
 /// # Errors
 /// The archive is damaged or does not match the grid.

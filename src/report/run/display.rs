@@ -63,7 +63,8 @@ impl Display for CostAmount {
     }
 }
 
-/// Time in s, displayed in a suitable unit with few digits.
+/// Time in s, displayed in the largest unit of which it has at least two, below 10⁴ units rounded to an integer; less
+/// than 1 s as 1 s.
 pub struct DisplayTime(pub f64);
 
 impl Display for DisplayTime {

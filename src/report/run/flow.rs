@@ -56,8 +56,8 @@ pub(super) fn read_snapshot_values(bytes: &[u8], run: &FlowRun) -> Result<Vec<f6
     Ok(values)
 }
 
-/// Creates the figure of a field in the initial box. The spatial mean of quantities other than velocities is
-/// subtracted, since perturbations are small against it.
+/// Creates the figure of the plotted field of the case in the initial box, from its values in display units. The
+/// spatial mean of quantities other than velocities is subtracted, since perturbations are small against it.
 pub(super) fn create_figure(
     case: &Case,
     run: &FlowRun,
@@ -111,7 +111,8 @@ pub(super) fn create_figure(
     }
 }
 
-/// Creates the figure of the energy spectrum by shells of mode numbers, at up to six evenly spaced times.
+/// Creates the figure of the energy spectrum by shells of mode numbers, at up to six evenly spaced rows of its table,
+/// from the first to the last.
 fn create_spectrum_picture(case: &Case, table: &RecordTable) -> Option<ReportPicture> {
     /// Maximum number of spectra drawn, one per time.
     const MAX_LINES: usize = 6;

@@ -78,7 +78,7 @@ fn machine_epsilon(case: &Case) -> f64 {
 
 /// Removes the panels of quantities that vanish within rounding and returns the names of these quantities. The
 /// reference is the largest value among all quantities of the same unit; on a separate scale rounding errors would look
-/// like motion. `rounding` is the machine epsilon.
+/// like motion. Panels that are exactly zero are kept. `rounding` is the machine epsilon.
 fn remove_vanishing_panels(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64) -> Vec<String> {
     /// Factor for the accumulation of rounding errors during a run.
     const ROUNDING_FACTOR: f64 = 256.0;
@@ -106,7 +106,7 @@ fn remove_vanishing_panels(panels: &mut Vec<(String, Vec<Trace>)>, rounding: f64
 }
 
 /// Creates the figure of the energy ledger. Columns in the unit of energy are its terms, described by `describe_term`;
-/// the last one is the balance.
+/// the last one of them is the balance. Terms that are zero at all times are omitted.
 pub(super) fn create_ledger_picture(
     case: &Case,
     table: &RecordTable,

@@ -48,7 +48,7 @@ pub fn create_image(case: &Case, fields: &OutputFields) -> Result<ImageData, Err
     Ok(image)
 }
 
-/// Reads the named array of a snapshot, of at least `cells` values; an error message if it is absent or shorter.
+/// Reads the named array of a snapshot; an error message if it is absent or has fewer than `cells` values.
 pub(super) fn read_array(bytes: &[u8], name: &str, cells: usize) -> Result<Vec<f64>, String> {
     match files::vti::read_plain_values(bytes, name) {
         None => Err(format!("no array {name}")),

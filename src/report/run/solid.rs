@@ -45,8 +45,8 @@ pub(super) fn create_pictures(
     pictures
 }
 
-/// Creates the figure of the final state; in three dimensions of the section across x₂ through the first source, or
-/// else the middle.
+/// Creates the figure of the quantity `shown` in the final state; in three dimensions, of the section normal to x₂
+/// through the first source or, without sources, through the middle of the grid.
 fn create_figure(
     case: &Case,
     dynamics: &SolidRun,

@@ -41,14 +41,14 @@ impl FlowWave {
     }
 }
 
-/// Plan of the check of a flow: waves and perturbations to be measured.
+/// Plan of the check of a flow: waves to be measured, and grids on which a perturbation is simulated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlowPlan {
     /// Waves to be measured.
     pub waves: Vec<FlowWave>,
-    /// Models in which the perturbation of the case is simulated on refined grids.
+    /// Models in which the perturbation of the case is simulated on refined grids; empty if `grids` is.
     pub kinds: Vec<ModelKind>,
-    /// Numbers of points per axis of the refined grids, ascending.
+    /// Numbers of points per axis of the refined grids, ascending; empty without refinement.
     pub grids: Vec<usize>,
 }
 
@@ -82,7 +82,8 @@ impl FlowPlan {
     }
 }
 
-/// Returns the default directions, degrees: that of the case, the most unstable one, 30° and 105°.
+/// Returns the default directions, degrees: that of the case, the most unstable one if the flow is ill-posed, 30° and
+/// 105°; a direction within 10⁻⁶ degrees of an earlier one is left out.
 fn default_directions(case: &Case) -> Result<Vec<f64>, Error> {
     let worst = match compute_verdict(case, &create_uniform_flow(case)?)? {
         Verdict::IllPosed { direction, .. } => Some(direction.to_degrees()),
@@ -98,7 +99,8 @@ fn default_directions(case: &Case) -> Result<Vec<f64>, Error> {
     Ok(all)
 }
 
-/// Checks that the perturbation of a case can be simulated on the grids, in its model and in all compared models.
+/// Checks that a case with refined grids has a perturbation, that the numbers of points of the grids are even and at
+/// most [`MAX_POINTS`], and that the solver supports all compared models.
 fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
     let refuse = |found: String, allowed: &str| {
         let allowed = allowed.to_owned();
@@ -124,7 +126,8 @@ fn check_grids(case: &Case, grids: &[usize]) -> Result<(), Error> {
 }
 
 /// Returns the models in which the perturbation of a case is simulated on refined grids: its own and the compared
-/// models.
+/// models. With compared models, a perturbation of more than the velocity is refused, since other fields do not exist
+/// in all models.
 fn refined_kinds(case: &Case) -> Result<Vec<ModelKind>, Error> {
     let kinds: Vec<ModelKind> = [case.material.kind]
         .into_iter()
@@ -155,7 +158,7 @@ fn refined_kinds(case: &Case) -> Result<Vec<ModelKind>, Error> {
 /// Creates the uniform flow of a case, for analysis and solver.
 ///
 /// # Errors
-/// The case is not a uniform flow that the solver supports.
+/// A constant is out of range, or the case is not a uniform flow that the solver supports.
 pub fn create_uniform_flow(case: &Case) -> Result<UniformFlow, Error> {
     let flow = case.solve_mean_flow()?;
     // The grid and the box are placeholders, which each measurement replaces.

@@ -13,18 +13,18 @@ use solid::MediumPlan;
 /// Thoroughness of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CheckExtent {
-    /// All waves of the case, given or by default.
+    /// All waves of the case, given or by default, and for flows all refined grids.
     Full,
-    /// Quick: one wave number in two directions, for series of cases.
+    /// Quick, for series of cases: the first wave number in the first two directions, without refined grids of flows.
     Short,
 }
 
 /// Plan of the checks of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckPlan {
-    /// Checks of the media of a solid.
+    /// Checks of the distinct media of a solid, in the order of the regions.
     Solid(Vec<MediumPlan>),
-    /// Check of the waves and perturbations of a flow.
+    /// Check of the waves of a flow, and of a perturbation on refined grids.
     Flow(FlowPlan),
     /// No check, since no solver supports the case; contains the reason.
     NotMeasurable(String),
@@ -34,7 +34,7 @@ impl CheckPlan {
     /// Creates the plan of a case.
     ///
     /// # Errors
-    /// The case is invalid.
+    /// The case is invalid, or its state cannot be analysed.
     pub fn new(case: &Case, extent: CheckExtent) -> Result<Self, Error> {
         check_magnitudes(case)?;
         if let ModelKind::Solid(_) = case.material.kind {
@@ -65,8 +65,8 @@ fn format_reason(error: CaseError) -> String {
     }
 }
 
-/// Checks that the numbers of a case are 0 or of magnitude 10⁻⁶⁰ to 10⁶⁰, so that products of a few numbers neither
-/// overflow nor underflow.
+/// Checks that `check.numbers` and all numbers of a case that a map can sweep are 0 or of magnitude 10⁻⁶⁰ to 10⁶⁰, so
+/// that products of a few numbers neither overflow nor underflow.
 fn check_magnitudes(case: &Case) -> Result<(), CaseError> {
     const MAGNITUDES: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
     let asked = case.check_options.iter().flat_map(|own| own.wave_numbers.iter().flatten());

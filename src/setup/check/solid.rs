@@ -27,10 +27,11 @@ pub struct WavePlan {
     pub settings: SolverSettings,
 }
 
-/// Plans the checks of the distinct media of a solid; the inner error is the reason why no solver supports one of them.
+/// Plans the checks of the distinct media of a solid; the inner error is the reason why waves in one of them cannot be
+/// measured: the solver does not support its plastic flow, or its background flows plastically.
 ///
 /// # Errors
-/// The case is invalid.
+/// A material is invalid, see [`create_solid`](setup::solid::create_solid).
 pub(super) fn plan_media(
     case: &Case,
     extent: CheckExtent,
@@ -71,7 +72,8 @@ pub(super) fn plan_media(
 }
 
 impl WavePlan {
-    /// Plans the waves of the medium `own` of a case, measured with the time step and the scheme of the case.
+    /// Plans the waves of the medium `own` of a case, measured with the Courant number and the scheme of the simulation
+    /// of the case, or the default ones without simulation.
     pub fn new(case: &Case, own: &Material, extent: CheckExtent) -> Self {
         let solid = setup::solid::create_solid(own);
         let dimensions = solid.as_ref().map_or(2, |solid| solid.dimensions);
@@ -110,8 +112,9 @@ fn to_plane_wave(wave: &WaveNumbers) -> PlaneWave<3> {
     PlaneWave { wave_number: wave.wave_number, normal: setup::solid::wave_normal(wave) }
 }
 
-/// Returns the default wave numbers, 1/m: `natural`, the characteristic wave number of the solid, and multiples of it;
-/// the wave number `given` of the case if the solid has no characteristic wave number.
+/// Returns the default wave numbers, 1/m: `natural`, the characteristic wave number of the solid, and for elastic
+/// solids also multiples of it from ¼ to 4; the wave number `given` of the case if the solid has no characteristic wave
+/// number.
 fn default_wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f64> {
     match natural {
         // Long and short waves have different dispersion, hence five wave numbers.
@@ -121,8 +124,8 @@ fn default_wave_numbers(natural: Option<f64>, yields: bool, given: f64) -> Vec<f
     }
 }
 
-/// Returns pairs of direction and elevation, degrees: the given directions at the elevation of `wave`, or the direction
-/// of `wave` and two or three fixed directions.
+/// Returns pairs of direction and elevation, degrees: the given directions at the elevation of `wave`, or without given
+/// ones the direction of `wave` and up to three fixed directions, without repetition.
 fn default_directions(
     given_deg: Option<Vec<f64>>,
     is_plane: bool,
@@ -143,7 +146,8 @@ fn default_directions(
     [own].into_iter().chain(others).collect()
 }
 
-/// Returns the solver settings of a simulation of the case for grids of `cells` cells per wavelength.
+/// Returns the solver settings of the simulation of the case, or the default ones without simulation, for grids of
+/// `cells` cells per wavelength.
 fn solver_settings(case: &Case, cells: Vec<usize>) -> SolverSettings {
     let time = case.solid_run.as_ref().map(|dynamics| &dynamics.time);
     let chosen = case.solid_run.as_ref().map(|dynamics| dynamics.scheme).unwrap_or_default();

@@ -8,7 +8,8 @@ use files::npz::{ArrayValues, read_selected_arrays};
 use models::flow::RotationKind;
 use std::path::Path;
 
-/// Maximum size of an archive, as the number of arrays of the grid; [`MAX_OVERHEAD_BYTES`] bytes are added.
+/// Maximum size of an archive, given as a number of arrays with one `f64` per grid point; [`MAX_OVERHEAD_BYTES`] bytes
+/// are added.
 const MAX_ARRAYS: u64 = 64;
 const MAX_OVERHEAD_BYTES: u64 = 1 << 20;
 
@@ -76,7 +77,7 @@ fn to_plane_wave(own: &HarmonicPerturbation) -> FourierMode {
 }
 
 impl PerturbationFields {
-    /// Adds plane waves to a field, multiplied by the envelope if there is one.
+    /// Adds plane waves to a field, multiplied by the envelope if there is one; waves of the velocity are transverse.
     fn add_waves(
         &mut self,
         lattice: Lattice,

@@ -20,8 +20,8 @@ pub(crate) fn cell_centre(dynamics: &SolidRun, cell: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Returns the index of the cell that contains a point: for a point on a face the upper cell, for a point outside of
-/// the grid the nearest cell.
+/// Returns the index of the cell that contains a point: for a point on the face between two cells the upper cell, for a
+/// point outside of the grid the nearest cell.
 pub(crate) fn containing_cell(dynamics: &SolidRun, point: &[f64]) -> usize {
     let mut cell = 0;
     for (axis, x) in point.iter().enumerate().rev() {
@@ -55,7 +55,7 @@ pub(super) fn is_periodic(dynamics: &SolidRun, axis: usize) -> bool {
         .is_some_and(|entry| entry.condition == BoundaryConditionKind::Periodic)
 }
 
-/// Returns the last condition of the case that is set on a whole boundary.
+/// Returns the last condition of the case that is set on the whole of `boundary`, not only on a rectangle of it.
 pub(super) fn whole_boundary_condition(
     dynamics: &SolidRun,
     boundary: BoundaryFace,

@@ -34,7 +34,7 @@ impl FieldSums<'_> {
 }
 
 impl GridConverter<'_> {
-    /// Returns the initial fields that are set, with their values by cell.
+    /// Returns the initial fields that are set, with their values by cell; `media` is the number of media.
     pub(super) fn create_initial_fields<const D: usize>(
         &self,
         case: &Case,
@@ -146,8 +146,8 @@ impl GridConverter<'_> {
         }
     }
 
-    /// Returns the complex amplitudes of a plane wave, normalised such that |v| is 1 m/s in the phase of the largest
-    /// velocity component.
+    /// Returns the complex amplitudes of a plane wave, normalised such that the norm |v| of the complex velocity is 1
+    /// m/s and its largest component is real and positive.
     fn plane_wave_amplitudes<const D: usize>(
         &self,
         case: &Case,

@@ -9,14 +9,14 @@ use dynamics::initial::PlanePulse;
 use models::solid::parameters::Isotropic;
 use models::solid::waves::SolidField;
 
-/// Largest fraction of the pulse amplitude that is allowed in media other than that of the pulse.
+/// Largest fraction of the pulse amplitude that is allowed at cell centres in media other than that of the pulse.
 const MAX_OUTSIDE_FRACTION: f64 = 1e-6;
 
 /// Plane pulse and the medium in which it begins.
 pub(super) struct IncidentPulse<'a> {
     case_pulse: &'a CasePulse,
     pulse: PlanePulse,
-    /// Index of the medium.
+    /// Index of the medium in which the pulse begins, in the order of the regions.
     medium: u16,
 }
 
@@ -25,7 +25,8 @@ impl<'a> IncidentPulse<'a> {
     /// each cell; `key` is the entry of the pulse in the case.
     ///
     /// # Errors
-    /// The medium has spins, so that its waves are dispersive, or the pulse extends into another medium.
+    /// A constant of the medium is out of range, the medium is not an isotropic solid without microrotation, in which
+    /// alone a plane pulse keeps its shape, or the pulse extends into another medium.
     pub(super) fn new(
         case: &Case,
         dynamics: &SolidRun,
@@ -87,7 +88,8 @@ impl<'a> IncidentPulse<'a> {
             * self.case_pulse.transverse_taper(aside)
     }
 
-    /// Returns the value of a field at a point in the medium of index `medium`; 0 if the pulse is in another medium.
+    /// Returns the value of a field at a point in the medium of index `medium`; 0 if the pulse is in another medium or
+    /// does not change the field.
     pub(super) fn field_value(&self, field: SolidField, x: &[f64], medium: u16) -> f64 {
         match self.pulse.field_per_velocity(field).filter(|_| medium == self.medium) {
             Some(factor) => self.case_pulse.amplitude * factor * self.relative_amplitude(x),

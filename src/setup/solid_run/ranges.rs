@@ -1,5 +1,5 @@
 //! Range checks for the precision of the solver: products of constants neither overflow nor underflow; loads, sources
-//! and initial values exceed the flush-to-zero threshold, and their energies do not underflow.
+//! and initial values other than rotations exceed the flush-to-zero threshold, and their energies do not underflow.
 
 use crate::Error;
 use crate::case::Case;
@@ -14,11 +14,11 @@ use models::solid::waves::SolidField;
 /// Allowed ranges of constants and drives (loads, sources and initial values) for a precision.
 struct PrecisionRange {
     name: &'static str,
-    /// Largest constant; the smallest is its inverse. Powers up to the third and products of a few moduli, inertias,
-    /// impedances and strengths must be representable.
+    /// Largest magnitude of a constant; the smallest nonzero magnitude is its inverse. Powers up to the third and
+    /// products of a few moduli, inertias, impedances and strengths must be representable.
     max_constant: f64,
-    /// Smallest amplitude of a drive. It is far above the threshold below which the solver flushes decaying values to
-    /// zero, and its square is a normal number: energies are summed in `f64`.
+    /// Smallest nonzero amplitude of a drive, in SI units. It is far above the threshold below which the solver flushes
+    /// decaying values to zero, and its square is a normal number: energies are summed in `f64`.
     min_amplitude: f64,
 }
 
@@ -60,7 +60,8 @@ pub(super) fn check_constants(case: &Case, dynamics: &SolidRun) -> Result<(), Er
     Ok(())
 }
 
-/// Checks that loads, sources and initial values, and the waves that they excite, exceed the flush-to-zero threshold.
+/// Checks that the amplitudes of loads, sources and initial values other than rotations, and of the waves that they
+/// excite, are 0 or at least [`PrecisionRange::min_amplitude`].
 ///
 /// # Errors
 /// An amplitude is too small.
@@ -70,7 +71,7 @@ pub(super) fn check_amplitudes(dynamics: &SolidRun, media: &[Medium]) -> Result<
     let (least, greatest) =
         (impedances().fold(f64::INFINITY, f64::min), impedances().fold(0.0, f64::max));
     // Returns the smaller of |amplitude| and the amplitude of the conjugate quantity in a wave, σ = Zv with the
-    // impedance Z: the stress of a velocity, the velocity of a stress.
+    // impedance Z: the stress of a velocity with the smallest Z, the velocity of a stress with the largest Z.
     let smaller = |field: SolidField, amplitude: f64| {
         let size = amplitude.abs();
         match field {

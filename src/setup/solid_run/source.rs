@@ -92,7 +92,7 @@ fn check_radius(dynamics: &SolidRun, axes: &[usize], radius: f64, key: &str) -> 
 
 impl GridConverter<'_> {
     /// Returns the cells or faces that take a point source or point load, and the share of each; a source or load all
-    /// of whose shares are zero is refused.
+    /// of whose shares are below 10⁻¹² in magnitude is refused.
     pub(super) fn compute_checked_shares(
         &self,
         axes: &[usize],

@@ -10,8 +10,9 @@ use models::solid::waves::SolidField;
 
 impl GridConverter<'_> {
     /// Returns the acceleration by gravity, m/s², and the initial stress as an axis and one stress, Pa and N/m, for
-    /// each layer of cells normal to it; `None` if all of these are zero. If gravity is balanced, the acceleration is
-    /// zero, and the lithostatic stress that balances it is added to the uniform initial stress.
+    /// each layer of cells normal to it; `None` instead of axis and stresses if all stresses are zero. If gravity is
+    /// balanced, the acceleration is zero, and the lithostatic stress that balances it is added to the uniform initial
+    /// stress.
     #[allow(clippy::type_complexity, reason = "two fields of the problem")]
     pub(super) fn gravity_and_initial_stress<const D: usize>(
         &self,

@@ -18,13 +18,14 @@ use serde::Serialize;
 pub struct FlowCheck {
     /// Check of each mode of each wave.
     pub rows: Vec<ModeCheck>,
-    /// Grid refinement of one perturbation, model by model.
+    /// Grid refinement of the perturbation of the case, one entry per model; empty without refined grids.
     pub refinements: Vec<RefinementCheck>,
     /// Shear rate Q_D of the mean flow: magnitude of the deviatoric deformation rate, 1/s.
     #[serde(skip)]
     pub shear_rate: f64,
-    /// Growth and decay rates against the wave number. Omitted are modes whose rates are below three times the shear
-    /// rate at all wave numbers, and modes near degenerate directions.
+    /// Growth and decay rates against the wave number, by direction and mode. Omitted are modes whose predicted |γ| is
+    /// below three times the shear rate for all waves, and modes whose frozen-coefficient rate differs from the
+    /// predicted rate by more than 10 % for any wave, as near degenerate directions.
     #[serde(skip)]
     pub curves: Vec<RateCurve>,
 }
@@ -43,13 +44,13 @@ pub struct ModeCheck {
     /// Frozen-coefficient rate at the initial wave vector, from the matrix pencil.
     #[serde(rename = "frozen")]
     pub frozen_rate: ComplexRate,
-    /// Rates measured by the solver for decreasing time steps.
+    /// Rates measured by the solver for decreasing time steps; empty without measurement.
     pub measured: Vec<SequenceRate>,
     /// Measured rate extrapolated to zero time step; `None` without measurement.
     pub limit: Option<ComplexRate>,
-    /// Bound on the error of the limit by extrapolation and rounding, 1/s.
+    /// Bound on the error of the limit by extrapolation and rounding, 1/s; `None` without measurement.
     pub tolerance: Option<f64>,
-    /// Reason why there is no measurement.
+    /// Reason why there is no measurement; `None` if there is one.
     #[serde(rename = "not_measurable")]
     pub unmeasured_reason: Option<String>,
     /// Order of convergence in the time step; `None` if the error is at the level of rounding, or without measurement.
@@ -89,15 +90,15 @@ pub struct SequenceRate {
     pub steps: usize,
 }
 
-/// Growth or decay rates of one mode in one direction against the wave number.
+/// Growth or decay rates |γ| of one mode in one direction against the wave number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RateCurve {
     /// Direction of the initial wave vectors from x₁, degrees.
     pub direction_deg: f64,
-    /// Whether the waves grow.
+    /// Whether the predicted growth rate of the first wave is positive.
     #[serde(rename = "grows")]
     pub is_growing: bool,
-    /// Initial wave numbers, 1/m, and predicted |γ|, 1/s.
+    /// 81 initial wave numbers, 1/m, and |γ| of the rate predicted at the initial wave vector, 1/s.
     pub predicted: Vec<[f64; 2]>,
     /// Initial wave numbers, 1/m, and measured |γ|, 1/s.
     pub measured: Vec<[f64; 2]>,
@@ -135,7 +136,8 @@ pub(super) fn check_flow(
     Ok(FlowCheck { rows: results.iter().map(row).collect(), refinements, shear_rate, curves })
 }
 
-/// Computes the curves of predicted rates against the wave number, and collects the measured rates.
+/// Computes the curves of the rates predicted at the initial wave vector against its wave number, from half the
+/// smallest to twice the largest one of the waves, and collects the measured rates.
 fn compute_curves(
     problem: &UniformFlow,
     waves: &[FlowWave],
@@ -153,7 +155,8 @@ fn compute_curves(
         }
     }
     // Omitted are modes with rates below three times the shear rate, for which the short-wave behaviour is not
-    // decisive, and modes near degenerate directions, whose initial rate differs from that along k(t).
+    // decisive, and modes near degenerate directions, whose rate at the initial wave vector differs from that along
+    // k(t).
     let is_slow = |row: &&ModeResult| row.predicted_rate.growth_rate.abs() < 3.0 * shear_rate;
     let has_turned = |row: &&ModeResult| {
         (row.frozen_rate - row.predicted_rate).max_norm() > 0.1 * row.predicted_rate.max_norm()
@@ -189,7 +192,7 @@ fn compute_curves(
 }
 
 impl FlowCheck {
-    /// Returns whether all measurements agree; `None` without any.
+    /// Returns whether all measured modes and all grid refinements agree; `None` without any.
     pub fn agrees(&self) -> Option<bool> {
         let is_anything = self.rows.iter().any(|row| row.limit.is_some());
         let [_, failed] = self.row_counts();
@@ -208,8 +211,8 @@ impl FlowCheck {
         [self.rows.len() + self.refinements.len(), failed]
     }
 
-    /// Returns the largest difference between measured and predicted rates, relative to [`ModeCheck::scale`]; `None`
-    /// without measurement.
+    /// Returns the largest difference between measured and predicted rates of the modes, relative to
+    /// [`ModeCheck::scale`]; `None` without measurement.
     pub fn max_relative_difference(&self) -> Option<f64> {
         let relative = |row: &ModeCheck| Some(row.difference?.max_norm() / row.scale);
         max_or_nan(self.rows.iter().filter_map(relative))

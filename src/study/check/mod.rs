@@ -22,7 +22,7 @@ pub struct CheckResult {
     /// Title of the medium.
     #[serde(rename = "model")]
     pub medium_title: String,
-    /// Whether all measurements agree; `None` without any.
+    /// Whether all measurements agree, grid refinements and forbidden bands included; `None` without any.
     pub agrees: Option<bool>,
     /// Result of the check.
     #[serde(flatten)]
@@ -94,7 +94,8 @@ pub fn check_agreement(
 }
 
 impl CheckResult {
-    /// Returns the number of rows and the number that disagree.
+    /// Returns the number of checked items (branches and forbidden bands of a solid, modes and grid refinements of a
+    /// flow) and the number of those that disagree.
     pub fn row_counts(&self) -> [usize; 2] {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => [0, 0],
@@ -103,7 +104,7 @@ impl CheckResult {
         }
     }
 
-    /// Returns the number of waves without measurement.
+    /// Returns the number of branches of a solid, or modes of a flow, without measurement.
     pub fn unmeasured_count(&self) -> usize {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => 0,
@@ -112,7 +113,8 @@ impl CheckResult {
         }
     }
 
-    /// Returns the largest relative difference between measured and predicted rates; `None` without measurement.
+    /// Returns the largest relative difference between measured and predicted rates of branches or modes; `None`
+    /// without measurement.
     pub fn max_relative_difference(&self) -> Option<f64> {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => None,

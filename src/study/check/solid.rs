@@ -32,16 +32,17 @@ pub struct MediumCheck {
     /// Title of the medium.
     #[serde(rename = "model")]
     pub medium_title: String,
-    /// Whether all measurements agree; `None` without any.
+    /// Whether all measured branches agree and all forbidden bands are confirmed; `None` without measurement.
     pub agrees: Option<bool>,
     /// Check of each branch of each wave.
     pub rows: Vec<BranchCheck>,
-    /// Check results of the forbidden bands of an elastic solid.
+    /// Check results of the forbidden bands of an elastic solid between two nonzero frequencies, in the direction of
+    /// the first wave; empty for yielding solids.
     pub forbidden_bands: Vec<ForbiddenBandCheck>,
     /// Solid with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
-    /// Predicted branches in the direction of the first wave, by response.
+    /// Predicted branches in the direction of the first wave, one entry per response.
     #[serde(skip)]
     pub branches: Vec<(WaveResponse, Vec<BranchGroup>)>,
 }
@@ -60,9 +61,9 @@ pub struct BranchCheck {
     pub predicted: ComplexFrequency,
     /// Measurement extrapolated to zero cell size; `None` without measurement.
     pub limit: Option<GridCheck>,
-    /// Measurements by grid, coarsest first.
+    /// Measurements by grid, coarsest first; empty without measurement.
     pub grids: Vec<GridCheck>,
-    /// Reason why there is no measurement.
+    /// Reason why there is no measurement; `None` if there is one.
     #[serde(rename = "not_measurable")]
     pub unmeasured_reason: Option<String>,
     /// Order of convergence in the cell size; `None` if the error is at the level of rounding, or without measurement.
@@ -70,11 +71,12 @@ pub struct BranchCheck {
     /// Whether measured and expected rates agree on every grid and in the limit of zero cell size; `None` without
     /// measurement.
     pub agrees: Option<bool>,
-    /// Measured minus predicted rate in the limit of zero cell size, relative to the predicted frequency.
+    /// Measured minus predicted rate in the limit of zero cell size, relative to the predicted frequency; `None`
+    /// without measurement.
     #[serde(skip)]
     pub difference: Option<Rate>,
     /// Expected minus predicted rate in the limit of zero cell size, relative to the predicted frequency; the expected
-    /// rate follows from the amplification matrix of the scheme.
+    /// rate follows from the amplification matrix of the scheme. `None` without measurement.
     #[serde(skip)]
     pub expected_difference: Option<Rate>,
 }
@@ -122,7 +124,7 @@ pub struct ForbiddenBandCheck {
     #[serde(rename = "to")]
     pub upper_edge: f64,
     /// Measured frequencies next to the band, rad/s: the largest one below its upper edge and the smallest one above
-    /// its lower edge.
+    /// its lower edge; `None` where there is no such frequency.
     #[serde(rename = "nearest")]
     pub nearest_frequencies: [Option<f64>; 2],
     /// Whether no measured frequency is inside the band, within discretisation error and tolerance.

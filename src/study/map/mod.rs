@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Memory of a map besides its points, bytes: that of the program and the picture.
+/// Memory needed besides the points of a map and one table column, bytes: that of the program and the picture.
 const PROGRAM_MEMORY: f64 = 60.0 * 1048576.0;
 
 /// Number of points that a thread assesses between progress reports.
@@ -28,7 +28,8 @@ const POINTS_PER_BLOCK: usize = 64;
 /// polynomial of every state; if they are computed, no verdict is by closed form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct MapOptions {
-    /// Whether to compute the supremum of the growth rate over all waves at well-posed points.
+    /// Whether to compute the supremum of the growth rate over all waves, for flows over those with at least the wave
+    /// number of the background gradients, at well-posed points.
     #[serde(rename = "bound")]
     pub computes_bound: bool,
     /// Whether to compute the growth rate at the wave of the case; always done if the map sweeps the wave.
@@ -119,18 +120,19 @@ fn check_memory(case: &Case, map: &MapAxes) -> Result<(), Error> {
         .into())
 }
 
-/// Returns whether points are assessed column by column, with y fastest. The acoustic tensors of elastic moduli, which
-/// then change only along x, are reused within a column.
+/// Returns whether points are assessed column by column, with y fastest: if x sweeps a constant of the elastic law, y
+/// does not, and the solid has a yield set. The acoustic tensor of the elastic moduli then depends on x alone and is
+/// reused within a column.
 fn is_transposed(case: &Case, map: &MapAxes) -> bool {
     let is_modulus = |sweep: &ParameterSweep| sweep.parameter.name().starts_with("model.");
     is_modulus(&map.x) && !is_modulus(&map.y) && case.material.yield_set.is_some()
 }
 
 /// Checks that at least one state of the map can be assessed. States are assessed in order until one succeeds; progress
-/// counts them.
+/// counts those that fail.
 ///
 /// # Errors
-/// The case has no map, or is invalid at all of its points; [`Error::Cancelled`].
+/// The case has no map or is invalid at all of its points, or memory is short; [`Error::Cancelled`].
 pub fn check_map(case: &Case, on_progress: ProgressCallback) -> Result<(), Error> {
     let map = case.require_map()?;
     check_memory(case, map)?;

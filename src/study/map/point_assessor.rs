@@ -23,23 +23,24 @@ pub struct MapPoint {
     /// Method of the verdict; `None` without verdict.
     #[serde(serialize_with = "serialize_route")]
     pub route: Option<Route>,
-    /// Order of growth in the wave number k if ill-posed.
+    /// Order of growth in the wave number k if ill-posed, unless growth is unbounded at finite wave numbers.
     pub order: f64,
-    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s.
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s; absent without `order`.
     pub coefficient: f64,
-    /// Direction of the wave vector of fastest growth, degrees.
+    /// Direction of the wave vector of fastest or unbounded growth, from x₁, degrees, if ill-posed.
     pub direction_deg: f64,
     /// Elevation of the wave vector of fastest growth above the plane of x₁ and x₂, degrees; solids only.
     pub elevation_deg: f64,
-    /// Supremum of Re ς over all waves of a well-posed state, 1/s.
+    /// Supremum of Re ς over all waves of a well-posed state, for flows over those with at least the wave number of the
+    /// background gradients, 1/s; only with [`MapOptions::computes_bound`].
     #[serde(rename = "bound")]
     pub growth_bound: f64,
-    /// Largest Re ς at the wave of the case, 1/s.
+    /// Largest Re ς at the wave of the case, 1/s; only with [`MapOptions::computes_growth_rate`].
     pub growth_rate: f64,
     /// Closed-form bound of the model on the non-coaxiality |Δ|, degrees, below which the leading growth rate is not
     /// positive in any direction; flows only.
     pub noncoaxiality_bound_deg: f64,
-    /// Characteristic speeds; solids only.
+    /// Characteristic speeds; `None` for flows and for points without a state.
     pub speeds: Option<PointSpeeds>,
 }
 
@@ -49,10 +50,10 @@ pub struct PointSpeeds {
     /// Type of the characteristic speeds over all directions.
     #[serde(serialize_with = "serialize_hyperbolicity")]
     pub hyperbolicity: Hyperbolicity,
-    /// Largest |Im c| of complex c², m/s; 0 without flutter.
+    /// Supremum of |Im c| over the directions with complex c², m/s; 0 without flutter.
     #[serde(rename = "flutter")]
     pub max_imaginary_speed: f64,
-    /// Smallest real c², m²/s²; 0 if zero within rounding.
+    /// Smallest real c² over all directions, m²/s²; 0 if zero within rounding, infinite if no direction has a real c².
     #[serde(rename = "least_squared")]
     pub min_squared_speed: f64,
     /// Normal of the slowest wave: direction in the plane of x₁ and x₂ and elevation above it, degrees.
@@ -145,7 +146,7 @@ impl MapPoint {
         }
     }
 
-    /// Sets verdict, route, order, coefficient and direction.
+    /// Sets the status and the route, and for ill-posed states direction, order and coefficient.
     fn set_verdict(&mut self, verdict: Verdict, route: Route) {
         self.route = Some(route);
         self.status = match verdict {
@@ -182,8 +183,8 @@ struct SweptFlow {
     constants: Vec<f64>,
     /// Whether the constants differ from those of `model`.
     is_stale: bool,
-    /// For each axis, index and definition of the swept model constant, if any; found once per map, since names are
-    /// compared.
+    /// For each axis, index and definition of the swept model constant; `None` if the axis sweeps another parameter.
+    /// They are found once per assessor, since the search compares names.
     swept_constants: [Option<(usize, &'static Parameter)>; 2],
 }
 
@@ -205,7 +206,7 @@ impl SweptFlow {
         true
     }
 
-    /// Returns the model with the present constants; rebuilds it if they have changed.
+    /// Returns the model with the present constants; updates it if they have changed since the last call.
     fn update_model(&mut self, kind: FlowKind) -> Result<&Model, InputError> {
         let Self { model, constants, is_stale, .. } = self;
         let model = match model {

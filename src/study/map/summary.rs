@@ -24,15 +24,15 @@ pub struct MapResult {
     pub unbounded_at_finite_wave_number: usize,
     /// Fraction of well-posed states among all assessed states; `None` if none was assessed.
     pub well_posed_share: Option<f64>,
-    /// Well-posed intervals of x at up to five values of y.
+    /// Well-posed intervals of x at up to five values of y, from the first to the last.
     pub well_posed_intervals: Vec<WellPosedIntervals>,
-    /// Point of the worst growth: highest order, then largest coefficient.
+    /// Point of the worst growth: highest order, then largest coefficient; `None` if no point has an order.
     #[serde(rename = "worst")]
     pub worst_point: Option<WorstPoint>,
     /// Number of verdicts by the name of their [`Route`], in the order of [`Route::ALL`].
     #[serde(rename = "route", serialize_with = "serialize_as_object")]
     pub route_counts: [(&'static str, usize); 2],
-    /// Quantities of solids only.
+    /// Summary of the quantities that only solids have; `None` for flows.
     #[serde(flatten)]
     pub solid: Option<SolidMapSummary>,
     /// All points, x fastest.
@@ -119,7 +119,7 @@ pub struct WorstPoint {
 /// Summary of a map of solids.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SolidMapSummary {
-    /// Name of the yield set.
+    /// Name of the yield set; `None` for elastic solids.
     #[serde(rename = "yield")]
     pub yield_set: Option<&'static str>,
     /// Number of states by the name of their [`Hyperbolicity`], in the order of [`Hyperbolicity::ALL`].

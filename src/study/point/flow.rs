@@ -175,7 +175,8 @@ impl ModelAnalysis {
         Ok(Self { analysis, workspace })
     }
 
-    /// Returns the assessment if the equations determine their unknowns (regular pencil).
+    /// Returns the assessment of a fully deforming state whose equations determine their unknowns (regular pencil);
+    /// `None` for other states.
     fn regular_assessment(&self) -> Option<&Assessment> {
         let state =
             self.analysis.yielding_state().filter(|_| !self.workspace.pencil.is_singular())?;
@@ -219,7 +220,8 @@ fn analyse_yielding_state(
         .with_supremum(supremum))
 }
 
-/// Samples the growth rates of all models; all curves have the same wave numbers.
+/// Samples the growth rates of all models with a fully deforming state and a regular pencil, by direction and by wave
+/// number; the curves by wave number of all models have the same wave numbers.
 fn add_curves(
     case: &Case,
     case_model: &mut ModelAnalysis,

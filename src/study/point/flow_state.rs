@@ -20,17 +20,20 @@ use serde::Serialize;
 pub struct YieldingState {
     /// Name of the verdict.
     pub verdict: &'static str,
-    /// If ill-posed, the order of growth in the wave number k; `None` if growth is unbounded at finite wave numbers.
+    /// Order of growth in the wave number k as k → ∞; `None` unless ill-posed, or if growth is unbounded at finite wave
+    /// numbers.
     pub order: Option<f64>,
-    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s.
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s; `None` without `order`.
     pub coefficient: Option<f64>,
-    /// If ill-posed, direction of the wave vector of the fastest growth, degrees.
+    /// Direction of the wave vector of fastest or unbounded growth, from x₁, degrees; `None` unless ill-posed.
     pub direction_deg: Option<f64>,
-    /// Order of growth in k, fitted to the largest growth rate over all directions.
+    /// Order of growth in k, fitted to the largest growth rate over all directions at the largest sampled wave numbers;
+    /// `None` unless all growth rates there are finite and positive.
     pub fitted_order: Option<f64>,
-    /// Smallest and largest wave number of the fit, 1/m.
+    /// Smallest and largest wave number of the fit, 1/m; `None` without `fitted_order`.
     pub fitted_wave_numbers: Option<[f64; 2]>,
-    /// Supremum of Re ς over all waves, 1/s; `None` if it is not known to be finite.
+    /// Supremum of Re ς over all directions and wave numbers k ≥ `gradient_wave_number`, 1/s; `None` unless well-posed,
+    /// or if this wave number exceeds the range of the search.
     #[serde(rename = "bound")]
     pub growth_bound: Option<f64>,
     /// Wave vector at which the supremum is attained or approached.
@@ -49,16 +52,17 @@ pub struct YieldingState {
     pub wave: FlowWave,
     /// Finite dispersion roots at `wave`, Re ς and Im ς, 1/s; `None` if every ς is a root.
     pub roots: Option<Vec<[f64; 2]>>,
-    /// Number of infinite dispersion roots, which are due to algebraic equations.
+    /// Number of infinite dispersion roots, which are due to algebraic equations; `None` if every ς is a root.
     #[serde(rename = "infinite_roots")]
     pub infinite_root_count: Option<usize>,
     /// Real characteristics of the steady equations; `None` if the equations do not determine their unknowns.
     pub characteristics: Option<Vec<CharacteristicDirection>>,
-    /// Complex characteristics of the steady equations.
+    /// Complex characteristics of the steady equations; `None` as for `characteristics`.
     pub complex_characteristics: Option<Vec<ComplexCharacteristic>>,
-    /// Families of fields for which every direction is characteristic.
+    /// Families of fields for which every direction is characteristic, such as convected fields in a material at rest;
+    /// `None` as for `characteristics`.
     pub arbitrary_characteristics: Option<Vec<String>>,
-    /// Type of the steady equations: hyperbolic, mixed or elliptic.
+    /// Type of the steady equations: hyperbolic, mixed or elliptic; `None` without characteristics.
     pub steady_type: Option<&'static str>,
     /// Evidence of the verdict.
     pub evidence: Evidence,
@@ -66,8 +70,8 @@ pub struct YieldingState {
     pub background: FlowBackground,
     /// Stress of the state.
     pub stress: FlowStress,
-    /// Wave number of the background gradients, 1/m. The frozen-coefficient analysis is valid for much larger wave
-    /// numbers.
+    /// Wave number of the background gradients, 1/m. The frozen-coefficient analysis is valid for wave numbers much
+    /// larger than this.
     pub gradient_wave_number: f64,
     /// Background with rounding bounds.
     #[serde(skip)]
@@ -75,7 +79,7 @@ pub struct YieldingState {
     /// Verdict with rounding bounds.
     #[serde(skip)]
     pub assessment: Assessment,
-    /// Rank of the equations if every ς is a root.
+    /// Rank of the equations if every ς is a root; `None` otherwise.
     #[serde(skip)]
     pub rank: Option<usize>,
     /// Largest Re ς of all roots at the wave number of the case by direction: degrees, 1/s; empty if every ς is a
@@ -197,7 +201,7 @@ pub struct SupremumPlace {
     /// Wave number at which the supremum is attained, 1/m; `None` if it is only approached.
     #[serde(rename = "number")]
     pub wave_number: Option<f64>,
-    /// Direction of the wave vector, degrees.
+    /// Direction of the wave vector from x₁, degrees, in \[0, 180).
     pub direction_deg: f64,
     /// Limit in which the supremum is approached; `None` if it is attained.
     pub limit: Option<WaveLimit>,

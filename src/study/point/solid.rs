@@ -19,7 +19,7 @@ use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
 use serde::Serialize;
 
-/// Number of directions minus one in the curve of the growth rate by direction, over 180°.
+/// Number of intervals between the directions, from 0° to 180°, in the curve of the growth rate by direction.
 const DIRECTION_INTERVALS: usize = 720;
 /// Wave numbers per decade in the curves of the growth rate by wave number; these reach [`DECADES`] decades below and
 /// above the wave number of the case.
@@ -31,20 +31,21 @@ const DECADES: i32 = 4;
 pub struct SolidPoint {
     /// Kind of the solid.
     pub model: &'static str,
-    /// Name of the yield set.
+    /// Name of the yield set; `None` for elastic solids.
     #[serde(rename = "yield")]
     pub yield_set: Option<&'static str>,
     /// Dimensions: 2 for plane strain, 3 in space.
     pub dimensions: usize,
     /// Name of the verdict.
     pub verdict: &'static str,
-    /// If ill-posed, the order of growth in k; `None` if growth is unbounded at finite wave numbers.
+    /// Order of growth in the wave number k as k → ∞; `None` unless ill-posed, or if growth is unbounded at finite wave
+    /// numbers.
     pub order: Option<f64>,
-    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s.
+    /// Growth coefficient lim Re ς / k^order as k → ∞, m^order/s; `None` without `order`.
     pub coefficient: Option<f64>,
     /// Direction of the wave vector of fastest growth if ill-posed, in the plane of x₁ and x₂, degrees.
     pub direction_deg: Option<f64>,
-    /// Elevation of that wave vector above the plane, degrees.
+    /// Elevation of that wave vector above the plane of x₁ and x₂, degrees; `None` unless ill-posed.
     pub elevation_deg: Option<f64>,
     /// Supremum of Re ς over all waves, 1/s; `None` if it is not known to be finite.
     #[serde(rename = "bound")]
@@ -58,7 +59,7 @@ pub struct SolidPoint {
     /// Whether plastic flow is associated; true for elastic solids.
     #[serde(rename = "associated")]
     pub is_associated: bool,
-    /// Names of the active conditions of the yield set.
+    /// Names of the active conditions of the yield set; `None` for elastic solids.
     #[serde(rename = "active")]
     pub active_conditions: Option<Vec<&'static str>>,
     /// Stress on the yield surface; `None` for elastic solids, or if the case gives the active conditions instead.
@@ -115,7 +116,8 @@ impl From<Stress> for YieldStress {
     }
 }
 
-/// Defects of energy conservation, each relative to the largest of the compared numbers.
+/// Defects of energy conservation, dimensionless: asymmetries relative to the largest entry of the matrix, growth rates
+/// relative to |ς|.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyDefects {
     /// Smallest eigenvalue of the symmetriser of the elastic equations, scaled to unit diagonal.
@@ -126,7 +128,7 @@ pub struct EnergyDefects {
     /// Deviation ‖Q + Qᵀ‖ of the symmetrised elastic zero-order matrix Q from antisymmetry, relative.
     #[serde(rename = "antisymmetry")]
     pub antisymmetry_defect: f64,
-    /// Largest |Re ς|/|ς| of elastic waves of many wavelengths and directions.
+    /// Largest |Re ς|/|ς| of waves of the elastic response, over many wavelengths and directions.
     pub elastic_growth: f64,
     /// Largest |Re ς|/|ς| of waves of the yielding response, over the same wavelengths and directions.
     #[serde(rename = "growth")]
@@ -153,7 +155,8 @@ const PROGRESS_STEPS: usize = 4;
 /// Analyses the state of a solid.
 ///
 /// # Errors
-/// A constant is out of range, the stress does not reach yield, or the state cannot be analysed; [`Error::Cancelled`].
+/// The material is invalid (see [`create_solid`](setup::solid::create_solid)), or the state cannot be analysed;
+/// [`Error::Cancelled`].
 pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<SolidPoint, Error> {
     let part_is_done = |part: usize| report_progress(on_progress, part, PROGRESS_STEPS);
     let located = |error: NoResponse| setup::locate_state_error(&case.material, error.into());
@@ -234,7 +237,7 @@ pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<Solid
 }
 
 /// Computes the defects of energy conservation with waves around the wave number `number`, 1/m, or, if their growth is
-/// not finite, around the characteristic wave number of the solid.
+/// not finite, around the characteristic wave number of the solid if it has one.
 fn compute_energy_defects(
     solid: &Solid,
     number: f64,
@@ -285,7 +288,8 @@ fn to_pairs(list: &[Complex64]) -> Vec<[f64; 2]> {
     list.iter().map(|z| [z.re, z.im]).collect()
 }
 
-/// Returns the squared speeds c², by descending real part; values within rounding are set to zero.
+/// Returns the squared speeds c², by descending real part; values of magnitude up to 10⁻¹³ of the largest one are set
+/// to zero.
 fn squared_speeds(waves: &DirectionalWaves) -> Vec<Complex64> {
     let mut all: Vec<Complex64> =
         waves.families.iter().flat_map(|family| family.squared_speeds()).collect();

@@ -5,7 +5,8 @@ use super::Bytes;
 use crate::Error;
 use crate::case::CaseError;
 
-/// Throughput of the solid solver per thread: field values advanced by one sweep along an axis, 1/s.
+/// Throughput of the solid solver per thread: field values advanced by half a step, which has one sweep along each
+/// axis, 1/s.
 const FIELD_UPDATE_RATE: f64 = 1e9;
 /// Factor by which a ledger with numerical dissipation (`TotalsAndDissipation`) slows down the solid solver.
 const FULL_LEDGER_SLOWDOWN: f64 = 50.0;
@@ -44,11 +45,11 @@ pub struct Cost {
 /// Cost above its limit, which is presumably unintended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CostExcess {
-    /// Responsible key of the case.
+    /// Key of the case that determines the amount, such as `time.duration`.
     pub key: &'static str,
     /// Estimated amount.
     pub found: CostAmount,
-    /// Limit.
+    /// Largest amount that is not refused.
     pub allowed: CostAmount,
 }
 
@@ -129,7 +130,7 @@ impl Cost {
         })
     }
 
-    /// Returns the first amount of the cost that exceeds its limit.
+    /// Returns the first amount of the cost that exceeds its limit; `None` if none does.
     pub fn find_excess(&self) -> Option<CostExcess> {
         use CostAmount::{SnapshotBytes, Snapshots, Steps, TableBytes, Time};
         let all = [

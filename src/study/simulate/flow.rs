@@ -22,11 +22,11 @@ use analysis::growth::Verdict;
 use dynamics::flow::{FlowEnergy, FlowProblem, LeftDomain};
 use dynamics::simulation::{FlowAccount, FlowFields, FlowSimulation};
 
-/// Upper bound of the numbers stored per point: 24, measured for 1024² points, plus those of a checkpoint and a
-/// snapshot.
+/// Upper bound of the numbers of type `f64` stored per point: 24, measured for 1024² points, plus those of a checkpoint
+/// and a snapshot.
 const NUMBERS_PER_POINT: f64 = 40.0;
 
-/// Default number of ledger rows.
+/// Default number of intervals between ledger rows.
 const DEFAULT_LEDGER_ROWS: f64 = 200.0;
 
 /// Number of wave directions over 180° in the estimate of the largest rate.
@@ -51,8 +51,8 @@ impl<'a> FlowJob<'a> {
         Ok(Self { case, run, problem, quantities })
     }
 
-    /// Returns the largest |ς|, 1/s, of waves with the largest wave number of the grid in the uniform flow, over
-    /// [`DIRECTION_COUNT`] directions; `None` if the flow cannot be analysed.
+    /// Returns the largest |ς|, 1/s, of waves with the largest wave number of the grid along an axis in the uniform
+    /// flow, over [`DIRECTION_COUNT`] directions; `None` if the flow cannot be analysed.
     fn max_rate(&self) -> Option<f64> {
         let mut workspace = FlowWorkspace::default();
         workspace

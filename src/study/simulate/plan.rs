@@ -49,14 +49,15 @@ pub enum ProblemSize {
 /// Warning about a setting that is probably unintended, or about the result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SimulationWarning {
-    /// A time function of a load or source changes within few steps.
+    /// A time function of a load or source changes within fewer than four steps.
     FewSteps {
         /// Entry in the case: `load[0]`.
         entry: String,
-        /// Number of time steps within which the time function changes.
+        /// Number of time steps in the shortest time scale of the time function.
         steps: f64,
     },
-    /// The residual of an energy ledger with numerical dissipation exceeds rounding.
+    /// The residual of an energy ledger with numerical dissipation exceeds rounding, see
+    /// [`RunResult::residual_warning`](super::RunResult::residual_warning).
     LedgerResidual {
         /// Residual relative to the largest term of the ledger.
         relative_residual: f64,
@@ -84,7 +85,8 @@ impl SimulationPlan {
     }
 }
 
-/// Returns the number of snapshots at `interval` within `duration`, both in s; 0 if the interval is 0.
+/// Returns the number of snapshots at `interval` within `duration`, both in s, including the initial and the final one;
+/// 0 if the interval is 0.
 pub(super) fn snapshot_count(interval: f64, duration: f64) -> f64 {
     if interval > 0.0 { (duration / interval).ceil() + 1.0 } else { 0.0 }
 }

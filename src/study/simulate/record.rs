@@ -23,7 +23,7 @@ pub struct TableHeader {
     pub kind: TableKind,
     /// Names of the columns; the first is `time`.
     pub columns: Vec<String>,
-    /// Units of the columns.
+    /// Units of the columns, in the order of `columns`.
     pub units: Vec<&'static str>,
 }
 
@@ -34,7 +34,7 @@ impl TableHeader {
     }
 }
 
-/// Returns the unit of a table column of a case.
+/// Returns the unit of the table column `name` of a case.
 pub fn column_unit(case: &Case, kind: TableKind, name: &str) -> &'static str {
     match (kind, name) {
         (_, "time") => "s",

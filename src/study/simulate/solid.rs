@@ -30,14 +30,14 @@ use dynamics::simulation::{
     TimeSteps,
 };
 
-/// Default number of ledger rows.
+/// Default limit of the number of intervals between ledger rows.
 const DEFAULT_LEDGER_ROWS: usize = 1000;
 
 /// Memory of the program and its pictures, bytes.
 const PROGRAM_MEMORY: f64 = 36.0 * 1048576.0;
 
-/// Numbers that the solver stores per pair of waves and line along the last axis in two dimensions, or along the last two
-/// axes in three, by measurement: interface states and boundary values.
+/// Numbers that the solver stores per pair of waves and per line of cells along the last axis in two dimensions, along
+/// the second or third axis in three, by measurement: interface states and boundary values.
 const NUMBERS_PER_LINE_2D: f64 = 108.0;
 const NUMBERS_PER_LINE_3D: f64 = 12.0;
 
@@ -47,7 +47,7 @@ const PADDING_LANES: usize = 10;
 /// Copies of a snapshot that are in memory while it is written, by measurement: interpolated, encoded and in buffers.
 const SNAPSHOT_COPIES: f64 = 3.8;
 
-/// Numbers that the full ledger keeps per field and cell, by measurement.
+/// Numbers that a ledger with numerical dissipation (`TotalsAndDissipation`) keeps per field and cell, by measurement.
 const FULL_LEDGER_NUMBERS: f64 = 1.2;
 
 /// Simulation of a solid with its media.
@@ -69,8 +69,9 @@ impl<'a> SolidJob<'a> {
         Ok(Self { case, dynamics, media, quantity_names: names })
     }
 
-    /// Estimates the peak memory of a run, bytes: that of the solver plus the copies of the fields for a checkpoint,
-    /// for the results or for a snapshot, whichever is largest.
+    /// Estimates the peak memory of a run, bytes: that of the program, of the solver, of its initial values and of its
+    /// ledger, plus the copies of the fields for a checkpoint, for the results or for a snapshot, whichever is largest,
+    /// plus all snapshots if `keeps_snapshots` is set.
     fn estimate_memory(&self, keeps_snapshots: bool) -> Bytes {
         let SolidRun { grid, output, scheme, initial_terms: initial, .. } = self.dynamics;
         let fields = self.media[0].fields.len();
@@ -242,7 +243,7 @@ impl SimulationJob for SolidJob<'_> {
     }
 
     fn find_ill_posedness(&self) -> Result<Option<IllPosedness>, Error> {
-        // Solids are elastic or have associated ideal plasticity; the solver refuses all others.
+        // The solver accepts only elastic solids and associated ideal plasticity, whose equations are well-posed.
         Ok(None)
     }
 

@@ -33,7 +33,7 @@ pub enum StopCause {
     FlowDomainExit {
         /// Description of the event with the values that caused it.
         description: String,
-        /// Position in initial coordinates of the box, m; `None` if it is not local.
+        /// Position in initial coordinates of the box, m; `None` if the event is not local.
         position: Option<[f64; 2]>,
     },
 }
@@ -47,10 +47,10 @@ impl From<&LeftDomain> for StopCause {
 /// Ill-posedness of a flow: short waves grow without bound, so that numerical solutions depend on the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IllPosedness {
-    /// Order and coefficient of the growth rate as k → ∞; `None` if it is unbounded at finite k.
+    /// Order and coefficient of the growth rate as k → ∞; `None` if the growth rate is unbounded at finite k.
     pub growth: Option<Growth>,
-    /// Direction of the wave vector of fastest growth, degrees.
+    /// Direction of the wave vector of fastest or unbounded growth, from x₁, degrees.
     pub direction_deg: f64,
-    /// Largest wave number of the grid, 1/m.
+    /// Largest initial wave number of the modes of the grid along an axis, 1/m.
     pub max_wave_number: f64,
 }

@@ -40,7 +40,8 @@ pub struct RunResult {
     /// Final fields; serialised as their names.
     #[serde(serialize_with = "serialize_quantity_names")]
     pub fields: OutputFields,
-    /// Last row of the energy ledger: final energies, and work and dissipation since the start.
+    /// Last row of the energy ledger: final energies, work and dissipation since the start, and for flows the internal
+    /// power.
     pub ledger: FinalLedger,
     /// Receivers of the simulation with their positions.
     pub receivers: Vec<RunReceiver>,
@@ -79,12 +80,12 @@ pub struct OutputFields {
     pub quantities: Vec<FieldQuantity>,
     /// Plastic dissipation by cell, J/m³; empty for elastic solids and flows.
     pub dissipation: Vec<f64>,
-    /// Region index of each cell of a solid; empty without regions.
+    /// Index of the region of each cell of a solid, from 0; empty without regions.
     pub regions: Vec<u16>,
 }
 
 impl OutputFields {
-    /// Returns the values of a quantity, first axis fastest.
+    /// Returns the values of the quantity `name`, first axis fastest; `None` if there is no such quantity.
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         Some(&self.quantities.iter().find(|own| own.name == name)?.values)
     }
@@ -108,7 +109,8 @@ impl FieldQuantity {
     }
 }
 
-/// Returns the unit of an output quantity by its name in files.
+/// Returns the unit of an output quantity by its name in files; J/m³, the unit of the plastic dissipation, for any
+/// unknown name.
 pub fn quantity_unit(name: &str) -> &'static str {
     match name.trim_end_matches(|c: char| c.is_ascii_digit()) {
         "v" => "m/s",
@@ -142,14 +144,15 @@ impl FinalLedger {
         Some(if greatest > 0.0 { residual / greatest } else { 0.0 })
     }
 
-    /// Returns the term of that name.
+    /// Returns the term of that name; `None` if the ledger has no such term.
     pub fn term(&self, name: &str) -> Option<f64> {
         self.terms.iter().find(|term| term.0 == name).map(|term| term.1)
     }
 }
 
 impl RunResult {
-    /// Returns a warning if the ledger residual exceeds rounding.
+    /// Returns a warning if the residual of the ledger exceeds rounding: 10⁻⁶ of its largest term in double precision,
+    /// 10⁻² in single precision.
     pub fn residual_warning(&self) -> Option<SimulationWarning> {
         let rounding = if self.precision == Some("f32") { 1e-2 } else { 1e-6 };
         let part = self.ledger.relative_residual().filter(|part| *part > rounding)?;
@@ -177,7 +180,7 @@ pub struct RunReceiver {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(rename = "cell")]
     pub cell_centre: Option<Vec<f64>>,
-    /// Interpolation between cells; solids only.
+    /// Name of the interpolation between cells; solids only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<&'static str>,
     /// Recorded grid point of the initial box, m; flows only.
@@ -189,13 +192,13 @@ pub struct RunReceiver {
 /// Records of a simulation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RunRecords {
-    /// Receiver records: `time`, then `NAME.QUANTITY`, angles in degrees; `None` without receivers.
+    /// Receiver records: `time`, then `NAME.QUANTITY`, stress angles of flows in degrees; `None` without receivers.
     pub receivers: Option<RecordTable>,
     /// Energy ledger.
     pub ledger: RecordTable,
     /// Energy spectrum by shells of mode numbers; flows only.
     pub spectrum: Option<RecordTable>,
-    /// Snapshots of the case, if kept in memory.
+    /// Snapshots of the case in order of time; empty unless kept in memory.
     pub snapshots: Vec<OutputFields>,
 }
 
@@ -218,7 +221,7 @@ pub struct RecordColumn {
 }
 
 impl RecordTable {
-    /// Returns the values of a column.
+    /// Returns the values of the column `name`; `None` if there is no such column.
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         Some(&self.columns.iter().find(|column| column.name == name)?.values)
     }

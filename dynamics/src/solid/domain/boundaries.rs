@@ -74,7 +74,9 @@ fn create_faces<T: Real, const D: usize>(
     };
     let (layers, layer) = (layout.layers(), layout.layer_cells());
     let of_layer = layer / layout.cells[axis];
-    // Storage position of a face: across the first axis by row, else that of the adjacent cells.
+    // Storage position (group and lane) of a face. First axis: faces packed in the order of the rows. Other axes: lane
+    // of the adjacent cell, and its group within a layer (last axis) or within a row, with one row of groups for each
+    // layer (middle axis).
     let place = |face: usize| match axis {
         0 => (face / T::Lanes::COUNT, face % T::Lanes::COUNT),
         _ if axis + 1 == D => slot(face),

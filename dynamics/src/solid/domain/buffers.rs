@@ -17,7 +17,8 @@ pub(super) struct Buffers<T: Real> {
     pub(super) carried_states: [Vec<Vec<CarriedState<T::Lanes>>>; 3],
     /// Groups on the path of a sweep along a line.
     pub(super) path: Vec<GroupIndex>,
-    /// Groups that contain cells for the scalar return mapping, and masks of the lanes of these cells.
+    /// Groups (index within the segment of a row) that contain cells for the scalar return mapping, and masks of the
+    /// lanes of these cells.
     pub(super) scalar_lanes: Vec<(usize, u16)>,
     /// Fields of a row in double precision, for the return mapping of a domain in single precision.
     pub(super) double_row: Vec<DoubleLanes>,

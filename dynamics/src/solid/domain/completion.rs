@@ -26,7 +26,8 @@ pub(crate) const BOUNDARY_LAYER_CELLS: usize = 4;
 pub(crate) struct ClosingBoundaries<T: Real> {
     /// Boundaries for the sweep by a quarter of a step.
     pub(crate) quarter_step: [BoundaryFaces<T>; 2],
-    /// Boundaries for the sweep by half a step; the output is the mean of the states before and after it.
+    /// Boundaries for the sweep by half a step, used near reflecting boundaries: output there is the mean of the states
+    /// before and after it.
     pub(crate) half_step: [BoundaryFaces<T>; 2],
 }
 
@@ -35,7 +36,8 @@ impl<T: Real> ClosingBoundaries<T> {
         Self { quarter_step: boundaries.clone(), half_step: boundaries.clone() }
     }
 
-    /// Evaluates the boundary values for a time step `step` that ends at time `end`, s.
+    /// Evaluates the boundary values for a time step of `step`, s, that ends at time `end`, s, in the middle of each of
+    /// the two sweeps.
     pub(crate) fn set_time(&mut self, end: f64, step: f64) {
         set_time(&mut self.quarter_step, end - 0.125 * step);
         set_time(&mut self.half_step, end);
@@ -65,9 +67,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         cells.iter().flat_map(of_cell).collect()
     }
 
-    /// Returns the state of a cell (index among all cells, halo included) at the time of the domain: a copy is swept
-    /// along the first axis by a quarter of a step; near reflecting boundaries the result is the mean of the stored
-    /// state and of a copy swept by half a step.
+    /// Returns the state of a cell (index among all cells, halo included) at the time of the domain: the stored state
+    /// if `boundaries` is `None` or no step is done; else a copy swept along the first axis by a quarter of a step,
+    /// near reflecting boundaries the mean of the stored state and of a copy swept by half a step.
     pub(super) fn complete_cell(
         &self,
         cell: usize,
@@ -101,8 +103,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         values
     }
 
-    /// Whether a cell is within [`BOUNDARY_LAYER_CELLS`] cells of a boundary across the first axis that reflects this
-    /// pair of waves.
+    /// Whether a cell is one of the [`BOUNDARY_LAYER_CELLS`] cells next to a boundary across the first axis that
+    /// prescribes velocity or traction for this pair of waves; symmetry planes and the first-order scheme do not count.
     fn is_near_reflecting_boundary(&self, cell: usize, pair: usize) -> bool {
         let length = self.layout.cells[0];
         let (row, depth) = (cell / length, cell % length);

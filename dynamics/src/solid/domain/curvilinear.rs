@@ -27,9 +27,9 @@ pub(super) struct RowConstants<T: Real> {
     pub(super) table: MaterialTable<T>,
     /// Wave constants by layer, medium and pair of waves.
     cell_constants: Vec<Vec<Vec<CellConstants<T>>>>,
-    /// Media in the lanes of a pattern.
+    /// By lane pattern, the index of the medium of each lane.
     patterns: Vec<Vec<u16>>,
-    /// By pattern, the layer for which the table is filled.
+    /// By pattern, the layer for which the table is filled; `usize::MAX` before the first.
     filled_layers: Vec<usize>,
 }
 
@@ -116,7 +116,8 @@ struct RotationPlane<T: Real> {
 pub(super) struct CurvatureRotations<T: Real> {
     planes: Vec<RotationPlane<T>>,
     patterns: Vec<Vec<u16>>,
-    /// By lane pattern, the layer and the interval for which the rotation coefficients are filled.
+    /// By lane pattern, the layer and the interval for which the rotation coefficients are filled; `None` before the
+    /// first.
     filled_intervals: Vec<Option<(usize, Interval)>>,
 }
 
@@ -244,7 +245,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Fills the wave constants for the sweep of a row.
+    /// Fills the wave constants for the sweep of a row, if cell lengths depend on the layer.
     pub(super) fn fill_row_constants(&mut self, row: usize) {
         let Some(spacing) = &mut self.materials.row_constants else { return };
         let groups = row * self.layout.groups..(row + 1) * self.layout.groups;

@@ -7,8 +7,8 @@ use crate::solid::ledger::{CellDissipation, WorkSums};
 use crate::solid::problem::{DomainError, Problem};
 use models::solid::waves::SolidField;
 
-/// Sums over time, and records. Sums over cells are exact: they depend neither on the tiling nor on the number of
-/// subdomains.
+/// Sums over time by cell, work sums, and records. Sums over cells are exact: they depend neither on the tiling nor on
+/// the number of subdomains.
 #[derive(Clone)]
 pub(super) struct Diagnostics {
     /// Work sums over owned cells and boundary faces.

@@ -66,14 +66,15 @@ pub(crate) struct OneSidedGhostKernel<'a, T: Real> {
     pub(crate) waves: &'a [WavePair],
     pub(crate) ghost_rule: &'a GhostRule<T>,
     pub(crate) end: usize,
-    /// By depth, the data index of the cell of the first line; the other lines follow group by group.
+    /// By depth, the data index of the group of outermost cells of the first line; the other lines follow group by
+    /// group.
     pub(crate) outer_cells: [usize; CLOSURE_CELLS],
     /// By depth, the data index of the ghost of the first line.
     pub(crate) ghosts: [usize; GHOSTS],
     pub(crate) lines: usize,
     pub(crate) face: usize,
     pub(crate) table: &'a MaterialTable<T>,
-    /// By depth, the patterns from the group of the first line on.
+    /// By depth, indices of the lane patterns of the groups, from the group of the first line on.
     pub(crate) patterns: [&'a [u32]; CLOSURE_CELLS],
 }
 

@@ -444,9 +444,10 @@ struct FieldOffsets<const PASSIVE: usize> {
     velocity: usize,
     stress: usize,
     passive_stresses: [usize; PASSIVE],
-    /// Upper bound of the offsets of all fields.
+    /// Upper bound, exclusive, of the offsets of all fields.
     extent: usize,
-    /// Offsets of the fields that are prefetched into L2.
+    /// Range of the offsets that are prefetched into L2, one group at each multiple of the pitch; the prefetch distance
+    /// is included.
     prefetch_l2_fields: Range<usize>,
 }
 

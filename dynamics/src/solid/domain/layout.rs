@@ -281,7 +281,8 @@ pub(super) fn pitch(groups: usize) -> usize {
     if groups.is_multiple_of(4) { groups + 1 } else { groups }
 }
 
-/// Returns the memory of the fields and the material indices of a domain, in bytes.
+/// Returns the memory of the fields and the material indices of a domain of `cells` cells along each axis and `fields`
+/// fields, in bytes, without padding of rows for interlayers.
 pub fn memory_bytes<T: Real>(cells: &[usize], fields: usize) -> f64 {
     let length = cells.first().copied().unwrap_or(0).max(1);
     let count: f64 = cells.iter().map(|&count| count as f64).product();

@@ -13,8 +13,8 @@ use models::solid::stress::Stress;
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Adds the present values of `cells` to their time integrals, weighted by `steps`·Δt: `steps` = 0.5 at both ends
-    /// of the trapezoidal rule, else 1.
+    /// Adds the present values of `cells` to their time integrals, weighted by `steps`·Δt: `steps` = 0.5 for the first
+    /// value of the trapezoidal rule and, with alternating sweeps, for both values of a step; else 1.
     pub(super) fn accumulate_integrals(&mut self, cells: Range<usize>, steps: f64) {
         let mut integrals = std::mem::take(&mut self.diagnostics.time_integrals);
         for (place, sums) in &mut integrals {
@@ -72,8 +72,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sets values below [`flush_limit`] to zero after every 16th step, in fields and in history variables of
-    /// interlayers.
+    /// Sets values of magnitude below [`flush_limit`] to zero after every 16th step, in fields and in history variables
+    /// of interlayers.
     pub(super) fn flush_subnormals(
         &mut self,
         layer: usize,

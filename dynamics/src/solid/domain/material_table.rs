@@ -26,8 +26,8 @@ pub(crate) struct MaterialTable<T: Real> {
     pub(crate) coupling_ratios: Vec<T::Lanes>,
     /// Number of coupling ratios of a pattern.
     pub(crate) ratios_per_pattern: usize,
-    /// Ghost coefficients by wave if there is one lane pattern; empty for several patterns, for which computing the
-    /// coefficients takes less time than loading them.
+    /// Ghost coefficients by index of the wave constants if there is one lane pattern; empty for several patterns, for
+    /// which computing the coefficients takes less time than loading them.
     pub(crate) ghost_coefficients: Vec<GhostCoefficients<T::Lanes>>,
 }
 

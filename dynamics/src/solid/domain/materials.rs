@@ -36,7 +36,7 @@ pub(super) struct Materials<T: Real, const D: usize> {
     /// Pairs of waves along the first axis in a sweep of a quarter of a step, for alternating sweeps; else empty.
     pub(super) quarter_waves: Vec<WavePair>,
     pub(super) table: MaterialTable<T>,
-    /// Wave constants along rows, if cell lengths or constants differ from layer to layer.
+    /// Wave constants along rows, if the cell length depends on the layer; else `None`.
     pub(super) row_constants: Option<RowConstants<T>>,
     pub(super) energy_terms: EnergyCoefficients<T>,
     /// By group, the number of its lane pattern: groups of the rows, then ghosts beyond the ends of the swept lines.

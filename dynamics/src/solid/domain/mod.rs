@@ -28,9 +28,9 @@
 //! Fields are the deviation from an initial stress in equilibrium, which causes no motion; yield conditions are
 //! evaluated for the total stress.
 //!
-//! Every 16 steps, values below 2⁴⁰ times the smallest normal number (in single precision 1.3·10⁻²⁶) are flushed to
-//! zero, since subnormal arithmetic is slow on many processors and the tails of waves would be subnormal. The energy
-//! removed is not in the ledger.
+//! Every 16 steps, values of magnitude below 2⁴⁰ times the smallest positive normal number (in single precision
+//! 1.3·10⁻²⁶) are flushed to zero, since subnormal arithmetic is slow on many processors and the tails of waves would
+//! be subnormal. The energy removed is not in the ledger.
 //!
 //! Sums of the ledger are exact and thus independent of the order of summation; each owned cell and face enters them
 //! once.
@@ -196,6 +196,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Returns field and owned cell of the first value that is not finite; for an interlayer the cell above the face.
+    /// `None` if all values are finite.
     pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
         let non_finite_field = |cell: &usize| {
             self.field_offsets()
@@ -234,7 +235,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.ledger_sums().to_ledger(self.grid.volume())
     }
 
-    /// Returns the sums of the work at boundaries and of sources over all steps so far.
+    /// Returns the sums of the work at boundaries and of sources, and the smallest dissipation ratio, over all steps so
+    /// far.
     pub(crate) fn work(&self) -> &WorkSums {
         &self.diagnostics.work
     }

@@ -10,7 +10,7 @@ use std::ops::Range;
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the time integrals of the problem in an owned cell, m or rad.
     pub(crate) fn time_integrals(&self, cell: usize) -> impl Iterator<Item = f64> {
-        // Trapezoidal rule: subtracts half of the last value; alternating sweeps use the midpoint rule.
+        // Trapezoidal rule: subtracts half of the last value times Δt; alternating sweeps use the midpoint rule.
         let last = if self.scheme.is_alternating() { 0.0 } else { 0.5 * self.step };
         let has_steps = self.schedule.steps > 0;
         let cell = self.layout.local_cell(cell);
@@ -20,7 +20,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         })
     }
 
-    /// Returns the number of time integrals by cell.
+    /// Returns the number of time integrals per cell.
     pub(crate) fn integral_count(&self) -> usize {
         self.diagnostics.time_integrals.len()
     }
@@ -72,7 +72,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         mapped
     }
 
-    /// Returns the first owned cell whose total stress is not in its yield set.
+    /// Returns the first owned cell whose total stress its projection onto the yield set changes; `None` if there is
+    /// none.
     pub(crate) fn first_beyond_yield(&self) -> Option<usize> {
         (0..self.grid.count()).find(|&cell| {
             let stress = self.total_stress(cell);

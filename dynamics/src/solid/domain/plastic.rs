@@ -1,9 +1,9 @@
 //! Return mapping without initial stress in SIMD lanes, by projection, if all yield sets are of one kind: Mises' set in
 //! all its forms, with the energy it dissipates, or polyhedra. The formulas for Mises' set are derived at
-//! [`Mises::project`](models::yield_set::parameters::Mises::project); if the yield condition depends on one eigenspace
-//! of the stress only, its root is in closed form. Stresses whose mean is at or beyond the apex are mapped by that
-//! scalar function. For polyhedra all conditions are evaluated in lanes, and a stress that violates a condition is
-//! projected by the scalar function. All other configurations are mapped by `return_mapping`.
+//! [`Mises::project`](models::yield_set::parameters::Mises::project); if the yield condition depends, apart from the
+//! mean, on the deviator of the force stress only, its root is in closed form. Stresses whose mean is at or beyond the
+//! apex are mapped by that scalar function. For polyhedra all conditions are evaluated in lanes, and a stress that
+//! violates a condition is projected by the scalar function. All other configurations are mapped by `return_mapping`.
 //!
 //! Lanes are mapped independently of each other, so that the result in a cell does not depend on the decomposition;
 //! stresses within their sets are unchanged bit for bit.
@@ -266,7 +266,7 @@ pub(super) struct ProjectionKernel<'a, T: Real> {
     pub(super) has_yield_set: &'a [bool],
     /// Accumulated plastic dissipation by group and lane, J/m³.
     pub(super) dissipation: &'a mut [f64],
-    /// Groups with stresses left to the scalar projection, and masks of their lanes.
+    /// Groups with stresses left to the scalar projection (index among these groups), and masks of their lanes.
     pub(super) scalar_lanes: &'a mut Vec<(usize, u16)>,
 }
 
@@ -348,7 +348,7 @@ fn lanes_beyond_half_spaces<T: Real, V: Vector<T>>(
 /// Masks of the lanes of a group after the return mapping.
 struct MappingLanes {
     mapped_lanes: u16,
-    /// Lanes beyond their sets that are left to the scalar projection.
+    /// Lanes left to the scalar projection, since their mean stress is at or beyond the apex.
     scalar_lanes: u16,
 }
 
@@ -481,9 +481,9 @@ fn map_group<T: Real, V: Vector<T>, const DEVIATOR: bool>(
     MappingLanes { mapped_lanes, scalar_lanes }
 }
 
-/// Returns the fraction that the deviator loses, and the plastic multiplier λ, if only the deviator of the force stress
-/// enters the yield condition: for an excess τ̄ − r over the shear capacity r, λ = 2(τ̄ − r)/(a + d), and the deviator
-/// loses the fraction d λ/(2τ̄), with d = Dp. `square` = τ̄².
+/// Returns the fraction that the deviator loses, and the plastic multiplier λ, if only the deviator and the mean of the
+/// force stress enter the yield condition: for an excess τ̄ − r over the shear capacity r, λ = 2(τ̄ − r)/(a + d), and
+/// the deviator loses the fraction d λ/(2τ̄), with d = Dp. `square` = τ̄².
 #[inline(always)]
 fn solve_single_rate<T: Real, V: Vector<T>>(
     square: V,

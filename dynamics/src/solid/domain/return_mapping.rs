@@ -56,7 +56,7 @@ pub(super) struct TotalStressKernel<'a> {
     pub(super) owned_lanes: Option<&'a [u16]>,
     /// Smallest ratio of plastic dissipation to stored energy over owned cells so far.
     pub(super) min_dissipation_ratio: &'a mut f64,
-    /// Set to true if any stress is mapped.
+    /// Set to true if any block has lanes beyond their sets.
     pub(super) has_mapped: &'a mut bool,
 }
 
@@ -92,7 +92,8 @@ impl<'a> TotalStressKernel<'a> {
         active: &[bool; EIGENSPACE_COUNT],
     ) {
         let count = self.patterns.len() * self.blocks_per_group;
-        // Stored energy of the initial stress, and the number of the block for which it was computed.
+        // Stored energy of the initial stress, and the number of the block constants for which it was computed;
+        // `usize::MAX` before the first.
         let mut initial_energy = (V::ZERO, usize::MAX);
         let mut batch =
             Batch { count: 0, blocks: [YieldingBlock::EMPTY; BATCH_SIZE], has_last_yielded: false };

@@ -197,7 +197,7 @@ impl<T: Real> Rows<'_, T> {
         (rows, end): (Range<usize>, usize),
     ) -> [[T::Lanes; GHOSTS]; 2] {
         let outer_cells = self.ends.outer_cells[end];
-        // Only non-reflecting boundaries need the third cell.
+        // Only non-reflecting boundaries need the state of the third cell.
         let depths = if closure.has_open_faces { CLOSURE_CELLS } else { GHOSTS };
         let mut velocity = [T::Lanes::ZERO; CLOSURE_CELLS];
         let mut stress = [T::Lanes::ZERO; CLOSURE_CELLS];
@@ -306,7 +306,6 @@ impl<T: Real> Rows<'_, T> {
     /// Returns the ghost rule at an end for a group of faces, see
     /// [`GhostRule::group_coefficients`](crate::solid::ghosts::GhostRule::group_coefficients); at ends without physical
     /// boundary the rule that copies values.
-    /// [`GhostRule::group_coefficients`](crate::solid::ghosts::GhostRule).
     #[inline(always)]
     fn ghost_rule(&self, end: usize, pair: usize, group: usize) -> &[T::Lanes; 5] {
         match &self.boundaries[end] {

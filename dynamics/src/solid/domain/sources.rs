@@ -16,7 +16,7 @@ pub(super) struct CellSource {
     /// Offset of each field on which the source acts, and amplitude.
     amplitudes: Vec<(usize, f64)>,
     signal: Signal,
-    /// By half step of the pass: integral of the signal by the midpoint rule, and its change.
+    /// By half step of the pass: integral of the signal by the midpoint rule, s, and change of the signal.
     signal_integrals: Vec<[f64; 2]>,
 }
 

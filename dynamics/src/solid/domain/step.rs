@@ -8,8 +8,9 @@
 //! ```
 //!
 //! Q is the rotation of spins against antisymmetric stress and the [relaxation](super::relaxation) of stresses, which
-//! commute. In curved blocks half a [rotation by the curvature](super::curvilinear) precedes and follows them. Laws of
-//! interlayers act in the sweeps, at the faces of the interlayers.
+//! commute. In curved blocks half a [rotation by the curvature](super::curvilinear) precedes and half a rotation
+//! follows them; alone, it is applied once over a whole step. Laws of interlayers act in the sweeps, at the faces of
+//! the interlayers.
 //!
 //! The step is of second order in smooth solutions, since the product is symmetric and its factors are of second order
 //! (except with `Slopes::Godunov`). Without sources, gravity and work at boundaries each factor conserves or lowers the

@@ -14,7 +14,8 @@ use std::any::Any;
 use std::ops::Range;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Returns the initial stress in a cell, given its index among all cells, halo included.
+    /// Returns the initial stress in a cell, given its index among all cells, halo included; zero if the problem has
+    /// none.
     pub(super) fn initial_stress(&self, cell: usize) -> Stress {
         let Some((axis, layers)) = &self.local_laws.initial_stress else {
             return Stress::default();

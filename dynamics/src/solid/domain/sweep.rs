@@ -66,8 +66,8 @@ impl LineBundle {
 /// Sweeps, their ghosts and the work at boundaries.
 impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Applies the in-plane sweeps of one half step in one layer: x y in the first half of a step, y x in the second
-    /// half (alternating sweeps: only y). `entered`, `middle`, `last`: rows that pass each of the three stages of
-    /// [`super::schedule::stage_progress`].
+    /// half (with alternating sweeps only y in the second half). `entered`, `middle`, `last`: rows that pass each of
+    /// the three stages of [`super::schedule::stage_progress`].
     pub(super) fn sweep_layer(
         &mut self,
         layer: usize,
@@ -99,7 +99,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sweeps adjacent rows by half a step along the first axis.
+    /// Sweeps adjacent rows along the first axis by half a step; the very first of alternating sweeps is by a quarter
+    /// of a step.
     pub(super) fn sweep_rows(&mut self, rows: Range<usize>, half_step: usize) {
         // If rows differ in cell length, they are swept one at a time, with the constants of the row.
         let chunk = if self.materials.row_constants.is_some() { 1 } else { CHUNK_SIZE };
@@ -185,8 +186,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Continues a sweep across rows or layers: `ready` are the places along the lines that the previous stage has
-    /// completed since the last call. The sweep updates the cells up to [`GHOSTS`] places before `ready.end`, and at
-    /// the upper end of the lines all cells.
+    /// completed since the last call. The sweep updates the cells at places below `ready.end` − [`GHOSTS`] or, if
+    /// `ready` reaches the upper end of the lines, all cells.
     fn continue_sweep(&mut self, bundle: LineBundle, ready: Range<usize>) {
         // The ghosts at the lower end depend on [`CLOSURE_CELLS`] cells: wait until these are loaded.
         if ready.is_empty() || ready.end < CLOSURE_CELLS.min(bundle.count) {
@@ -272,8 +273,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.buffers.path = path;
     }
 
-    /// Returns the L2 prefetch distance to the rows that are loaded next, and the fields of each pair that this sweep
-    /// prefetches. The sweeps across rows share the fields, to spread the requests.
+    /// Returns the L2 prefetch distance, in groups, to the rows that are loaded next, and which of the
+    /// [`MAX_PREFETCH_FIELDS`] fields of each pair this sweep prefetches. The sweeps across rows share the fields, to
+    /// spread the requests.
     fn prefetch_l2_fields(&self, bundle: LineBundle) -> (usize, Range<usize>) {
         let LineBundle { axis, half_step, face, .. } = bundle;
         // Distance of this sweep behind the rows loaded last, in units of GHOSTS rows and of GHOSTS layers; in the
@@ -336,8 +338,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Fills the ghosts at an end of lines across rows. At the outer end of a halo their values are arbitrary but must
-    /// stay bounded, since the kernel updates them in each sweep.
+    /// Fills the ghosts at an end of lines that cross rows or layers. At the outer end of a halo their values are
+    /// arbitrary but must stay bounded, since the kernel updates them in each sweep.
     fn fill_end_ghosts(&mut self, bundle: LineBundle, end: usize) {
         let LineBundle { axis, half_step, count, lines, face, .. } = bundle;
         let boundaries = &self.boundaries.faces[half_step][axis];

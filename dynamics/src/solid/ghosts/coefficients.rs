@@ -57,14 +57,14 @@ fn evaluate_polynomials<N: Number, const POWERS: usize, const COUNT: usize>(
 /// They depend only on the Courant number C of the outermost cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GhostCoefficients<N> {
-    /// 0 at C = 1 (exact shift by one cell, no correction), else 1.
+    /// 0 for 1 − C ≤ 10⁻⁶ (exact shift by one cell at C = 1, no correction), else 1.
     pub(super) correction_flag: N,
-    /// Reflecting boundary: arriving wave in the nearest and in the farther ghost, then leaving wave in both, per
-    /// reflection coefficient.
+    /// Reflecting boundary, per difference: arriving wave in the nearest and in the farther ghost, then leaving wave in
+    /// both; the weights of the leaving wave are also per reflection coefficient.
     pub(super) reflecting_weights: [[N; 3]; 4],
     /// Non-reflecting boundary, per difference of the two: arriving wave in both ghosts, leaving wave in the nearest
     /// ghost; last row: leaving wave in the farther ghost, from its values in the nearest ghost and in the outermost
-    /// cell and a difference.
+    /// cell, and from its difference between the two outermost cells.
     pub(super) open_weights: [[N; 3]; 4],
     /// Non-reflecting boundary beside several media: coefficient that cancels the upwind difference in the farther
     /// ghost.

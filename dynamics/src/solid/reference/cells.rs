@@ -26,7 +26,7 @@ pub(super) struct CellLaws<T: SolverReal> {
     /// Relaxation; `None` if nothing relaxes.
     relaxations: Option<MediumRelaxations<T>>,
     /// Return mapping by the vectorised kernel of the fused solver, which rounds differently from the scalar
-    /// projection; `None` if the fused solver uses the scalar projection.
+    /// projection; `None` if the results of the fused solver equal those of the scalar projection.
     lane_return_mapping: Option<CellMapping<T>>,
 }
 
@@ -292,8 +292,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
     }
 
-    /// Sets values below [`flush_limit`] to zero after every 16th step, in fields and in history variables of
-    /// interlayers.
+    /// Sets values of magnitude below [`flush_limit`] to zero after every 16th step, in fields and in history variables
+    /// of interlayers.
     pub(super) fn flush_subnormals(&mut self) {
         let Some(limit) = flush_limit::<T>(self.steps) else { return };
         for value in self.fields.iter_mut().flatten() {

@@ -28,8 +28,8 @@ struct InterlayerFace<T> {
 #[derive(Clone)]
 pub(super) struct InterlayerFaces<T, const D: usize> {
     faces: Vec<InterlayerFace<T>>,
-    /// By axis and cell above the face, index in `faces` of the first wave pair of the face; empty if the axis has no
-    /// interlayers.
+    /// By axis and cell above the face, index in `faces` of the first wave pair of the face, `None` at faces without
+    /// interlayer; empty if the axis has no interlayers.
     first_pair: [Vec<Option<usize>>; D],
     is_periodic: [bool; D],
 }

@@ -34,8 +34,8 @@ use interlayers::InterlayerFaces;
 use models::solid::waves::SolidField;
 use sweep::ReferenceWavePair;
 
-/// Reference solver of a solid: fields on a rectangular grid and their laws, without SIMD lanes, tiles, halo or
-/// threads.
+/// Reference solver of a solid: fields on a rectangular grid and their laws, without tiles, halo or threads, and
+/// without SIMD lanes except in the return mapping of a cell.
 #[derive(Clone)]
 pub struct Reference<T: SolverReal, const D: usize> {
     /// Problem with the axes in the order of the sweeps.
@@ -65,7 +65,7 @@ pub struct Reference<T: SolverReal, const D: usize> {
     /// Field indices of velocities and spins, and by cell their sums by the trapezoidal rule (alternating sweeps:
     /// midpoint rule), without its end correction.
     time_integrals: Vec<(usize, Vec<f64>)>,
-    /// Cells recorded after each step.
+    /// Cells recorded after each step, by index in the order of the sweeps.
     watched_cells: Vec<usize>,
     records: Vec<f64>,
     /// Number of steps done.
@@ -150,6 +150,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 
     /// Sets the values of a field (first axis fastest); excess values are ignored, missing ones leave cells unchanged.
+    /// If another axis than the first is swept first, the list must be complete.
     pub fn set(&mut self, field: SolidField, values: &[T]) {
         let values = self.permutation.permute(values);
         let Some(place) = self.field_index(field) else { return };

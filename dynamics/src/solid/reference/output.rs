@@ -35,7 +35,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         mapped
     }
 
-    /// Returns field and cell of the first non-finite value; for interlayers, the cell above the face.
+    /// Returns field and cell of the first non-finite value; for interlayers, the cell above the face. `None` if all
+    /// values are finite.
     pub fn first_non_finite(&self) -> Option<(SolidField, usize)> {
         let non_finite_field = |cell: &usize| {
             let broken = self.fields.iter().position(|own| !own[*cell].to_f64().is_finite());
@@ -49,7 +50,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         Some((field, self.permutation.original_cell(cell)))
     }
 
-    /// Returns the first cell whose stress is outside its yield set.
+    /// Returns the first cell, in the order of the sweeps, whose stress its projection onto the yield set changes;
+    /// `None` if there is none.
     pub fn first_beyond_yield(&self) -> Option<usize> {
         let cell = (0..self.problem.grid.count()).find(|&cell| {
             let stress = self.permuted_total_stress(cell);
@@ -234,7 +236,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.interlayers.set_history(&vec![[T::ZERO; 2]; self.interlayers.history().len()]);
     }
 
-    /// Restores a snapshot; `false` if it belongs to another problem.
+    /// Restores a snapshot; returns `false`, without any change, if the sizes of its lists are not those of this
+    /// problem.
     pub fn restore(&mut self, snapshot: &Snapshot<T>) -> bool {
         let Snapshot {
             steps,
@@ -263,7 +266,8 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     }
 }
 
-/// Returns whether a boundary reflects a wave pair at a row.
+/// Returns whether a wave pair has a one-sided reconstruction at a reflecting face of a row: prescribed velocity or
+/// traction, not a symmetry plane, and not the first-order scheme.
 fn is_reflecting<T: Real>(boundary: &BoundaryFaces<T>, pair: usize, row: usize) -> bool {
     boundary.ghost_rule().is_some_and(|rule| {
         let [sign, .., one_sided] = rule.face_coefficients(pair, lane_index::<T>(row));

@@ -17,7 +17,7 @@ use models::solid::waves::SolidField;
 /// A wave pair along an axis.
 #[derive(Clone)]
 pub(super) struct ReferenceWavePair<T: Real> {
-    /// Cell length along the axis, m, and fraction of a time step per sweep.
+    /// Cell length along the axis, m; `step_fraction`: fraction of a time step per sweep.
     spacing: f64,
     step_fraction: f64,
     /// Indices of velocity and stress of the pair among the fields.
@@ -86,7 +86,8 @@ impl GridLine {
         self.first + place * self.stride
     }
 
-    /// Returns the place at a depth from an end of the line; it wraps around if the line has fewer cells.
+    /// Returns the place at a depth (0: outermost cell) from an end of the line; it wraps around if the line has no
+    /// more than `depth` cells.
     fn index_from_end(&self, end: usize, depth: usize) -> usize {
         [depth % self.count, self.count - 1 - depth % self.count][end]
     }

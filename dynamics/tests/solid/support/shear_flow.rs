@@ -3,7 +3,8 @@
 use std::f64::consts::{FRAC_PI_6, TAU};
 use wellposed_dynamics::flow::{Closure, FlowProblem};
 
-/// Returns simple shear along x₁ at the shear rate 50 1/s in a box of 10 cm, with the non-coaxiality angle Δ, rad.
+/// Returns simple shear ∂₂v₁ = 50 1/s in a box of 10 cm, with the non-coaxiality angle Δ = ψ_D − ψ, rad, from the major
+/// principal stress to the major principal deformation rate.
 pub fn simple_shear(closure: Closure, points: usize, noncoaxiality: f64) -> FlowProblem {
     let rate = 25.0;
     FlowProblem {

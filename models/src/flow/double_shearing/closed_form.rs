@@ -5,12 +5,12 @@ use crate::common::rounding::Rounded;
 use crate::flow::closed_form::{ClosedFormVerdict, has_safe_magnitudes, is_below_right_angle};
 use crate::flow::state::DeformingFlow;
 
-/// Returns growth of order 1 (ill-posed) in every background; `None` if φ is too close to a right angle or a number of
-/// `flow` too close to overflow or underflow.
+/// Returns growth of order 1 (ill-posed) in every background; `None` if φ is too close to a right angle, a number of
+/// `flow` too close to overflow or underflow, or ten digits of the coefficient are not certain, as for ν close to φ.
 ///
 /// With the friction angle φ, the dilatancy angle ν, e = φ − ν, β = 2(Ψ_Σ − ψ_K) (stress angle Ψ_Σ, angle ψ_K of the
-/// wave vector **k**) and 𝒜 = cos β − sin φ, let n be the unit vector at the angle β from ξ = **k**/k, and n⊥ the
-/// vector n rotated by a right angle. To leading order in k, with ς of order k, the gradients and rates of the
+/// wave vector **k**) and 𝒜 = cos β − sin φ, let n be the unit vector at the angle β from ξ = **k**/k; n⊥ and ξ⊥ are n
+/// and ξ rotated by a right angle. To leading order in k, with ς of order k, the gradients and rates of the
 /// background and the density perturbation drop out; the equations of momentum, volume and rotation become
 ///
 /// ```text

@@ -14,7 +14,7 @@ impl FreeRotating {
     /// Creates the model from its constants in the order of its registered parameters.
     ///
     /// # Errors
-    /// A constant is out of range.
+    /// The number of constants is wrong, or a constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion] = to_constant_array(given)?;
         let coulomb = MohrCoulomb::new(friction_angle, cohesion)?;

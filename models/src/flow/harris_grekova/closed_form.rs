@@ -10,7 +10,8 @@ use crate::flow::state::DeformingFlow;
 use std::f64::consts::PI;
 
 /// Returns the verdict for ν = 0 in every background and for ν > 0 in a uniform, unaccelerated background without
-/// rotational stress; otherwise `None`.
+/// rotational stress; otherwise `None`. Also `None` if the verdict is not certain: φ too close to a right angle,
+/// numbers too close to overflow or underflow, or fewer than ten certain digits of a deciding quantity.
 pub fn closed_form(model: &HarrisGrekova, flow: &DeformingFlow) -> Option<ClosedFormVerdict> {
     let is_decidable = is_below_right_angle(model.coulomb.friction_angle)
         && has_safe_magnitudes(flow)

@@ -39,7 +39,7 @@ impl HarrisGrekova {
     /// Creates the model from its constants in the order of its registered parameters.
     ///
     /// # Errors
-    /// A constant is out of range.
+    /// The number of constants is wrong, or a constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion, moment_of_inertia, rotational_strength] =
             to_constant_array(given)?;
@@ -88,8 +88,8 @@ impl HarrisGrekova {
     /// |tan 2Δ| < cot ν √(cos φ cos(φ − 2ν)) / cos(φ − ν).
     /// ```
     ///
-    /// For |Δ| between the bound and π/2 minus the bound the growth rate is unbounded at finite wave numbers, or of
-    /// order 3 if the stress angle has a gradient; for larger |Δ| it is of order 2.
+    /// For ν > 0 and |Δ| between the bound and π/2 minus the bound the growth rate is unbounded at finite wave numbers,
+    /// or of order 3 if the stress angle has a gradient; for larger |Δ| up to π/2 it is of order 2.
     pub fn noncoaxiality_bound(&self) -> f64 {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
         let opposite = (phi.cr_cos() * (phi - 2.0 * nu).cr_cos()).sqrt() * nu.cr_cos();

@@ -29,7 +29,7 @@ pub fn write_symbol(model: &HarrisGrekova, flow: &DeformingFlow, system: &mut Li
 
     // Balance of spin (eq. 9): ρ I Dω/Dt + ρ (DI/Dt) ω − 2r − ρG = 0. The velocity perturbation advects the background
     // gradients of spin and moment of inertia. The density perturbation is multiplied by I DΩ/Dt + Ω DI/Dt − G, which
-    // equals 2R/ρ in the background.
+    // equals 2R/ρ in the background with the rotational stress R.
     let rho = Rounded::from_rounded(flow.density);
     let inertia = Rounded::from_rounded(model.moment_of_inertia);
     let spin = flow.spin.unwrap_or_default();

@@ -20,7 +20,7 @@ impl PlasticPotential {
     /// Creates the model from its constants in the order of its registered parameters.
     ///
     /// # Errors
-    /// A constant is out of range.
+    /// The number of constants is wrong, or a constant is out of range.
     pub fn from_constants(given: &[f64]) -> Result<Self, InputError> {
         let [friction_angle, dilatancy_angle, cohesion] = to_constant_array(given)?;
         let coulomb = MohrCoulomb::new(friction_angle, cohesion)?;
@@ -78,8 +78,9 @@ impl PlasticPotential {
             / (2.0 * density * shear_rate * (1.0 + sin_nu * sin_phi - (sin_nu + sin_phi) * cos))
     }
 
-    /// Sector of unstable directions as the interval of |β|, rad: [π/2 − max(φ, ν), π/2 − min(φ, ν)], with
-    /// β = 2(Ψ_Σ − ψ_K) as in [`leading_coefficient`](Self::leading_coefficient); empty for associated flow, φ = ν.
+    /// Ends of the open interval of |β|, rad, that contains the unstable directions: π/2 − max(φ, ν) and
+    /// π/2 − min(φ, ν), with β = 2(Ψ_Σ − ψ_K) as in [`leading_coefficient`](Self::leading_coefficient), in (−π, π]. The
+    /// interval is empty for associated flow, φ = ν, where both ends are equal.
     pub fn unstable_sector(&self) -> [f64; 2] {
         let (phi, nu) = (self.coulomb.friction_angle, self.dilatancy_angle);
         [phi.max(nu), phi.min(nu)].map(|angle| std::f64::consts::FRAC_PI_2 - angle)

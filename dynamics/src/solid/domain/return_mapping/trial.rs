@@ -54,7 +54,8 @@ impl<V: Vector<f64>> TrialStress<V> {
         }
     }
 
-    /// Whether all lanes are within the set, by a sufficient condition.
+    /// Whether all lanes satisfy the yield condition τ̄ ≤ r without tolerance. Then no lane yields:
+    /// [`Self::yielding_lanes`] allows for rounding.
     #[inline(always)]
     pub(super) fn is_inside(&self) -> bool {
         !self.squared_shear.any_gt(self.shear_capacity * self.shear_capacity)
@@ -91,7 +92,8 @@ impl<V: Vector<f64>> TrialStress<V> {
         excess.greater_lanes(V::from_f64(YIELD_ROUNDING) * (size + rounded))
     }
 
-    /// Returns the mask of the lanes that may be mapped to the apex.
+    /// Returns the mask of the lanes that may be mapped to the apex: negative shear capacity, or hardly any shear
+    /// stress.
     #[inline(always)]
     pub(super) fn lanes_beyond_apex(&self) -> u16 {
         V::ZERO.greater_lanes(self.shear_capacity)
@@ -99,9 +101,9 @@ impl<V: Vector<f64>> TrialStress<V> {
     }
 }
 
-/// Whether a symmetric stress is within the set in all lanes, by fewer operations than [`TrialStress::is_inside`]: the
-/// |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + 2 Σ σᵢⱼ² (sums over i < j) of the deviator differs from that of the decomposition by a few
-/// rounding errors, while the yield condition allows for 32 of them ([`YIELD_ROUNDING`]).
+/// Whether a symmetric stress is within the set in all lanes, by fewer operations than [`TrialStress::is_inside`]. The
+/// squared norm |s|² = ⅓ Σ (σᵢᵢ − σⱼⱼ)² + 2 Σ σᵢⱼ² (sums over i < j) of the deviator s differs by a few rounding errors
+/// from that of the decomposition, while the yield condition allows for 32 of them ([`YIELD_ROUNDING`]).
 #[inline(always)]
 pub(super) fn is_symmetric_stress_inside<V: Vector<f64>>(
     shape: StressShape,
