@@ -215,7 +215,7 @@ fn receiver_lines_and_grids_have_expected_points_and_names() {
         ("[[receiver]]\nto=[1, 1]\n", "receiver[0].to: found without from; add from"),
         (
             "[[receiver]]\nat=[1, 1]\nfrom=[0, 0]\n",
-            "receiver[0].at: found beside from; give one of the two",
+            "receiver[0].at: found beside from; give either at (a point) or from (a line or grid of points), not both",
         ),
         (
             "[[receiver]]\nfrom=[0, 0]\nto=[1, 1]\ncount=1\n",
