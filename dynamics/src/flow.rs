@@ -72,8 +72,8 @@ pub struct LeftDomain {
     pub time: f64,
 }
 
-/// Energy of the perturbation and works since time 0 per volume, J/m³. v′: velocity perturbation; ⟨⟩: mean over the
-/// box; qN: deviatoric stress with q = p sin φ + c cos φ and N = \[\[cos 2ψ, sin 2ψ\], \[sin 2ψ, −cos 2ψ\]\].
+/// Energy ledger of the perturbation: energy and works since time 0 per volume, J/m³. v′: velocity perturbation; ⟨⟩:
+/// mean over the box; qN: deviatoric stress with q = p sin φ + c cos φ and N = \[\[cos 2ψ, sin 2ψ\], \[sin 2ψ, −cos 2ψ\]\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlowEnergy {
     /// Kinetic energy ½ρ⟨|v′|²⟩.

@@ -1,4 +1,4 @@
-//! Flutter and shear bands of a yielding solid in space, over all directions of the wave normal.
+//! Acoustic tensor of a yielding solid in space over all directions of the wave normal: flutter and shear bands.
 //!
 //! One active yield condition with normal n, flow direction m and plastic modulus H changes the elastic stiffness D by
 //! a matrix of rank one, `D − a bᵀ` with `a = D m/(H + n·Dm)` and `b = D n` (Rudnicki & Rice 1975; Rice 1976). With the

@@ -4,6 +4,9 @@
 //! another group in the same lanes: a sweep from group to group advances one line per lane, without shuffles. At the
 //! ends of a row, where the neighbours are in the adjacent lane, shifted copies serve as ghosts. Each cell is updated
 //! by the same operations in the same order as in the sweep of a single line: results are equal bit for bit.
+//!
+//! The cells whose fields a reconstruction reads, the stencil, are in `StencilState`. Groups that are needed soon are
+//! prefetched to L1, rows and layers that are needed later to L2; the distances are set in `sweep` and `schedule`.
 
 pub(super) mod interlayers;
 

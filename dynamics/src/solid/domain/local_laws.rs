@@ -3,8 +3,8 @@
 //!
 //! A new law needs changes in [`crate::solid::cell_laws`] (formula, `MAX_FIELDS`); here and in a new file (constants by
 //! lane pattern, kernel, [`has_coupled_fields`]); `step` (position in the time step);
-//! [`Medium`](crate::solid::medium::Medium) (history fields, energy); `models::solid::waves::SolidField` and the
-//! matches over it; [`crate::solid::ledger`] and `output` if it dissipates; [`crate::solid::reference`], with which
+//! [`Medium`](crate::solid::medium::Medium) (history fields, energy); `models::solid::waves::SolidField`, a
+//! new variant of which the compiler requires in every `match`; [`crate::solid::ledger`] and `output` if it dissipates; [`crate::solid::reference`], with which
 //! tests compare the results. Layout, halo, snapshot and output of its fields need no change. If the yield set depends
 //! on the history, the return mapping must be changed as well.
 

@@ -9,7 +9,7 @@
 //! | `kernel`, `rows`, `ghost_kernels` | sweep kernel for many lines in SIMD lanes; ghosts of rows and lines |
 //! | `sweep` | sweeps by axis and the work done at boundaries |
 //! | `local_laws`, `local_operators`, `relaxation` | operators between sweeps: rotation, relaxation, flushing |
-//! | `stress_mapping` | return mapping: dispatch |
+//! | `stress_mapping` | return mapping: dispatch to the following three; scalar formulas: `models::yield_set` |
 //! | `plastic` | return mapping without initial stress, for one kind of yield set |
 //! | `return_mapping`, `total_stress` | Newton's method for total stresses, reflections and mixed sets; constants |
 //! | `cell_mapping` | return mapping of a single cell in SIMD lanes, for the reference solver |
@@ -30,7 +30,7 @@
 //!
 //! Every 16 steps, values of magnitude below 2⁴⁰ times the smallest positive normal number (in single precision
 //! 1.3·10⁻²⁶) are flushed to zero, since subnormal arithmetic is slow on many processors and the tails of waves would
-//! be subnormal. The energy removed is not in the ledger.
+//! be subnormal (`flush_subnormals` in `local_operators`, limit in `cell_laws`). The energy removed is not in the ledger.
 //!
 //! Sums of the ledger are exact and thus independent of the order of summation; each owned cell and face enters them
 //! once.
