@@ -369,7 +369,7 @@ fn invalid_solids_are_refused_with_location_and_remedy() {
         LAYERED_CASE.replace(from, to)
     };
     refused(&change("dimensions = 2", "dimensions = 3"), &["solid.toml:4: model.dimensions", "2"]);
-    refused(&change("dimensions = 2", "dimensions = 4"), &["found 4", "2 for plane strain or 3"]);
+    refused(&change("dimensions = 2", "dimensions = 4"), &["found 4", "2 (plane strain) or 3"]);
     refused(
         &change("'interlayer'", "'interlayers'"),
         &[":11: yield.kind", "did you mean 'interlayer'"],
