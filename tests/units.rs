@@ -88,7 +88,7 @@ fn scale_case(table: &mut Table, section: &str, exponents: Dimension) {
                 let (section, key) = parameter.split_once('.').unwrap();
                 let unit = find_dimension(section, key, &units);
                 for end in ["from", "to"] {
-                    multiply(inner.get_mut(end).unwrap(), compute_factor(unit, exponents));
+                    multiply(inner.get_mut(end).unwrap(), unit_conversion_factor(unit, exponents));
                 }
             }
             Value::Table(inner) => scale_case(inner, key, exponents),
@@ -100,7 +100,7 @@ fn scale_case(table: &mut Table, section: &str, exponents: Dimension) {
             _ => {
                 let unit = find_dimension(section, key, &units);
                 if unit != NUMBER {
-                    multiply(value, compute_factor(unit, exponents));
+                    multiply(value, unit_conversion_factor(unit, exponents));
                 }
             }
         }
@@ -116,7 +116,8 @@ fn multiply(value: &mut Value, factor: f64) {
     }
 }
 
-fn compute_factor(unit: Dimension, exponents: Dimension) -> f64 {
+/// Factor on a number of dimension `unit` if the base units become smaller by powers of two with these exponents.
+fn unit_conversion_factor(unit: Dimension, exponents: Dimension) -> f64 {
     2f64.powi(unit.iter().zip(exponents).map(|(a, b)| a * b).sum())
 }
 
@@ -399,7 +400,7 @@ fn compare_tables(name: &str, case: &Table, units: &[Dimension], tables: &[&str]
                 for ((column, a), b) in names.iter().zip(a.split(',')).zip(b.split(',')) {
                     let unit = column_unit(column, *table == "ledger.csv");
                     let [a, b] = [a, b].map(|text| text.parse::<f64>().unwrap());
-                    let scaled = a * compute_factor(unit, exponents);
+                    let scaled = a * unit_conversion_factor(unit, exponents);
                     assert_eq!(
                         scaled, b,
                         "{name} {table} row {row} {column} in units of 2^{exponents:?}"

@@ -29,7 +29,8 @@ fn run_template_contains_every_key() {
     let cosserat = MediumKind::from(ModelKind::Solid(registry::COSSERAT));
     let text = new::generate_template(cosserat, TemplateKind::Simulation);
     let (model, template) = text.split_at(text.find("\n[grid]\n").unwrap());
-    // Blocks of the template: header, active lines, and all lines.
+    // Blocks of the template: header; text of the section with its active lines (in a commented-out block, all lines),
+    // without "3D only" lines; all parsed lines.
     let blocks = template.split("\n\n").map(str::trim).filter_map(|block| {
         let (header, lines) = block.split_once('\n')?;
         let (header, is_active) = match header.strip_prefix("# ") {

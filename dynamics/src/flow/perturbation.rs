@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn gaussians_are_periodic() {
         let bell = small_lattice([20, 20]).evaluate_gaussian([0.0025, 0.15], 0.02);
-        // The centre is midway between the points with indices 0 and 9 and with indices 0 and 10.
+        // The centre is midway between the points (i, j) = (0, 9) and (0, 10), the latter with index 10·20 + 0.
         let middle = 200;
         let greatest = bell.iter().fold(0.0f64, |a, b| a.max(*b));
         assert!((bell[middle] - greatest).abs() < 1e-14);

@@ -215,7 +215,7 @@ impl DispersionPanel<'_> {
             }
         }
         for (branch, parts) in solid.iter().enumerate() {
-            // Dashed lines of the other branches count like solid lines.
+            // Points of the solid and dashed lines of all other branches, from which the branch number keeps its distance.
             let others: Vec<Point> = [solid, dashed]
                 .into_iter()
                 .flat_map(|lines| lines.iter().enumerate())

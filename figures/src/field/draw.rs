@@ -29,7 +29,7 @@ impl FieldFigure {
         self.to_picture(format)?.render(format)
     }
 
-    /// Determines the layout. The legend depends on the drawn elements, whose positions depend on the height of the
+    /// Determines layout, legend, contours and borders. The legend depends on the drawn elements, whose positions depend on the height of the
     /// legend; hence borders, lines and names are first placed for a legend of zero height.
     pub(super) fn compute_arrangement(
         &self,

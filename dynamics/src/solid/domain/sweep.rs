@@ -38,8 +38,8 @@ struct LineBundle {
     lines: usize,
     /// Distance between two lines.
     line_stride: GroupIndex,
-    /// Index of the first line among the faces at the ends of the lines: a row for lines along the first axis, else a
-    /// group of faces.
+    /// Index of the boundary face at which the first line ends: a row index for lines along the first axis, otherwise
+    /// the index of a group of faces.
     face: usize,
     /// Index of the first line among the carried states of this axis.
     carried: usize,
