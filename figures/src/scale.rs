@@ -131,7 +131,7 @@ pub(crate) struct SymmetricLog {
 }
 
 impl SymmetricLog {
-    /// Default number of decades in the logarithmic part.
+    /// Default maximum number of whole decades between the threshold and the largest magnitude.
     pub const DEFAULT_DECADES: i32 = 7;
 
     /// Chooses the threshold such that all but the smallest tenth of the magnitudes are in the logarithmic part, but

@@ -117,7 +117,7 @@ impl From<Stress> for YieldStress {
 }
 
 /// Defects of energy conservation, dimensionless: asymmetries relative to the largest entry of the matrix, growth rates
-/// relative to |ς|.
+/// relative to the largest |ς| at the same wave vector.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyDefects {
     /// Smallest eigenvalue of the symmetriser of the elastic equations, scaled to unit diagonal.
@@ -128,9 +128,10 @@ pub struct EnergyDefects {
     /// Deviation ‖Q + Qᵀ‖ of the symmetrised elastic zero-order matrix Q from antisymmetry, relative.
     #[serde(rename = "antisymmetry")]
     pub antisymmetry_defect: f64,
-    /// Largest |Re ς|/|ς| of waves of the elastic response, over many wavelengths and directions.
+    /// Largest ratio max |Re ς|/max |ς|, over the roots at a wave vector, of waves of the elastic response; many
+    /// wavelengths and directions are sampled.
     pub elastic_growth: f64,
-    /// Largest |Re ς|/|ς| of waves of the yielding response, over the same wavelengths and directions.
+    /// The same ratio of waves of the yielding response, at the same wave vectors.
     #[serde(rename = "growth")]
     pub yielding_growth: f64,
 }
