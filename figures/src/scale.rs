@@ -134,8 +134,8 @@ impl SymmetricLog {
     /// Default maximum number of whole decades between the threshold and the largest magnitude.
     pub const DEFAULT_DECADES: i32 = 7;
 
-    /// Chooses the threshold such that all but the smallest tenth of the magnitudes are in the logarithmic part, but
-    /// not more than seven decades below the largest magnitude.
+    /// Chooses the threshold, a power of ten, such that all but the smallest tenth of the finite non-zero magnitudes are
+    /// in the logarithmic part, but not more than seven decades below the power of ten next below the largest magnitude.
     pub fn from_values(values: impl Iterator<Item = f64>) -> Self {
         Self::from_values_with_decades(values, Self::DEFAULT_DECADES)
     }
