@@ -178,6 +178,7 @@ spacing = 1
         (SOLID_MODEL, "1000,700", f32_snapshots),
         (SOLID_MODEL, "500,400", full_ledger),
         (cosserat_model, "700,700", ""),
+        (cosserat_model, "40000,2", ""),
         (cosserat_model, "700,500", snapshots),
         (cosserat_model, "60,60,60", snapshots),
         (cosserat_model, "400,400", full_ledger),

@@ -36,10 +36,9 @@ const DEFAULT_LEDGER_ROWS: usize = 1000;
 /// Memory of the program and its pictures, bytes.
 const PROGRAM_MEMORY: f64 = 36.0 * 1048576.0;
 
-/// Numbers that the solver stores per pair of waves and per line of cells along the last axis in two dimensions, along
-/// the second or third axis in three, by measurement: interface states and boundary values.
-const NUMBERS_PER_LINE_2D: f64 = 108.0;
-const NUMBERS_PER_LINE_3D: f64 = 12.0;
+/// Numbers that the solver stores, besides the fields, per pair of waves and line along the last axis in two dimensions,
+/// or along the last two axes in three, by measurement: interface states and boundary values.
+const NUMBERS_PER_LINE: f64 = 12.0;
 
 /// Lanes that pad a row of lines, by measurement.
 const PADDING_LANES: usize = 10;
@@ -48,7 +47,7 @@ const PADDING_LANES: usize = 10;
 const SNAPSHOT_COPIES: f64 = 3.8;
 
 /// Numbers that a ledger with numerical dissipation (`TotalsAndDissipation`) keeps per field and cell, by measurement.
-const FULL_LEDGER_NUMBERS: f64 = 1.2;
+const FULL_LEDGER_NUMBERS: f64 = 1.0;
 
 /// Simulation of a solid with its media.
 pub(super) struct SolidJob<'a> {
@@ -79,13 +78,13 @@ impl<'a> SolidJob<'a> {
             Precision::F64 => (memory_bytes::<f64>(&self.solver_cells(), fields), size_of::<f64>()),
             Precision::F32 => (memory_bytes::<f32>(&self.solver_cells(), fields), size_of::<f32>()),
         };
-        let numbers_in_lines = match self.solver_cells()[..] {
-            [n1, _] => n1 as f64 * NUMBERS_PER_LINE_2D,
-            [n1, n2, n3] => ((n1 + PADDING_LANES) * (n2 + n3)) as f64 * NUMBERS_PER_LINE_3D,
-            _ => 0.0,
+        let line_count = match self.solver_cells()[..] {
+            [n1, _] => n1,
+            [n1, n2, n3] => (n1 + PADDING_LANES) * (n2 + n3),
+            _ => 0,
         };
         let pairs = self.media[0].pairs.iter().map(Vec::len).max().unwrap_or(0);
-        let lines = numbers_in_lines * (pairs * number) as f64;
+        let lines = NUMBERS_PER_LINE * (line_count * pairs * number) as f64;
         let wide = size_of::<f64>() as f64;
         let saved = (fields * number) as f64;
         let shown = wide * self.quantity_names.len() as f64;
