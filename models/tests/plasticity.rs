@@ -89,8 +89,7 @@ fn yield_normals_are_gradients_of_the_yield_function() {
         let value = |s: &Stress| YieldSet::from(potential).yield_function(s);
         worst = worst.max(check_gradient(value, &condition.flow_direction, &stress));
 
-        // The yield function is the maximum over the eight half-spaces. The gradient is compared only if no other
-        // half-space comes within 0.01 of the maximum.
+        // Compared only if no other half-space comes within 0.01 of the maximum over the eight, the yield function.
         let set = random_interlayer(&mut random);
         let couple = set.couple.unwrap();
         let values: Vec<f64> = [0, 1]
@@ -336,13 +335,11 @@ fn tangent_annihilates_normals_and_flow_directions() {
             worst_null = worst_null.max(null);
             assert!(null <= 1e-13, "{null:e}");
         }
-        // The result does not depend on the order of the conditions.
         let mut reversed = conditions.clone();
         reversed.reverse();
         let other = rounded_values(&tangent(&elastic_stiffness, &stresses, &reversed).unwrap());
         worst_order = worst_order.max((&own - other).amax() / size);
         assert!(worst_order <= 1e-13, "{worst_order:e}");
-        // For associated flow: symmetric, positive semidefinite, and at most the elastic stiffness.
         let conditions: Vec<ActiveCondition> =
             conditions.into_iter().map(with_associated_flow).collect();
         let own = rounded_values(&tangent(&elastic_stiffness, &stresses, &conditions).unwrap());
@@ -385,13 +382,17 @@ fn rounding_bounds_of_the_tangent_cover_the_direct_formula() {
                     .iter()
                     .map(|condition| {
                         let values = component_derivatives(&stresses, of(condition));
-                        let largest = values.iter().fold(0.0f64, |x, y| x.max(y.abs()));
-                        let bound = 8.0 * UNIT_ROUNDOFF * largest;
-                        let moved = |x: DoubleDouble| match x.high {
+                        // Force and couple components have different units and bounds.
+                        let bounds = [false, true].map(|is_couple| {
+                            let pairs = stresses.iter().zip(&values);
+                            let same_unit = pairs.filter(|(c, _)| c.is_couple() == is_couple);
+                            8.0 * UNIT_ROUNDOFF * same_unit.fold(0.0f64, |x, y| x.max(y.1.abs()))
+                        });
+                        let moved = |(c, x): (&StressComponent, DoubleDouble)| match x.high {
                             0.0 => x,
-                            _ => x + dd(bound * part()),
+                            _ => x + dd(bounds[usize::from(c.is_couple())] * part()),
                         };
-                        to_double_double(&values).into_iter().map(moved).collect()
+                        stresses.iter().zip(to_double_double(&values)).map(moved).collect()
                     })
                     .collect()
             };
@@ -481,7 +482,6 @@ fn nonpositive_plastic_denominator_is_an_error() {
             assert_eq!(error.condition, "yield");
             assert!(error.to_string().contains(&format!("{:e}", error.value)), "{error}");
         }
-        // Slightly above the critical dilatancy the tangent stiffness exists.
         let set = Mises::new_drucker_prager(1.0, friction, critical * 0.9999);
         assert!(tangent(&elastic_stiffness, stresses, &[set.condition(&stress).unwrap()]).is_ok());
     }
