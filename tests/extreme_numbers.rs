@@ -144,6 +144,14 @@ fn loads_below_flush_threshold_are_refused() {
         "f32",
     );
     assert_refused(&here, "--set load[0].amplitude=1e-150", "load[0].amplitude", "f64");
+    // Squares of stresses overflow in the return mapping: plastic dissipation was too small by factors.
+    assert_refused(&here, "--set load[0].amplitude=1e100", "load[0].amplitude", "f64");
+    assert_refused(
+        &here,
+        &format!("{f32} --set load[0].amplitude=1e16"),
+        "load[0].amplitude",
+        "f32",
+    );
     let arguments =
         format!("run case.toml --out out --threads 1 {f32} --set load[0].amplitude=1e-10");
     let (_, stderr) = run_with_exit_code(0, &here, &arguments);

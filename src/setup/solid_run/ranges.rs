@@ -17,16 +17,17 @@ struct PrecisionRange {
     /// Largest magnitude of a constant; the smallest nonzero magnitude is its inverse. Powers up to the third and
     /// products of a few moduli, inertias, impedances and strengths must be representable.
     max_constant: f64,
-    /// Smallest nonzero amplitude of a drive, in SI units. It is far above the threshold below which the solver flushes
-    /// decaying values to zero, and its square is a normal number: energies are summed in `f64`.
-    min_amplitude: f64,
+    /// Smallest nonzero and largest amplitude of a drive, in SI units. The smallest is far above the threshold below which
+    /// the solver flushes decaying values to zero, and its square is a normal number: energies are summed in `f64`.
+    /// The cube of the largest is finite: the return mapping multiplies stresses.
+    amplitudes: [f64; 2],
 }
 
 impl PrecisionRange {
     fn from_precision(precision: Precision) -> Self {
         match precision {
-            Precision::F64 => Self { name: "f64", max_constant: 1e90, min_amplitude: 1e-140 },
-            Precision::F32 => Self { name: "f32", max_constant: 1e15, min_amplitude: 1e-20 },
+            Precision::F64 => Self { name: "f64", max_constant: 1e90, amplitudes: [1e-140, 1e90] },
+            Precision::F32 => Self { name: "f32", max_constant: 1e15, amplitudes: [1e-20, 1e12] },
         }
     }
 
@@ -61,33 +62,35 @@ pub(super) fn check_constants(case: &Case, dynamics: &SolidRun) -> Result<(), Er
 }
 
 /// Checks that the amplitudes of loads, sources and initial values other than rotations, and of the waves that they
-/// excite, are 0 or at least [`PrecisionRange::min_amplitude`].
+/// excite, are 0 or within [`PrecisionRange::amplitudes`].
 ///
 /// # Errors
-/// An amplitude is too small.
+/// An amplitude is too small or too large.
 pub(super) fn check_amplitudes(dynamics: &SolidRun, media: &[Medium]) -> Result<(), Error> {
     let pairs = || media.iter().flat_map(|medium| medium.pairs.iter().flatten());
     let impedances = || pairs().map(|pair| pair.impedance());
     let (least, greatest) =
         (impedances().fold(f64::INFINITY, f64::min), impedances().fold(0.0, f64::max));
-    // Returns the smaller of |amplitude| and the amplitude of the conjugate quantity in a wave, σ = Zv with the
-    // impedance Z: the stress of a velocity with the smallest Z, the velocity of a stress with the largest Z.
-    let smaller = |field: SolidField, amplitude: f64| {
+    // Returns the smallest amplitude of |amplitude| and of the conjugate quantity in a wave, σ = Zv with the impedances Z
+    // of all media, and the largest amplitude of the stress.
+    let range_in_waves = |field: SolidField, amplitude: f64| {
         let size = amplitude.abs();
-        match field {
-            SolidField::Velocity(_) | SolidField::Spin(_) => size.min(size * least),
-            _ => size.min(size / greatest),
-        }
+        let [low, high] = match field {
+            SolidField::Velocity(_) | SolidField::Spin(_) => [size * least, size * greatest],
+            _ => [size / greatest, size],
+        };
+        [size.min(low), size.max(high)]
     };
     let range = PrecisionRange::from_precision(dynamics.scheme.precision);
     let check = |key: String, field: SolidField, amplitude: f64| {
-        let size = smaller(field, amplitude);
-        if amplitude == 0.0 || size >= range.min_amplitude {
+        let [min, max] = range.amplitudes;
+        let [low, high] = range_in_waves(field, amplitude);
+        if amplitude == 0.0 || (low >= min && high <= max) {
             return Ok(());
         }
+        let size = if low < min { low } else { high };
         let found = format!("found {amplitude:?}: waves of {size:.1e} in SI units");
-        let allowed =
-            format!("waves of at least {:e} in {}, or none", range.min_amplitude, range.name);
+        let allowed = format!("waves from {min:e} to {max:e} in {}, or none", range.name);
         Err(dynamics.error_at(&format!("{key}.amplitude"), found, allowed))
     };
     for (index, load) in dynamics.loads.iter().enumerate() {
