@@ -196,7 +196,7 @@ fn invalid_settings_are_refused() {
         ("load.amplitude=1", "load: a list of 3; write load[0] with an index from 0 to 2"),
         ("grid[0].cells=1", "grid: the index 0; grid is not a list"),
         ("grid.cells[0]=1", "grid.cells: the index 0; set the value as a whole"),
-        ("grid.cells.x=1", "grid.cells: no section; a key inside it cannot be set"),
+        ("grid.cells.x=1", "grid.cells: not a section; a key inside it cannot be set"),
         (
             "load[x].at=1",
             "load[x].at: no key; write section.key or section[0].key, the index counted from 0",
