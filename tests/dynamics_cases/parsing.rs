@@ -199,7 +199,7 @@ fn invalid_settings_are_refused() {
         ("grid.cells.x=1", "grid.cells: not a section; a key inside it cannot be set"),
         (
             "load[x].at=1",
-            "load[x].at: no key; write section.key or section[0].key, the index counted from 0",
+            "load[x].at: not a key; write section.key or section[0].key, the index counted from 0",
         ),
         (
             "load[0]=1",
