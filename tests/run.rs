@@ -216,8 +216,8 @@ fn balanced_weight_causes_no_motion() {
 fn run_stopped_by_overflow_saves_last_finite_results() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let case = format_layered_case(
-        "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1e300\ntime = { kind = 'sine', \
-                     frequency = 20, start = 0.02 }",
+        "[[load]]\nside = 'x1+'\nfield = 'v1'\namplitude = 1\ntime = { kind = 'table', \
+                     samples = [[0.02, 0], [0.03, 1e305]] }",
     );
     let error = run_in_folder(folder.path(), &case).expect_err("too much");
     assert_eq!(error.exit_code(), 3);

@@ -230,7 +230,7 @@ fn cases_without_grid_are_refused() {
 /// Verifies that a simulation which stops because of non-finite values returns a result with the cause.
 #[test]
 fn stopped_run_returns_result_with_cause() {
-    let sets = ["load[0].amplitude=-1e300".to_owned()];
+    let sets = ["load[0].time={ kind = 'table', samples = [[0, 0], [0.01, 1e303]] }".to_owned()];
     let case = Case::parse(SOLID_CASE, "solid.toml", &sets).expect("a sound case");
     let found = simulate_case(&case);
     let stopped = found.stop_report.as_ref().expect("not finite");

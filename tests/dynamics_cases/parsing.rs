@@ -232,7 +232,8 @@ fn invalid_settings_are_refused() {
     }
     let flow = wellposed::cli::new::generate_state_template(ModelKind::flow_kinds()[0]);
     let error = parse_case_with(&flow, &["grid.spacing=1"]).unwrap_err();
-    let start = "--set grid.spacing=1: grid.spacing: found for a flow; give length, the edges of";
+    let start =
+        "--set grid.spacing=1: grid.spacing: found for a flow; give length, the edge lengths of";
     assert!(error.starts_with(start), "{error}");
     let error = parse_case_with(SPATIAL_CASE, &["receiver[1].at=[0,0,0]"]).unwrap_err();
     assert!(
@@ -241,7 +242,7 @@ fn invalid_settings_are_refused() {
     );
     let (model, _) = PLANE_CASE.split_once("[grid]").unwrap();
     let error = parse_case_with(model, &["load[0].at=1"]).unwrap_err();
-    let end = "load: the index 0 of no entry; add [[load]] to the file first";
+    let end = "load: the index 0 of an empty list; add [[load]] to the file first";
     assert_eq!(error, format!("--set load[0].at=1: {end}"));
 }
 
