@@ -1,5 +1,6 @@
 //! Runs the program with random mutations of case files and command lines. Whatever the input, the program must end
 //! with one of its exit codes, explain errors as text or as JSON, and print only finite numbers.
+#![cfg(unix)]
 
 mod mutation;
 mod program;
@@ -8,6 +9,7 @@ use program::{PROGRAM_PATH, create_folder, send_signal};
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::ops::Range;
+use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::Mutex;
@@ -99,6 +101,8 @@ const SETTINGS: &[&str] = &[
 
 /// Exit status and output of a process.
 struct ProgramEnd {
+    /// Whether SIGINT was sent.
+    is_interrupted: bool,
     status: ExitStatus,
     stdout: String,
     stderr: String,
@@ -133,7 +137,8 @@ fn build_command_line(text: &str, random: &mut RandomNumbers) -> Vec<String> {
                 .extend(OPTIONS[random.uniform_index(OPTIONS.len())].split(' ').map(str::to_owned));
         }
     }
-    words
+    // No argument of a process holds NUL.
+    words.iter().map(|word| word.replace('\0', "")).collect()
 }
 
 /// `key=value` with a key of the case and a random value.
@@ -213,7 +218,13 @@ fn run_until_end(here: &Path, words: &[String], interrupt_delay: Duration) -> Pr
         }
         std::thread::sleep(Duration::from_millis(if elapsed.as_millis() < 200 { 2 } else { 20 }));
     };
-    ProgramEnd { status, stdout: printed.join().unwrap(), stderr: told.join().unwrap(), timeout }
+    ProgramEnd {
+        is_interrupted: interrupted.is_some(),
+        status,
+        stdout: printed.join().unwrap(),
+        stderr: told.join().unwrap(),
+        timeout,
+    }
 }
 
 /// First line of `text` that contains a number which is not finite.
@@ -229,6 +240,10 @@ fn find_non_finite_line(text: &str) -> Option<String> {
 fn find_fault(here: &Path, words: &[String], end: &ProgramEnd) -> Option<String> {
     if let Some(timeout) = &end.timeout {
         return Some(timeout.clone());
+    }
+    // SIGINT ends a program that has not installed its handlers yet.
+    if end.status.signal() == Some(libc::SIGINT) && end.is_interrupted {
+        return None;
     }
     let Some(code) = end.status.code() else { return Some(format!("{}", end.status)) };
     if ![0, 1, 2, 3, 130].contains(&code) {
