@@ -418,7 +418,7 @@ fn runs_of_solids_do_not_depend_on_units() {
         .unwrap();
         let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
         let place = rows.next().unwrap().iter().position(|own| *own == "plastic_dissipation");
-        let dissipation: f64 = rows.last().unwrap()[place.unwrap()].parse().unwrap();
+        let dissipation: f64 = rows.next_back().unwrap()[place.unwrap()].parse().unwrap();
         assert!(dissipation > 100.0, "{name} hardly yields: {dissipation} J/m");
     }
 }
