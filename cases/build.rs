@@ -12,7 +12,7 @@ fn main() {
 /// Generates the Rust source of `CASES`, a table of the path and text of each case file.
 fn list_of_cases() -> String {
     let mut paths = Vec::new();
-    collect(Path::new("."), &mut paths);
+    collect_case_paths(Path::new("."), &mut paths);
     paths.sort();
     let root = std::env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR");
     let mut list = String::from(
@@ -30,12 +30,12 @@ fn list_of_cases() -> String {
 
 /// Collects the paths of the case files inside `folder` that lie in a direct subfolder of the current folder, with
 /// slashes as separators on every system.
-fn collect(folder: &Path, paths: &mut Vec<String>) {
+fn collect_case_paths(folder: &Path, paths: &mut Vec<String>) {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     for path in entries.map(|entry| entry.path()) {
         let name = path.strip_prefix(".").unwrap_or(&path);
         if path.is_dir() {
-            collect(&path, paths);
+            collect_case_paths(&path, paths);
         } else if path.extension().is_some_and(|extension| extension == "toml")
             && name.components().count() == 2
         {

@@ -78,6 +78,8 @@ fn draw_panel(title: &str, settings: &[&str], points: usize) -> Result<RgbImage,
         material_indices: Vec::new(),
         has_yielded: Vec::new(),
         marks: Vec::new(),
+        line_sets: Vec::new(),
+        arrows: None,
     };
     let bytes = figure.draw(FigureFormat::Png)?;
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;

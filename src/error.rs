@@ -2,6 +2,8 @@
 
 use crate::case::CaseError;
 use crate::study::simulate::IllPosedness;
+use dynamics::decomposition::ThreadStartError;
+use dynamics::simulation::RunError;
 
 /// Reason why a study failed or its result could not be reported.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +26,9 @@ pub enum Error {
     /// The recorder of a simulation ended the simulation with this error.
     #[error(transparent)]
     Recorder(Box<dyn std::error::Error + Send + Sync>),
+    /// The threads of a time step of a simulation cannot be started; earlier steps have been recorded.
+    #[error(transparent)]
+    Threads(#[from] ThreadStartError),
     /// A result cannot be serialised.
     #[error("a result that cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -39,4 +44,13 @@ pub enum Error {
     /// A snapshot (VTK file) or a list of snapshots cannot be created.
     #[error(transparent)]
     Snapshot(#[from] files::vti::VtiError),
+}
+
+impl From<RunError<Self>> for Error {
+    fn from(error: RunError<Self>) -> Self {
+        match error {
+            RunError::Observer(own) => own,
+            RunError::Threads(error) => Self::Threads(error),
+        }
+    }
 }

@@ -13,6 +13,8 @@
 //! | [`analyse_point`] | [`PointResult`](study::PointResult): analysis of one state: background, characteristics, roots, growth, verdict with evidence |
 //! | [`compute_map`] | [`MapResult`](study::MapResult): the verdict over two parameters of the case |
 //! | [`compute_dispersion`] | [`DispersionResult`](study::DispersionResult): dispersion relation of a solid: frequencies and speeds of its waves by wave number |
+//! | [`compute_bloch_waves`](study::compute_bloch_waves) | [`BlochResult`](study::BlochResult): Bloch waves of a blocky medium, beside the equivalent continuum |
+//! | [`homogenise`](study::homogenise()) | [`HomogeniseResult`](study::HomogeniseResult): the Cosserat continuum that is equivalent to a blocky medium |
 //! | [`compute_speeds`] | [`SpeedsResult`](study::SpeedsResult): characteristic speeds of a solid by direction, elastic and yielding |
 //! | [`simulate`] | [`RunResult`](study::RunResult): time-domain simulation of a solid or a flow: fields, receiver records, energy ledger |
 //! | [`check_agreement`] | [`CheckResult`](study::CheckResult): frequencies and growth rates of waves: predicted by the analysis, measured by a solver |

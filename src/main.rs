@@ -5,12 +5,13 @@ mod allocator;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use models::interface::continuum::OpeningLimit;
 use models::registry;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use wellposed::VERSION;
-use wellposed::case::{MediumKind, ModelKind, Yield};
+use wellposed::case::{ContinuumOptions, MediumKind, ModelKind, Yield};
 use wellposed::cli::new::{self, TemplateKind};
 use wellposed::cli::{self, CheckpointSettings, Error, Options, OutputFormat, cases, signals};
 use wellposed::study::MapOptions;
@@ -48,10 +49,39 @@ enum Verb {
         #[command(flatten)]
         arguments: CaseArguments,
     },
-    /// Compute the dispersion relation of a solid: frequencies and speeds against wave number
+    /// Compute the dispersion relation of a solid, or Bloch waves of a blocky medium, against wave number
     Dispersion {
         #[command(flatten)]
         arguments: CaseArguments,
+    },
+    /// Write the case of the Cosserat continuum that is equivalent to a blocky medium
+    Homogenise {
+        /// Case file of a blocky medium
+        #[arg(id = "case")]
+        case_path: PathBuf,
+        /// Override a key of the case, e.g. joint[0].thickness=5e-3; may be repeated
+        #[arg(long = "set", value_name = "KEY=VALUE")]
+        settings: Vec<String>,
+        /// File to write, or folder for it [default: <name of the case>-continuum.toml]
+        #[arg(long = "out", value_name = "FILE|DIR")]
+        output_path: Option<PathBuf>,
+        /// Cells of the grid per block along each axis
+        #[arg(long, value_name = "N", default_value_t = 1,
+            value_parser = clap::value_parser!(u16).range(1..=1000))]
+        cells_per_block: u16,
+        /// Take the overturning of blocks of side h as the limit of the couple stress (couple friction κ_μ = h/2),
+        /// instead of the first opening of their faces (κ_μ = h/6)
+        #[arg(long)]
+        overturning: bool,
+        /// Output format
+        #[arg(long, value_enum, default_value = "text")]
+        format: FormatArgument,
+        /// Overwrite the file if it exists
+        #[arg(long)]
+        force: bool,
+        /// Validate the case and print the plan; write nothing
+        #[arg(long = "dry-run")]
+        is_dry_run: bool,
     },
     /// Compute the characteristic speeds of a solid against direction, elastic and yielding
     Speeds {
@@ -259,7 +289,9 @@ impl Verb {
             | Self::Speeds { arguments }
             | Self::Run { arguments, .. }
             | Self::Check { arguments } => arguments.format.into(),
-            Self::Resume { format, .. } | Self::Verify { format, .. } => (*format).into(),
+            Self::Resume { format, .. }
+            | Self::Verify { format, .. }
+            | Self::Homogenise { format, .. } => (*format).into(),
             _ => OutputFormat::Text,
         }
     }
@@ -274,6 +306,33 @@ fn execute(verb: Verb) -> Result<(), Error> {
         }
         Verb::Point { arguments } => cli::run_point(&arguments.into(), &mut stdout)?,
         Verb::Dispersion { arguments } => cli::run_dispersion(&arguments.into(), &mut stdout)?,
+        Verb::Homogenise {
+            case_path,
+            settings,
+            output_path,
+            cells_per_block,
+            overturning,
+            format,
+            force,
+            is_dry_run,
+        } => {
+            let options = Options {
+                case_path,
+                settings,
+                format: format.into(),
+                output_folder: output_path,
+                force,
+                is_dry_run,
+                ..Options::default()
+            };
+            let opening_limit = match overturning {
+                true => OpeningLimit::Overturning,
+                false => OpeningLimit::FirstOpening,
+            };
+            let continuum =
+                ContinuumOptions { cells_per_block: cells_per_block.into(), opening_limit };
+            cli::run_homogenise(&options, &continuum, &mut stdout)?;
+        }
         Verb::Speeds { arguments } => cli::run_speeds(&arguments.into(), &mut stdout)?,
         Verb::Run { arguments, checkpoint_interval, accept_ill_posed } => {
             let options = Options { accept_ill_posed, ..arguments.into() };

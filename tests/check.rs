@@ -8,6 +8,7 @@ use serde_json::Value;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use support::bundled_case;
 use wellposed::case::{Case, SweepParameter};
@@ -218,7 +219,7 @@ fn wrong_yield_set_is_detected() {
 }
 
 #[test]
-fn report_contains_forbidden_band() {
+fn report_contains_band_gap() {
     let sets = ["check.numbers=[0.3, 2.6]", "check.directions_deg=[25]", "model.dimensions=2"];
     let (report, result) = run_check(bundled_case("cosserat/forbidden-band.toml"), &sets);
     result.expect("agreement");
@@ -503,6 +504,38 @@ fn growth_orders_under_grid_refinement_agree_with_prediction() {
     }
 }
 
+/// Verifies that the check of refined grids reports its progress within each grid, not only after it, and that it can be
+/// cancelled within a grid.
+#[test]
+fn refinement_reports_progress_within_each_grid() {
+    let settings = ["check.cells=[16, 32]", "check.numbers=[500]", "check.directions_deg=[20]"];
+    let case =
+        wellposed::load(bundled_case("check/grid-dependence.toml"), settings).expect("a case");
+    let check = |on_progress: study::ProgressCallback| {
+        wellposed::check_agreement(&case, CheckExtent::Full, on_progress)
+    };
+    let calls = Mutex::new(Vec::new());
+    let record = |done: usize, total: usize| {
+        calls.lock().expect("no panic").push([done, total]);
+        ControlFlow::Continue(())
+    };
+    check(&record).expect("a result");
+    let calls = calls.into_inner().expect("no panic");
+    // One wave, and two grids in three models, of 1000 increments each.
+    assert_eq!(calls.last(), Some(&[7000, 7000]));
+    assert!(calls.is_sorted(), "{calls:?}");
+    for task in 1..7 {
+        let within = calls.iter().filter(|own| (1000 * task..1000 * (task + 1)).contains(&own[0]));
+        let count = within.count();
+        assert!(count > 50, "task {task}: {count} calls");
+    }
+    let cancel = |done: usize, _: usize| match done < 3500 {
+        true => ControlFlow::Continue(()),
+        false => ControlFlow::Break(()),
+    };
+    assert!(matches!(check(&cancel), Err(wellposed::Error::Cancelled)));
+}
+
 /// Verifies that studies report all their steps and end when cancelled.
 #[test]
 fn studies_report_progress_and_can_be_cancelled() {
@@ -511,10 +544,10 @@ fn studies_report_progress_and_can_be_cancelled() {
         wellposed::check_agreement(case, CheckExtent::Short, on_progress).map(drop)
     };
     let speeds: Study = |case, on_progress| wellposed::compute_speeds(case, on_progress).map(drop);
-    for (name, study) in [
-        ("check/cubic-plane.toml", check),
-        ("granular-flow/noncoaxiality-bound.toml", check),
-        ("dynamics/lamb-3d.toml", speeds),
+    for (name, study, increments) in [
+        ("check/cubic-plane.toml", check, 1),
+        ("granular-flow/noncoaxiality-bound.toml", check, 1000),
+        ("dynamics/lamb-3d.toml", speeds, 1),
     ] {
         let case = Case::load(&bundled_case(name), &[]).expect("a case");
         let (calls, steps) = (AtomicUsize::new(0), AtomicUsize::new(0));
@@ -525,7 +558,7 @@ fn studies_report_progress_and_can_be_cancelled() {
             ControlFlow::Continue(())
         };
         study(&case, &count_call).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert_eq!(calls.into_inner(), steps.into_inner() + 1, "{name}");
+        assert_eq!((calls.into_inner() - 1) * increments, steps.into_inner(), "{name}");
         for last in [0, 1] {
             let cancel = |done: usize, _: usize| match done < last {
                 true => ControlFlow::Continue(()),
@@ -537,9 +570,9 @@ fn studies_report_progress_and_can_be_cancelled() {
     }
 }
 
-/// Verifies that the verdict of a medium names a forbidden band that disagrees although all waves agree.
+/// Verifies that the verdict of a medium names a band gap that disagrees although all waves agree.
 #[test]
-fn verdict_names_disagreeing_forbidden_band() {
+fn verdict_names_disagreeing_band_gap() {
     let settings = ["check.numbers=[1]", "check.directions_deg=[0]", "check.cells=[12, 16]"];
     let path = bundled_case("cosserat/forbidden-band.toml");
     let case = wellposed::load(path, settings).expect("a case");
@@ -550,5 +583,5 @@ fn verdict_names_disagreeing_forbidden_band() {
     solid.media[0].agrees = Some(false);
     solid.media[0].forbidden_bands[0].agrees = false;
     let text = found.to_text(&case);
-    assert!(text.contains(": forbidden bands DISAGREE") && !text.contains("all agree"), "{text}");
+    assert!(text.contains(": band gaps DISAGREE") && !text.contains("all agree"), "{text}");
 }

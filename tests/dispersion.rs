@@ -48,7 +48,7 @@ fn assert_close(value: &Value, expected: f64, tolerance: f64) {
 }
 
 #[test]
-fn forbidden_band_of_reduced_solid_agrees_with_closed_form() {
+fn band_gap_of_reduced_solid_agrees_with_closed_form() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let report = run_dispersion(folder.path(), REDUCED_COSSERAT_CASE, &[]).expect("a sound case");
     let (mu, alpha, density, inertia, k): (f64, f64, f64, f64, f64) =

@@ -191,7 +191,8 @@ fn check_command(command: &str) {
     let is_placeholder =
         |word: &&str| ["CASE", "DIR", "KIND", "SHELL", "FILE", "SET", "…"].contains(word);
     let (verb, rest) = arguments.split_first().expect("a verb");
-    let takes_case = ["map", "point", "dispersion", "speeds", "run", "check"].contains(verb);
+    let takes_case =
+        ["map", "point", "dispersion", "homogenise", "speeds", "run", "check"].contains(verb);
     let has_placeholder = rest.iter().any(|word| is_placeholder(&word.trim_matches(['[', ']'])));
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let out = scratch.path().join("out");
@@ -205,6 +206,7 @@ fn check_command(command: &str) {
             let case = match *verb {
                 "map" | "point" => case,
                 "run" => "cases/flow/decay.toml",
+                "homogenise" => "cases/blocky/pulse-breaking.toml",
                 _ => "cases/cosserat/forbidden-band.toml",
             };
             let rest = rest.iter().map(|word| if *word == "CASE" { case } else { word });
@@ -365,7 +367,7 @@ fn toml_blocks_in_documents_are_valid_cases() {
             }
         }
     }
-    assert_eq!(count, 4);
+    assert_eq!(count, 5);
 }
 
 /// Verifies that the arrays used by Python examples exist in the result files.

@@ -12,60 +12,7 @@ use wellposed::cli::new::{self, TemplateKind};
 use wellposed::cli::{self, Error, Options};
 
 /// Flow case with every section; tests refer to its line numbers.
-const FLOW_CASE: &str = "\
-title = 'Flow'
-[model]
-kind = 'harris-grekova'
-friction_angle_deg = 30
-moment_of_inertia = 1.25e-7
-rotational_strength = 0
-[background]
-density = 1600
-pressure = 1000
-stress_angle_deg = 45
-shear_rate = 50
-noncoaxiality_deg = 20
-[grid]
-cells = [32, 24]
-length = [0.2, 0.1]
-[time]
-duration = 1e-3
-tolerance = 1e-4
-[[initial]]
-kind = 'mode'
-mode = [2, -1]
-field = 'v'
-amplitude = 1e-3
-[[initial]]
-kind = 'packet'
-mode = [0, 3]
-field = 'w'
-amplitude = 0.5
-phase_deg = 90
-at = [0.1, 0.05]
-radius = 0.02
-[[initial]]
-kind = 'noise'
-field = 'v'
-from = 1
-to = 6.5
-amplitude = 1e-4
-seed = 12
-[[initial]]
-kind = 'uniform'
-field = 'w'
-amplitude = 0.1
-[[receiver]]
-at = [0.2, 0]
-[[receiver]]
-name = 'middle'
-at = [0.1, 0.05]
-fields = ['psi_deg', 'v2']
-[output]
-snapshot_interval = 2e-4
-picture = 'psi_deg'
-contours = [0.1]
-";
+const FLOW_CASE: &str = include_str!("data/flow.toml");
 
 fn parse_flow_run(text: &str) -> FlowRun {
     parse_case(text).unwrap().flow_run.unwrap()

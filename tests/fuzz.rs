@@ -161,7 +161,7 @@ fn build_setting(text: &str, random: &mut RandomNumbers) -> String {
 }
 
 /// Runs the program, which receives SIGINT after `interrupt_delay`.
-fn run_until_end(here: &Path, words: &[String], interrupt_delay: Duration) -> ProgramEnd {
+fn run_with_interrupt(here: &Path, words: &[String], interrupt_delay: Duration) -> ProgramEnd {
     let mut child = Command::new(PROGRAM_PATH)
         .current_dir(here)
         .args(words)
@@ -321,7 +321,7 @@ fn run_mutants(range: Range<usize>, seed: u64) {
                         0 => 30_000,
                         _ => 1 + random.uniform_index(1000) as u64,
                     });
-                    let end = run_until_end(&here, &words, interrupt_delay);
+                    let end = run_with_interrupt(&here, &words, interrupt_delay);
                     let place =
                         [0, 1, 2, 3].iter().position(|&code| end.status.code() == Some(code));
                     codes[place.unwrap_or(4)].fetch_add(1, Ordering::Relaxed);

@@ -125,8 +125,8 @@ fn check_runs_with_kills(count: usize, seed: u64) {
 }
 
 #[test]
-fn results_are_bit_identical_after_eight_kills() {
-    check_runs_with_kills(8, 1);
+fn results_are_bit_identical_after_four_kills() {
+    check_runs_with_kills(4, 1);
 }
 
 #[test]

@@ -114,6 +114,23 @@ fn interrupted_step_ends_within_ten_seconds() {
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
 }
 
+/// Verifies that Ctrl-C ends a check within a step on a fine grid.
+#[test]
+fn interrupted_check_ends_within_ten_seconds() {
+    let here = create_case_folder(TEST_FOLDER, "long-check", "");
+    let case = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/check/grid-dependence.toml");
+    let arguments = format!("check {case} --out out --threads 1 --set check.cells=[510,512]");
+    let mut child = create_command(&here, &arguments).spawn().unwrap();
+    // The measurement on the grid takes minutes.
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(child.try_wait().unwrap().is_none());
+    send_signal(&child, "INT");
+    let start = Instant::now();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+    assert!(!here.join("out").exists());
+}
+
 /// Announced memory and peak resident memory of a run, bytes.
 fn measure_memory(name: &str, case: &str, settings: &str) -> (f64, f64) {
     let here = create_case_folder(TEST_FOLDER, name, case);

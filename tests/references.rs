@@ -405,14 +405,14 @@ fn oblique_pulse_is_continuous_at_interface() {
         let waves = interface::solve_interface_waves(&REFERENCE_SOLID, &LOWER_SOLID, incident, 0.2)
             .expect("a subcritical angle");
         let g = |t: f64| RICKER.derivative_at(t, 0);
-        let velocity = |planes: &[interface::PlaneWave], x: [f64; 2], t: f64| {
+        let velocity = |planes: &[interface::InterfaceWave], x: [f64; 2], t: f64| {
             planes.iter().fold([0.0; 2], |sum, wave| {
                 let v = wave.velocity(x, t, g);
                 [sum[0] + v[0], sum[1] + v[1]]
             })
         };
         // Rate of the traction, by differences of velocities.
-        let rate = |planes: &[interface::PlaneWave], solid: &IsotropicSolid, x: f64, t: f64| {
+        let rate = |planes: &[interface::InterfaceWave], solid: &IsotropicSolid, x: f64, t: f64| {
             let h = 1e-3;
             let at = |dx: f64, dy: f64| velocity(planes, [x + dx, dy], t);
             let dx = [0, 1].map(|k| (at(h, 0.0)[k] - at(-h, 0.0)[k]) / (2.0 * h));

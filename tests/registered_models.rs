@@ -10,7 +10,9 @@ use models::Rounded;
 use models::common::parameter::{Parameter, to_constant_array};
 use models::common::range::AllowedRange;
 use models::common::system::RoundedMatrix;
-use models::flow::balance::{UnknownColumns, write_flow_rule, write_mass, write_momentum};
+use models::flow::balance::{
+    EQUATIONS_WITH_ROTATION, write_shared_equations, write_stress_axes_rotation,
+};
 use models::flow::state::{DeformingFlow, FlowRule, MaterialRotation, MohrCoulomb};
 use models::flow::{COHESION, DILATANCY_ANGLE, FRICTION_ANGLE, FlowLaw, FlowModel, RotationKind};
 use models::registry;
@@ -73,20 +75,11 @@ impl FlowLaw for SlowRotation {
     }
 
     fn symbol(&self, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
-        const EQUATION_NAMES: [&str; 5] =
-            ["momentum 1", "momentum 2", "flow rule: volume", "flow rule: rotation", "mass"];
         let rule = self.flow_rule();
-        let columns = UnknownColumns::reset_system(system, false, &EQUATION_NAMES, &rule, flow);
-        write_momentum(system, &columns, &self.coulomb, flow);
-        write_flow_rule(system, 2, &columns, &rule, flow);
-        write_mass(system, 4, &columns, flow);
-        // Rotation term 2 e_r Dψ/Dt, with the rotation coefficient e_r of the flow rule and the stress angle ψ.
-        let rotation = 2.0 * rule.rotation_coefficient;
-        system.a[(3, columns.angle)] = rotation;
-        for j in 0..2 {
-            system.c[(3, columns.velocity[j])] =
-                rotation * Rounded::from_angle(flow.stress_angle_gradient[j]);
-        }
+        let coulomb = &self.coulomb;
+        let columns =
+            write_shared_equations(system, &EQUATIONS_WITH_ROTATION, false, coulomb, &rule, flow);
+        write_stress_axes_rotation(system, 3, &columns, &rule, flow);
     }
 }
 
@@ -507,8 +500,8 @@ shear_dilatancy = 0.5
     }
 }
 
-/// Verifies that inconsistent entries are refused: a solid of another theory than stated or with examples out of
-/// range, and a yield set that names active conditions and has none.
+/// Verifies that inconsistent entries are refused: a solid whose theory differs from that of the entry or whose example
+/// constants are out of range, and a yield set whose entry names conditions that the set does not have.
 #[test]
 fn inconsistent_entries_are_refused() {
     static CURVED_YIELD_SET: YieldSetModel = YieldSetModel {

@@ -234,8 +234,8 @@ fn check_damage_detection(name: &str, count: usize) {
 }
 
 #[test]
-fn thirty_damages_are_detected() {
-    check_damage_detection("thirty", 30);
+fn fifteen_damages_are_detected() {
+    check_damage_detection("fifteen", 15);
 }
 
 #[test]

@@ -18,17 +18,28 @@ fn create_solid_folder(name: &str) -> PathBuf {
 
 /// Verifies that runs killed at twenty times and resumed until finished give the same files.
 #[test]
-fn killed_runs_resume_to_bit_identical_files() {
-    let uninterrupted = create_solid_folder("whole");
+fn eight_killed_runs_resume_to_bit_identical_files() {
+    check_killed_runs("eight", 8);
+}
+
+#[test]
+#[ignore = "takes long"]
+fn forty_killed_runs_resume_to_bit_identical_files() {
+    check_killed_runs("forty", 40);
+}
+
+/// Checks `count` runs that are killed at equidistant times of their duration.
+fn check_killed_runs(name: &str, count: u32) {
+    let uninterrupted = create_solid_folder(&format!("{name}-whole"));
     let start = Instant::now();
     assert!(run_program(&uninterrupted, RUN_ARGUMENTS).status.success());
     let duration = start.elapsed();
     let expected = read_result_files(&uninterrupted.join("out"));
     assert!(expected.iter().any(|file| file.0 == "snapshot-00000000.vti"));
-    for index in 0..20 {
-        let here = create_solid_folder(&format!("killed{index}"));
+    for index in 0..count {
+        let here = create_solid_folder(&format!("{name}-killed{index}"));
         let mut child = create_command(&here, RUN_ARGUMENTS).spawn().unwrap();
-        std::thread::sleep(duration.mul_f64((f64::from(index) + 0.5) / 21.0));
+        std::thread::sleep(duration.mul_f64((f64::from(index) + 0.5) / f64::from(count + 1)));
         // SIGKILL; a run that finished earlier is valid, too.
         let _ = child.kill();
         child.wait().unwrap();

@@ -286,7 +286,7 @@ fn invalid_runs_are_refused() {
             format_classical_case(
                 "[[region]]\nshape = 'layer'\naxis = 1\nfrom = 0\nto = 4\n[[region]]\nshape = 'rest'\nmodel = { kind = 'cosserat', lambda = 1e8, mu = 1e8, alpha = 1e8, beta = 1, gamma = 1, eta = 1, density = 1, inertia = 1 }\n",
             ),
-            "all regions of a run need the same fields",
+            "all media of a run need the same fields",
         ),
         (
             format_classical_case("[[region]]\nshape = 'rest'\nmodel = { mu = -1 }\n"),

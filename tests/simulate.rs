@@ -16,43 +16,7 @@ use wellposed::study::ignore_progress;
 use wellposed::study::simulate::{OutputFields, RecordTable, RunResult, SimulationSettings};
 
 /// Plane of two yielding media, loaded on one boundary.
-const SOLID_CASE: &str = "
-title = 'Two media'
-[model]
-kind = 'classical'
-lambda = 1.2e8
-mu = 8e7
-density = 1900
-[yield]
-kind = 'von-mises'
-strength = 1e4
-[grid]
-cells = [24, 16]
-spacing = 0.5
-[time]
-duration = 0.04
-[[region]]
-shape = 'half-plane'
-point = [6, 0]
-normal = [1, 0]
-model = { mu = 4e7 }
-[[region]]
-shape = 'rest'
-[[load]]
-side = 'x2+'
-field = 'sigma22'
-amplitude = -3e4
-time = { kind = 'step' }
-[[receiver]]
-at = [3.1, 4.2]
-[[receiver]]
-name = 'deep'
-at = [8, 1]
-fields = ['v1', 'u2']
-[output]
-snapshot_interval = 0.013
-integrals = ['u2']
-";
+const SOLID_CASE: &str = include_str!("data/two-media.toml");
 
 /// Flow with a receiver and snapshots.
 fn load_flow_case() -> Case {

@@ -9,62 +9,9 @@ use std::path::Path;
 use support::{create_run_options, run_case};
 use wellposed::cli::Options;
 
-const SOLID_CASE: &str = "
-[model]
-kind = 'classical'
-lambda = 1e8
-mu = 8e7
-density = 1900
-[yield]
-kind = 'von-mises'
-strength = 2e4
-[grid]
-cells = [20, 16]
-spacing = 0.5
-[time]
-duration = 0.05
-[[load]]
-side = 'x2+'
-field = 'sigma22'
-from = 2
-to = 5
-amplitude = -1e5
-time = { kind = 'pulse', duration = 0.03 }
-[[receiver]]
-at = [3, 8]
-[output]
-integrals = ['u2']
-";
+const SOLID_CASE: &str = include_str!("data/snapshots-solid.toml");
 
-const FLOW_CASE: &str = "
-[model]
-kind = 'harris-grekova'
-friction_angle_deg = 30
-moment_of_inertia = 1.25e-7
-rotational_strength = 0
-[background]
-density = 1600
-pressure = 1000
-stress_angle_deg = 45
-shear_rate = 50
-half_vorticity = -50
-noncoaxiality_deg = 20
-[grid]
-cells = [16, 16]
-length = 0.1
-[time]
-duration = 0.001
-[[initial]]
-kind = 'noise'
-field = 'v'
-from = 1
-to = 4
-amplitude = 1e-5
-seed = 3
-[[receiver]]
-at = [0.02, 0.03]
-[output]
-";
+const FLOW_CASE: &str = include_str!("data/snapshots-flow.toml");
 
 /// Runs a case on two threads.
 fn run_on_two_threads(folder: &Path, case: &str) {

@@ -6,29 +6,7 @@ use std::path::Path;
 use wellposed::cli::{self, Options, OutputFormat};
 use wellposed::study::MapOptions;
 
-const STATE_CASE: &str = "
-[model]
-kind = 'harris-grekova'
-friction_angle_deg = 30
-moment_of_inertia = 1.25e-7
-rotational_strength = 0
-
-[background]
-density = 1600
-pressure = 1000
-stress_angle_deg = 17
-shear_rate = 2
-velocity = [0.4, -0.1]
-noncoaxiality_deg = 20
-
-[wave]
-number = 500
-direction_deg = 33
-
-[map]
-x = { parameter = 'background.noncoaxiality_deg', from = -90, to = 90, points = 25 }
-y = { parameter = 'model.dilatancy_angle_deg', from = 0, to = 40, points = 9 }
-";
+const STATE_CASE: &str = include_str!("data/state.toml");
 
 fn create_options(folder: &Path, text: &str, sets: &[&str]) -> Options {
     let case_path = folder.join("state.toml");

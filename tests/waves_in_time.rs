@@ -253,7 +253,7 @@ fn fit_amplitudes(
 /// Verifies evanescent motion exp(−κd) in the bundled column against κ and the amplitude from the equations of
 /// motion.
 #[test]
-fn motion_in_forbidden_band_decays_with_depth() {
+fn motion_in_band_gap_decays_with_depth() {
     let results = run_case_file(bundled_case("dynamics/driven-column.toml"), &[]);
     let frequency = 2.0 * PI * 188.5;
     let number = (-squared_wave_number(frequency)).sqrt();
@@ -282,7 +282,7 @@ fn motion_in_forbidden_band_decays_with_depth() {
 
 /// Verifies that below and above the band the same load generates waves with phase speed ω/k that do not decay.
 #[test]
-fn waves_outside_forbidden_band_propagate_without_decay() {
+fn waves_outside_band_gap_propagate_without_decay() {
     for load in [160.0, 223.0] {
         // Before reflections from the bottom arrive: (2·290 − 5) m/(1836 m/s) = 0.31 s.
         let sets = [

@@ -42,12 +42,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`solids`] compares all branches of solids (elastic, loading and unloading); [`flows`] compares waves and
+//! [`solids`] compares all branches of solids (elastic, loading and unloading), [`blocks`] Bloch waves of blocky media;
+//! [`flows`] compares waves and
 //! perturbations of uniform flows. Both use the threads of the surrounding rayon pool; results do not depend on their
 //! number.
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod blocks;
 pub mod fit;
 pub mod flows;
 pub mod scheme;
@@ -124,6 +126,12 @@ pub enum AgreementError {
     /// No Fourier mode of the perturbation has a non-zero velocity.
     #[error("a perturbation that moves nothing on these grids")]
     NoVelocity,
+    /// The analysis of a blocky medium fails.
+    #[error(transparent)]
+    Bloch(#[from] analysis::bloch::BlochError),
+    /// A layer between blocks is not linear about its initial state.
+    #[error("{0}")]
+    NotLinear(&'static str),
     /// Cancelled by the progress callback.
     #[error("cancelled")]
     Cancelled,
@@ -141,6 +149,17 @@ pub enum MeasurementError {
     /// The solver rejects the solid on this grid.
     #[error(transparent)]
     Domain(#[from] dynamics::problem::DomainError),
+    /// The analysis finds no such Bloch wave.
+    #[error("the analysis: {0}")]
+    Bloch(#[from] analysis::bloch::BlochError),
+    /// A simulation exceeds the allowed number of cell updates.
+    #[error("{updates:.1e} cell-updates, more than {max_updates:.0e}")]
+    TooManyUpdates {
+        /// Number of cell updates: cells times steps.
+        updates: f64,
+        /// Allowed number of cell updates.
+        max_updates: f64,
+    },
     /// Amplitudes of a wave in a solid vanish, overflow or are NaN.
     #[error("amplitudes that vanish or are not finite")]
     VanishingAmplitude,

@@ -176,7 +176,7 @@ pub fn compare_band_gaps(
     let groups = group_branches(solid, wave.normal, wave.wave_number, true)?;
     let bands = groups.iter().flat_map(|group| {
         let inner =
-            group.forbidden_bands.iter().filter(|band| band.lower > 0.0 && band.upper.is_finite());
+            group.band_gaps.iter().filter(|band| band.lower > 0.0 && band.upper.is_finite());
         inner.map(move |band| (group.family.polarisation, *band))
     });
     Ok(bands

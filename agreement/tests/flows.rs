@@ -6,6 +6,8 @@ use models::flow::state::{Background, MaterialState};
 use models::registry;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use wellposed_agreement::flows::{
     ModeResult, Perturbation, UniformFlow, compare_fastest_mode, compare_waves,
 };
@@ -47,8 +49,11 @@ fn uniform_flow(density: f64) -> UniformFlow {
 
 const WAVE: PlaneWave<2> = PlaneWave { wave_number: 500.0, normal: [0.6, 0.8] };
 
+fn go_on(_done: usize, _all: usize) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
 fn compare_with_solver_density(density: f64) -> Vec<ModeResult> {
-    let go_on = |_: usize, _: usize| ControlFlow::Continue(());
     compare_waves(&uniform_flow(density), &[WAVE], &go_on).expect("results")
 }
 
@@ -67,27 +72,62 @@ fn wrong_solver_density_is_detected() {
     assert_eq!(results[0].is_within_tolerance(), Some(false), "{results:?}");
 }
 
-#[test]
-fn perturbation_grows_at_predicted_rate() {
-    let points = [16; 2];
-    let (length, amplitude) = (0.1, 1e-7);
+/// A wave of mode numbers 3 and 4 on a grid of 16 × 16 points.
+fn wave_perturbation() -> Perturbation {
+    let amplitude = 1e-7;
     let wave = |point: usize| {
         let [i, j] = [point % 16, point / 16].map(|index| (index as f64 + 0.5) / 16.0);
         amplitude * (TAU * (3.0 * i + 4.0 * j)).cos()
     };
-    let velocity = [-0.8, 0.6].map(|own| (0..256).map(|point| own * wave(point)).collect());
-    let perturbation =
-        Perturbation { points, lengths: [length; 2], velocity, internal_variable: vec![0.0; 256] };
-    let found = compare_fastest_mode(&uniform_flow(1600.0), &perturbation).expect("a mode");
+    Perturbation {
+        points: [16; 2],
+        lengths: [0.1; 2],
+        velocity: [-0.8, 0.6].map(|own| (0..256).map(|point| own * wave(point)).collect()),
+        internal_variable: vec![0.0; 256],
+    }
+}
+
+#[test]
+fn perturbation_grows_at_predicted_rate() {
+    let flow = uniform_flow(1600.0);
+    let perturbation = wave_perturbation();
+    let found = compare_fastest_mode(&flow, &perturbation, &go_on).expect("a mode");
     assert_eq!(found.mode, [3, 4]);
     assert!((found.measured_growth / found.predicted_growth - 1.0).abs() < 1e-2, "{found:?}");
     let short = Perturbation { internal_variable: Vec::new(), ..perturbation.clone() };
-    let refused = compare_fastest_mode(&uniform_flow(1600.0), &short);
+    let refused = compare_fastest_mode(&flow, &short, &go_on);
     assert!(matches!(refused, Err(AgreementError::PointCount { .. })), "{refused:?}");
-    let none = [vec![0.0; 256], vec![0.0; 256]];
-    let refused = compare_fastest_mode(
-        &uniform_flow(1600.0),
-        &Perturbation { velocity: none, ..perturbation },
-    );
+    let none = Perturbation { velocity: [vec![0.0; 256], vec![0.0; 256]], ..perturbation };
+    let refused = compare_fastest_mode(&flow, &none, &go_on);
     assert_eq!(refused, Err(AgreementError::NoVelocity));
+}
+
+/// Verifies that the progress of a measurement is reported for each evaluation of the right-hand side, up to the end, and
+/// that a measurement can be cancelled at any time.
+#[test]
+fn each_evaluation_of_a_measurement_reports_progress() {
+    let (flow, perturbation) = (uniform_flow(1600.0), wave_perturbation());
+    let calls = Mutex::new(Vec::new());
+    let record = |done: usize, all: usize| {
+        calls.lock().expect("no panic").push([done, all]);
+        ControlFlow::Continue(())
+    };
+    compare_fastest_mode(&flow, &perturbation, &record).expect("a mode");
+    let calls = calls.into_inner().expect("no panic");
+    assert!(calls.iter().all(|own| own[1] == 1000) && calls.is_sorted(), "{calls:?}");
+    assert_eq!(calls.last(), Some(&[1000, 1000]));
+    // At least one step between two of the 9 samples, with several evaluations each; no call advances by more.
+    assert!(calls.len() > 64, "{} calls", calls.len());
+    let greatest = calls.windows(2).map(|pair| pair[1][0] - pair[0][0]).max();
+    assert!(greatest <= Some(1 + 900 / 8), "{greatest:?}");
+    for limit in [1, 10, calls.len() / 2, calls.len()] {
+        let count = AtomicUsize::new(0);
+        let cancel = |_: usize, _: usize| match count.fetch_add(1, Ordering::Relaxed) + 1 {
+            found if found >= limit => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        };
+        let result = compare_fastest_mode(&flow, &perturbation, &cancel);
+        assert_eq!(result, Err(AgreementError::Cancelled), "{limit}");
+        assert_eq!(count.into_inner(), limit);
+    }
 }

@@ -1,9 +1,10 @@
 //! Factorisation of the corner coefficients of the Newton polygon.
 //!
-//! With ς = O(k^m) for an m between the slopes that meet in a corner, every entry of ςA + κ₁B¹ + κ₂B² + C has a leading
-//! term, and the corner coefficient is the determinant of the leading terms of the entries on a transversal of maximal
-//! order. The pattern of these entries decomposes into blocks, and the determinant into the product of the block
-//! determinants: for a granular flow, a block of the stresses and a block of the velocities.
+//! Let ς = O(k^m), with m between the slopes of the two edges that meet in a corner. Every nonzero entry of ςA + κ₁B¹ +
+//! κ₂B² + C then has one leading term. A transversal is a choice of one entry per row and column; its order in k is the
+//! sum of the orders of its entries. The corner coefficient is the determinant of the leading terms of those entries
+//! that belong to a transversal of maximal order. These entries form blocks, and the determinant is the product of the
+//! block determinants. A granular flow has a block of the stresses and a block of the velocities.
 
 use crate::form::BinaryForm;
 use crate::list::{StackList, list};
@@ -21,8 +22,8 @@ pub(crate) fn factor_corner_coefficient(
     let system = &scaled.system;
     let n = system.equations.len();
     let [time, space] = slope;
-    // Order in k of the leading term of an entry, times the denominator of `slope`, and that term as the coefficients
-    // of ς, κ₁, κ₂ and 1.
+    // Returns the leading term of an entry: its order in k times the denominator of `slope`, and its coefficients of ς,
+    // κ₁, κ₂ and 1.
     let leading = |i: usize, j: usize| -> Option<(i64, [Rounded; 4])> {
         let at = (i, j);
         let (a, b, c) = (system.a[at], [system.b[0][at], system.b[1][at]], system.c[at]);
@@ -41,8 +42,8 @@ pub(crate) fn factor_corner_coefficient(
     let entries: StackList<StackList<_, 8>, 8> =
         (0..n).map(|i| (0..n).map(|j| leading(i, j)).collect()).collect();
 
-    // Largest order of a transversal of the first rows and a set of columns (`first`), and of the remaining rows and
-    // columns (`last`); the index is the bit mask of the set.
+    // `first`: by bit mask of a set of columns, the largest order of a transversal of these columns and the first rows.
+    // `last`: the largest order of a transversal of the remaining columns and rows.
     const NO_TRANSVERSAL: i64 = i64::MIN / 4;
     let mut first: StackList<i64, 64> = smallvec![NO_TRANSVERSAL; 1 << n];
     let mut last = first.clone();

@@ -1,7 +1,7 @@
 //! Eigenvalues of dense matrices of any size.
 
-use nalgebra::DMatrix;
 use nalgebra::linalg::Schur;
+use nalgebra::{DMatrix, SymmetricEigen};
 use num_complex::Complex64;
 
 /// Eigenvalues of a dense complex matrix by the Schur form (QR algorithm), each accurate to the rounding of the largest
@@ -19,6 +19,23 @@ pub(crate) fn eigenvalues(mut matrix: DMatrix<Complex64>) -> Option<Vec<Complex6
     // Tolerance above the rounding of the rotations.
     let roots = Schur::try_new(matrix, 8.0 * f64::EPSILON, 10_000)?.eigenvalues()?;
     Some(roots.iter().map(|root| root - shift).collect())
+}
+
+/// Eigenvalues, not sorted, and optionally eigenvectors of a Hermitian matrix; `None` if an entry is not finite or the
+/// iteration does not converge.
+pub(crate) fn hermitian_eigenvalues(
+    matrix: DMatrix<Complex64>,
+    with_vectors: bool,
+) -> Option<(Vec<f64>, Option<DMatrix<Complex64>>)> {
+    if !matrix.norm().is_finite() {
+        return None;
+    }
+    if !with_vectors {
+        return Some((matrix.symmetric_eigenvalues().iter().copied().collect(), None));
+    }
+    let decomposition = SymmetricEigen::try_new(matrix, f64::EPSILON, 100_000)?;
+    let values = decomposition.eigenvalues.iter().copied().collect();
+    Some((values, Some(decomposition.eigenvectors)))
 }
 
 #[cfg(test)]

@@ -61,17 +61,18 @@ impl GrowthAccumulator {
         self.expected_order = self.expected_order.max(Some(order));
     }
 
-    /// Whether growth of order `order` could exceed the largest so far.
+    /// Whether growth of order `order` could exceed the largest growth recorded so far.
     pub(crate) fn can_improve(&self, order: GrowthOrder) -> bool {
         self.growth.is_none_or(|(known, _, _)| order >= known)
     }
 
-    /// Whether growth of some order below `order` could exceed the largest so far.
+    /// Whether growth of some order below `order` could exceed the largest growth recorded so far.
     pub(crate) fn can_improve_below(&self, order: GrowthOrder) -> bool {
         self.growth.is_none_or(|(known, _, _)| order > known)
     }
 
-    /// Order above which growth was expected and not found.
+    /// Returns the order passed to [`Self::expect_growth_above`] if no growth of a higher order was recorded: then the
+    /// search is incomplete.
     pub(crate) fn missing_order(&self) -> Option<GrowthOrder> {
         self.expected_order.filter(|&order| self.can_improve(order))
     }

@@ -1,9 +1,10 @@
 //! Growth in the layers around degenerate directions, by the Newton polytope in root, direction and wave number.
 //!
-//! A chart is the dispersion polynomial in local coordinates: x = ς − ς₀, and the offset y of the wave vector from a
-//! direction, Σ value xⁱ yˡ k^j. With x = O(k^m) and y = O(k^τ) the leading part is a facet of the Newton polytope of
-//! the points (i, l, j), a polynomial in c and d with x = c k^m and y = d k^τ. Its roots c grow, decay, or are neutral
-//! and continued by Puiseux series; a further chart is opened where they vanish, become infinite or collide.
+//! A chart is the dispersion polynomial Σ value xⁱ yˡ k^j in local coordinates: x = ς − ς₀, and y is the offset of the
+//! wave vector from a direction. For x = c k^m and y = d k^τ, the leading terms belong to a facet of the Newton
+//! polytope of the points (i, l, j) and form a polynomial in c and d. Each root c(d) is growing, decaying or neutral;
+//! neutral roots are continued by Puiseux series. Where roots vanish, become infinite or collide, a further chart is
+//! opened.
 
 use crate::face_polynomial::FacePolynomial;
 use crate::form::{BinaryForm, FormZero};

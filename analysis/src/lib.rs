@@ -17,7 +17,8 @@
 //!   and in space: flutter and shear bands;
 //! - [`energy`]: symmetriser and energy conservation of the equations of a solid;
 //! - [`kelvin`]: Kelvin waves, advected by a homogeneous flow;
-//! - [`waves`]: speeds, dispersion curves and forbidden bands of solids.
+//! - [`waves`]: speeds, dispersion curves and band gaps of solids;
+//! - [`bloch`]: Bloch waves of blocky media: dispersion, band gaps, speeds of long waves.
 //!
 //! [`flows`] and [`solids`] assess the media of [`models`] with these tools.
 //!
@@ -27,6 +28,7 @@
 
 pub mod acoustic_tensor2;
 pub mod acoustic_tensor3;
+pub mod bloch;
 pub mod bound;
 pub mod characteristics;
 mod corner_factors;

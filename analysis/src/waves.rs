@@ -77,9 +77,9 @@ pub struct WaveMode {
     pub slope: Complex64,
 }
 
-/// Forbidden band: a frequency interval in which no wave of a family propagates.
+/// Band gap: a frequency interval in which no wave of a family propagates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForbiddenBand {
+pub struct FrequencyInterval {
     /// Lower end, rad/s.
     pub lower: f64,
     /// Upper end, rad/s; may be infinite.
@@ -294,8 +294,8 @@ impl WaveFamily {
         all
     }
 
-    /// The branches at the wave number `k` (1/m), by ascending Re ω², with their slopes
-    /// x*(2kΓ + N₁)x (Hellmann–Feynman; for matrices that are not Hermitian by central differences).
+    /// Returns the branches at the wave number `k` (1/m), by ascending Re ω², with their slopes. The slope is x*(2kΓ +
+    /// N₁)x (Hellmann–Feynman) if the matrix is Hermitian; otherwise it is computed by central differences.
     pub fn modes(&self, k: f64) -> Vec<WaveMode> {
         if !self.is_hermitian {
             let step = 1e-5 * k;
@@ -367,11 +367,11 @@ impl WaveFamily {
         limits
     }
 
-    /// Frequency intervals in which no wave of the family propagates, ascending; empty if D is not symmetric. Assumes
-    /// branches monotonic in k, as for two velocities: with ω² = λ, (λ − ak²)(λ − d) = c²k² and ad ≥ c² give dλ/dk² ≥ 0
-    /// on both branches. Each branch begins at a cut-off and ends at a short-wave limit or at infinity; larger families
-    /// have a branch from zero to infinity.
-    pub fn forbidden_bands(&self) -> Vec<ForbiddenBand> {
+    /// Returns the band gaps, ascending: frequency intervals in which no wave of the family propagates; empty if D is
+    /// not symmetric. Assumes that branches are monotonic in k. This holds for two velocities: with λ = ω², (λ − ak²)(λ
+    /// − d) = c²k² and ad ≥ c² give dλ/dk² ≥ 0 on both branches. Each branch begins at a cut-off and ends at a
+    /// short-wave limit or at infinity; larger families have a branch from zero to infinity.
+    pub fn band_gaps(&self) -> Vec<FrequencyInterval> {
         if !self.is_hermitian {
             return Vec::new();
         }
@@ -393,12 +393,12 @@ impl WaveFamily {
         let mut reached = 0.0;
         for [low, high] in ranges {
             if low > reached * (1.0 + 1e-12) {
-                bands.push(ForbiddenBand { lower: reached, upper: low });
+                bands.push(FrequencyInterval { lower: reached, upper: low });
             }
             reached = f64::max(reached, high);
         }
         if reached.is_finite() {
-            bands.push(ForbiddenBand { lower: reached, upper: f64::INFINITY });
+            bands.push(FrequencyInterval { lower: reached, upper: f64::INFINITY });
         }
         bands
     }

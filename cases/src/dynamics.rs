@@ -4,10 +4,14 @@
 //! and lengths in m. Axes are numbered from 0 in the code and from 1 in case files. In plane strain forces are per unit
 //! thickness.
 
+mod block;
+mod blocks;
 mod boundary;
 mod component;
 mod grid;
 mod initial;
+mod joint;
+mod joint_keys;
 mod load;
 pub(crate) mod output;
 mod plane_pulse;
@@ -17,14 +21,18 @@ mod region;
 mod shape;
 mod source;
 pub(crate) mod stress;
+mod tiling;
 mod time;
 mod time_function;
 
 pub use crate::receivers::{Interpolation, ReceiverPoint};
+pub use block::{BlockEntry, MAX_BLOCKS, MaterialPattern};
+pub use blocks::Blocks;
 pub use boundary::{BoundaryConditionKind, BoundaryFace, FaceCondition, FaceRectangle};
 pub use component::StateComponent;
 pub use grid::{MAX_CELLS, SolidGrid};
 pub use initial::{InitialStateTerm, PulseCentre};
+pub use joint::{JointEntry, JointLaw, JointSelector, MAX_JOINTS};
 pub use load::{FaceLoad, LoadedArea};
 pub use output::{PlottedQuantity, RecordedQuantity, SolidOutput};
 pub use plane_pulse::{BodyWaveType, PlanePulseInput};
@@ -33,6 +41,7 @@ pub use region::{MAX_REGIONS, MaterialRegion};
 pub use shape::RegionShape;
 pub use source::{Kernel, PointSource, SourceKind};
 pub use stress::Gravity;
+pub use tiling::{BlockContact, PlacedBlock};
 pub use time::{
     DEFAULT_COURANT_NUMBER, DimensionalSplitting, LedgerDetail, Precision, ReconstructionScheme,
     ReturnMappingOrder, SchemeOptions, SolidTime,
@@ -53,6 +62,8 @@ use std::path::Path;
 /// Schemas of the time-domain sections of a solid, in the order of writing.
 pub(crate) const SOLID_SCHEMAS: &[&TableSchema] = &[
     &grid::SCHEMA,
+    &block::SCHEMA,
+    &joint::SCHEMA,
     &time::TIME_SCHEMA,
     &time::SCHEME_SCHEMA,
     &region::SCHEMA,
@@ -69,13 +80,15 @@ pub(crate) const SOLID_SCHEMAS: &[&TableSchema] = &[
 /// Sections of a time-domain simulation of a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidRun {
-    /// Section `[grid]`: the grid of cells.
+    /// Section `[grid]`: the grid of cells; in a blocky medium the bounding box of the blocks.
     pub grid: SolidGrid,
     /// Section `[time]`: duration and Courant number.
     pub time: SolidTime,
     /// Section `[scheme]`: options of the numerical scheme.
     pub scheme: SchemeOptions,
-    /// Regions of different media; if empty, the medium of the case fills the whole grid.
+    /// Blocks and joints of a blocky medium, if present; then the case has no regions.
+    pub blocks: Option<Blocks>,
+    /// Regions of different media; without regions and blocks the medium of the case fills the whole grid.
     pub regions: Vec<MaterialRegion>,
     /// Boundary conditions. Faces without a condition are traction-free; where entries overlap, the last one applies.
     pub boundary_conditions: Vec<FaceCondition>,
@@ -97,6 +110,25 @@ pub struct SolidRun {
 }
 
 impl SolidRun {
+    /// Returns the materials of the regions or blocks, in the order of the indices of
+    /// [`compute_cell_media`](Self::compute_cell_media); empty if the material of the case fills the whole grid.
+    pub fn materials(&self) -> Vec<&Material> {
+        match &self.blocks {
+            Some(blocks) => blocks.materials.iter().collect(),
+            None => self.regions.iter().map(|region| &region.material).collect(),
+        }
+    }
+
+    /// Returns the section of the material with an index in [`materials`](Self::materials), as a key for messages:
+    /// `region[0]`, `block[0]` or `block[0].materials[1]`; empty for the material of the case.
+    pub fn material_section(&self, index: usize) -> String {
+        match &self.blocks {
+            Some(blocks) => blocks.material_section(index),
+            None if self.regions.is_empty() => String::new(),
+            None => format!("region[{index}]"),
+        }
+    }
+
     /// Returns all time functions: of loads, sources and initial plane pulses.
     pub(crate) fn time_functions(&self) -> impl Iterator<Item = &TimeFunction> {
         let initial = self.initial_terms.iter().filter_map(|part| match part {
@@ -126,19 +158,25 @@ impl SolidRun {
         let components = StateComponent::all_components(theory, grid.dimensions());
         let reader =
             SolidReader { grid: &grid, theory, state_components: components, case_folder: folder };
-        let regions = reader.read_regions(root, material_of)?;
+        let regions = reader.read_regions(root, &material_of)?;
+        let blocks = reader.read_blocky_medium(root, &material_of)?;
         let sides = reader.read_boundary_conditions(root)?;
         let periodic: Vec<BoundaryFace> = periodic_faces(&sides).map(|(_, side)| side).collect();
         let (loads, sources) = (reader.read_loads(root, &periodic)?, reader.read_sources(root)?);
-        let yields = match regions.as_slice() {
-            [] => material.yield_set.is_some(),
-            regions => regions.iter().any(|region| region.material.yield_set.is_some()),
+        let of_regions = regions.iter().map(|region| &region.material);
+        let of_blocks = blocks.iter().flat_map(|blocks| &blocks.materials);
+        let mut own = of_regions.chain(of_blocks).peekable();
+        let yields = match own.peek() {
+            None => material.yield_set.is_some(),
+            Some(_) => own.any(|material| material.yield_set.is_some()),
         };
         let output = reader.read_output(root, yields)?;
         let time = SolidTime::read(root)?;
+        let has_joints = blocks.as_ref().is_some_and(Blocks::has_joints);
         Ok(Self {
-            scheme: SchemeOptions::read(root, time.courant_number, yields)?,
+            scheme: SchemeOptions::read(root, time.courant_number, (yields, has_joints))?,
             time,
+            blocks,
             regions,
             boundary_conditions: sides,
             loads,
@@ -156,7 +194,11 @@ impl SolidRun {
     /// Formats the sections as TOML with all values, defaults included.
     pub(crate) fn to_toml(&self) -> String {
         let d = self.grid.dimensions();
-        let mut text = self.grid.to_toml() + &self.time.to_toml() + &self.scheme.to_toml();
+        let grid = match &self.blocks {
+            Some(blocks) => blocks.to_toml(),
+            None => self.grid.to_toml(),
+        };
+        let mut text = grid + &self.time.to_toml() + &self.scheme.to_toml();
         text.extend(self.regions.iter().map(|region| region.to_toml(d)));
         text.extend(self.boundary_conditions.iter().map(FaceCondition::to_toml));
         text.extend(self.loads.iter().map(|load| load.to_toml(d)));
@@ -177,14 +219,17 @@ impl SolidRun {
     ) -> CaseError {
         self.positions.error_at(path, found, allowed)
     }
-    /// Computes the region index of each cell, an index into [`regions`](Self::regions), with the first axis fastest; 0
-    /// in all cells without regions. A cell belongs to the region that contains the cell centre, else to the region of
-    /// shape [`RegionShape::Complement`].
+    /// Computes the region index of each cell, an index into [`regions`](Self::regions) or in a blocky medium into
+    /// [`Blocks::materials`], with the first axis fastest; 0 in all cells without regions and blocks. A cell belongs to
+    /// the region that contains the cell centre, else to the region of shape [`RegionShape::Complement`].
     ///
     /// # Errors
     /// Two regions contain the same cell centre, a cell is in no region, a region contains no cell, or memory
     /// allocation fails.
     pub fn compute_cell_media(&self) -> Result<Vec<u16>, CaseError> {
+        if let Some(blocks) = &self.blocks {
+            return blocks.compute_cell_materials();
+        }
         let count = self.grid.cell_count();
         let mut media = Vec::new();
         if media.try_reserve_exact(count).is_err() {

@@ -83,6 +83,9 @@ fn add_dimension_conditions(branches: &mut ConditionalSchemas) {
     let solids = registry::solids();
     let solids: Vec<&str> = solids.iter().filter(|own| own.is_plane).map(|own| own.name).collect();
     ask(build_value_condition("model", "kind", &solids), "grid", "cells", json!({ "maxItems": 2 }));
+    // Blocks are in plane strain.
+    let then = branches.requirements_under(in_model(3));
+    object_entry(then, "properties").insert("block".into(), json!(false));
 }
 
 /// Conditional parts of the schema (`if`/`then`): each condition occurs once, with all its requirements.
@@ -227,7 +230,8 @@ fn add_scalar_key(
         let mut condition = build_model_condition(&kinds, &sets);
         // With a section `[grid]` the number of dimensions follows from the grid.
         if key.name == "model.dimensions" {
-            condition = json!({ "allOf": [condition, { "not": { "required": ["grid"] } }] });
+            let grids = json!([{ "required": ["grid"] }, { "required": ["block"] }]);
+            condition = json!({ "allOf": [condition, { "not": { "anyOf": grids } }] });
         }
         let then = branches.requirements_under(condition);
         append_unique(then, "required", section);
@@ -308,19 +312,34 @@ fn add_simulation_sections(
         }
         let then = branches.requirements_under(own);
         for form in &forms {
-            let needed: Vec<&str> = forms
-                .iter()
-                .filter(|other| other.is_required && other.name != form.name)
+            let others =
+                || forms.iter().filter(|other| other.is_required && other.name != form.name);
+            let needed: Vec<&str> = others()
+                .filter(|other| other.alternative.is_none())
                 .map(|other| other.name)
                 .collect();
             for name in [form.name].into_iter().chain(form.former_name) {
                 properties.entry(name).or_insert_with(|| json!({}));
                 object_entry(then, "dependentRequired").insert(name.to_owned(), json!(needed));
+                let dependent = object_entry(object_entry(then, "dependentSchemas"), name);
+                for (other, section) in
+                    others().filter_map(|other| Some((other, other.alternative?)))
+                {
+                    let either = json!([{ "required": [other.name] }, { "required": [section] }]);
+                    dependent.insert("oneOf".into(), either);
+                }
             }
             if let Some(name) = form.former_name {
                 // The section has one of both names.
-                let both = json!({ "properties": { name: false } });
-                object_entry(then, "dependentSchemas").insert(form.name.to_owned(), both);
+                let own = object_entry(object_entry(then, "dependentSchemas"), form.name);
+                object_entry(own, "properties").insert(name.to_owned(), json!(false));
+            }
+            if form.name == "joint" || form.name == "region" {
+                let own = object_entry(object_entry(then, "dependentSchemas"), form.name);
+                match form.name {
+                    "joint" => own.insert("required".into(), json!(["block"])),
+                    _ => object_entry(own, "properties").insert("block".to_owned(), json!(false)),
+                };
             }
         }
     }
@@ -347,7 +366,11 @@ fn add_simulation_sections(
 fn build_dimension_condition(dimensions: usize) -> Value {
     let cells = match dimensions {
         2 => json!({ "maxItems": 2 }),
-        _ => json!({ "minItems": 3 }),
+        // Without a section `[grid]` there are two dimensions.
+        _ => {
+            let grid = json!({ "properties": { "cells": { "minItems": 3 } } });
+            return json!({ "properties": { "grid": grid }, "required": ["grid"] });
+        }
     };
     json!({ "properties": { "grid": { "properties": { "cells": cells } } } })
 }

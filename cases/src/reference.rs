@@ -68,7 +68,7 @@ pub fn generate_reference() -> String {
         for form in forms {
             append_table(&mut page, form);
             for (_, item) in form.keys() {
-                if let ValueType::Table(inner) = item.value_type
+                if let ValueType::Table(inner) | ValueType::TableList(inner) = item.value_type
                     && !tables.iter().any(|own| std::ptr::eq(*own, inner) || own.name == inner.name)
                 {
                     tables.push(inner);
@@ -148,7 +148,12 @@ fn append_table(page: &mut String, form: &'static TableSchema) {
     let first = letters.next().map_or(String::new(), |letter| letter.to_uppercase().collect());
     let _ = write!(page, "\n### `{}`\n\n{first}{}.\n", form.header(), letters.as_str());
     if form.is_required && form.layout != TableLayout::InlineTable {
-        page.push_str("Required for a simulation.\n");
+        match form.alternative {
+            Some(other) => {
+                let _ = writeln!(page, "Required for a simulation without `[[{other}]]`.");
+            }
+            None => page.push_str("Required for a simulation.\n"),
+        }
     }
     if let Some(name) = form.former_name {
         let header = form.layout.format_header(name);
@@ -281,6 +286,8 @@ fn describe_type(value: &ValueType) -> String {
             }
         }
         ValueType::Table(form) => format!("table, see `{}`", form.header()),
+        ValueType::TableList(form) => format!("list of tables, see `{}`", form.header()),
+        ValueType::IndexList => "list of whole numbers ≥ 0".into(),
         ValueType::SectionKeys(section) => format!("table with keys of `[{section}]`"),
     }
 }

@@ -22,6 +22,8 @@ pub struct TableSchema {
     pub meaning: &'static str,
     /// Whether a time-domain simulation requires the table.
     pub is_required: bool,
+    /// Section that replaces a required table.
+    pub(crate) alternative: Option<&'static str>,
     /// Remedy for messages if the table is missing.
     pub(crate) remedy: &'static str,
     /// Keys of the table, in the order of the reference page; empty for `[initial_stress]`, whose keys are stress
@@ -171,6 +173,10 @@ pub enum ValueType {
     AnyOf(AllowedNames),
     /// An inline table.
     Table(&'static TableSchema),
+    /// A list of inline tables.
+    TableList(&'static TableSchema),
+    /// A list of whole numbers from 0.
+    IndexList,
     /// An inline table with keys of this section of the case.
     SectionKeys(&'static str),
 }
@@ -218,7 +224,8 @@ impl TableSchema {
         groups: &'static [KeyGroup],
     ) -> Self {
         let (layout, is_required, remedy) = (TableLayout::Section, false, "");
-        Self { name, former_name: None, layout, meaning, is_required, remedy, groups }
+        let (former_name, alternative) = (None, None);
+        Self { name, former_name, layout, meaning, is_required, alternative, remedy, groups }
     }
 
     /// Builds the schema of a list of sections.
@@ -242,6 +249,11 @@ impl TableSchema {
     /// Marks the table as required in time-domain simulations; `remedy` is printed if it is missing.
     pub(crate) const fn with_remedy(self, remedy: &'static str) -> Self {
         Self { is_required: true, remedy, ..self }
+    }
+
+    /// Sets the section that replaces this required table.
+    pub(crate) const fn with_alternative(self, section: &'static str) -> Self {
+        Self { alternative: Some(section), ..self }
     }
 
     /// Sets the former name of the section.

@@ -4,7 +4,9 @@ use super::error::{CaseError, SourcePosition, escape};
 use super::key_positions::KeyPositions;
 use super::node::{Node, NodeTable, format_segment};
 use super::value::{CaseValue, find_similar_name, format_suggestion};
-use crate::schema::{KeyCondition, KeyPresence, KeySchema, SchemaScope, TableSchema, ValueType};
+use crate::schema::{
+    KeyCondition, KeyPresence, KeySchema, SchemaScope, TableLayout, TableSchema, ValueType,
+};
 use std::fmt::{Debug, Display};
 use toml::de::DeValue;
 
@@ -338,7 +340,11 @@ impl<'a> SectionReader<'a> {
             }
             Some(node) => {
                 let found = format!("found {}", node.describe());
-                Err(self.error_at(name, found, format!("expected sections [[{name}]]")))
+                let expected = match form.layout {
+                    TableLayout::InlineTable => "expected a list of tables [{ ... }, ...]".into(),
+                    _ => format!("expected sections [[{name}]]"),
+                };
+                Err(self.error_at(name, found, expected))
             }
         }
     }
@@ -411,6 +417,16 @@ impl TableWriter {
         let entry = |(name, value): &(String, String)| format!("{name} = {value}");
         let entries: Vec<String> = inner.0.iter().map(entry).collect();
         self.with_toml(name, format_args!("{{ {} }}", entries.join(", ")))
+    }
+
+    /// Adds a list of inline tables.
+    pub(super) fn with_table_list(self, name: &str, tables: &[Self]) -> Self {
+        let braces = |table: &Self| {
+            let entries = table.0.iter().map(|(name, value)| format!("{name} = {value}"));
+            format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+        };
+        let tables: Vec<String> = tables.iter().map(braces).collect();
+        self.with_toml(name, format_args!("[{}]", tables.join(", ")))
     }
 
     /// Adds a value that is already formatted as TOML.

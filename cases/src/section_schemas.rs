@@ -34,7 +34,7 @@ pub fn all_schemas() -> [(&'static str, Vec<&'static TableSchema>); 3] {
     ]
 }
 
-/// Returns whether the case describes a time-domain simulation, i.e. has a section `[grid]`.
+/// Returns whether the case describes a time-domain simulation, i.e. has a section `[grid]` or `[[block]]`.
 ///
 /// # Errors
 /// A section is not used by the kind of model, or a time-domain section is present without `[grid]`.
@@ -70,7 +70,7 @@ pub(crate) fn has_simulation(root: &SectionReader, kind: ModelKind) -> Result<bo
     let first = own.iter().map(|form| form.name).find(|name| root.has_key(name));
     match first {
         None => Ok(false),
-        Some("grid") => Ok(true),
+        Some("grid" | "block") => Ok(true),
         Some(name) => {
             let size = if let ModelKind::Flow(_) = kind { "length" } else { "spacing" };
             let allowed =
@@ -101,7 +101,7 @@ mod tests {
                     KeyCondition::PlaneStrain | KeyCondition::Space => {}
                 }
             }
-            if let ValueType::Table(inner) = item.value_type {
+            if let ValueType::Table(inner) | ValueType::TableList(inner) = item.value_type {
                 assert_keys_are_consistent(inner);
                 continue;
             }

@@ -16,6 +16,8 @@ pub enum TemplateKind {
     SingleState,
     /// Time-domain simulation, for the command `run`.
     Simulation,
+    /// Time-domain simulation of a blocky medium of a solid; for a flow the same as [`Simulation`](Self::Simulation).
+    BlockySimulation,
 }
 
 /// Columns at which comments start: in templates of states, and in time-domain sections.
@@ -51,6 +53,42 @@ const EXAMPLE_SOLID_RUN: &[ExampleSection] = &[
         ],
     ),
     ("receiver", &[("name", "\"surface\""), ("at", "[40.0, 0.0]")]),
+    ("output", &[("picture", "\"speed\"")]),
+];
+
+/// Example time-domain simulation of a blocky medium.
+const EXAMPLE_BLOCKY_RUN: &[ExampleSection] = &[
+    (
+        "block",
+        &[
+            ("name", "\"rock\""),
+            ("cells", "[10, 10]"),
+            ("spacing", "0.005"),
+            ("origin", "[-1.0, -1.0]"),
+            ("repeat", "[40, 20]"),
+        ],
+    ),
+    ("joint", &[("every", "\"all\""), ("kind", "\"elastic\"")]),
+    ("time", &[("duration", "1e-3")]),
+    ("scheme", &[]),
+    ("boundary", &[("side", "\"x1-\""), ("kind", "\"non-reflecting\"")]),
+    ("boundary", &[("side", "\"x1+\""), ("kind", "\"non-reflecting\"")]),
+    ("boundary", &[("side", "\"x2-\""), ("kind", "\"non-reflecting\"")]),
+    (
+        "load",
+        &[
+            ("side", "\"x2+\""),
+            ("field", "\"sigma22\""),
+            ("amplitude", "-1e6"),
+            ("from", "-0.2"),
+            ("to", "0.2"),
+            ("time", "{ kind = \"pulse\", start = 0.0, duration = 2e-4 }"),
+        ],
+    ),
+    (
+        "receiver",
+        &[("name", "\"below\""), ("at", "[0.025, -0.475]"), ("interpolation", "\"none\"")],
+    ),
     ("output", &[("picture", "\"speed\"")]),
 ];
 
@@ -105,14 +143,17 @@ pub fn generate_template(medium: MediumKind, purpose: TemplateKind) -> String {
             text,
             "\n# Template of a yielding solid: wellposed new {}{} --yield SET, with SET one of\n# {}.\n",
             kind.name(),
-            if purpose == TemplateKind::Simulation { " --run" } else { "" },
+            if purpose != TemplateKind::SingleState { " --run" } else { "" },
             names.join(", ")
         );
     }
-    if purpose == TemplateKind::Simulation {
+    if purpose != TemplateKind::SingleState {
         let mut blocks = SectionTemplates::new(kind, COMMENT_COLUMNS[1]);
-        let start =
-            if let ModelKind::Solid(_) = kind { EXAMPLE_SOLID_RUN } else { EXAMPLE_FLOW_RUN };
+        let start = match (kind, purpose) {
+            (ModelKind::Flow(_), _) => EXAMPLE_FLOW_RUN,
+            (_, TemplateKind::BlockySimulation) => EXAMPLE_BLOCKY_RUN,
+            _ => EXAMPLE_SOLID_RUN,
+        };
         for form in simulation_schemas(kind) {
             blocks.add_section(form, start);
         }
@@ -146,11 +187,13 @@ kind = \"{name}\"
 ",
         what = match purpose {
             TemplateKind::SingleState => "Analysis of one state of one material",
-            TemplateKind::Simulation if is_flow => "Time-domain simulation of a flow",
-            TemplateKind::Simulation => "Time-domain simulation of a solid in plane strain",
+            TemplateKind::BlockySimulation if !is_flow =>
+                "Time-domain simulation of a blocky medium in plane strain",
+            _ if is_flow => "Time-domain simulation of a flow",
+            _ => "Time-domain simulation of a solid in plane strain",
         },
         verbs = match kind {
-            _ if purpose == TemplateKind::Simulation =>
+            _ if purpose != TemplateKind::SingleState =>
                 "# wellposed run FILE    fields, receiver records, energy ledger",
             ModelKind::Flow(_) => {
                 "# wellposed point FILE    full report on this state
@@ -180,7 +223,7 @@ fn template_value(key: &Key, medium: MediumKind, purpose: TemplateKind) -> Optio
     if section == "stress" && has_active {
         return None;
     }
-    let is_plane = purpose == TemplateKind::Simulation || has_active;
+    let is_plane = purpose != TemplateKind::SingleState || has_active;
     if key.name == "model.dimensions" && is_plane {
         return Some("2".into());
     }

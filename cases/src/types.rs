@@ -74,6 +74,9 @@ impl ValueType {
             Self::NumberList(_, AllowedRange::Positive) => "a list of positive numbers".into(),
             Self::NumberList(..) => "a list of finite numbers".into(),
             Self::CountList { length: [few, many], minimum: least, order } => match order {
+                CountConstraint::Unconstrained if few == many => {
+                    format!("a list of {few} whole numbers of at least {least}")
+                }
                 CountConstraint::Unconstrained => {
                     format!("a list of {few} or {many} whole numbers of at least {least}")
                 }
@@ -105,6 +108,8 @@ impl ValueType {
                 }
                 text
             }
+            Self::TableList(_) => "a list of tables [{ ... }, ...]".into(),
+            Self::IndexList => "a list of whole numbers of at least 0".into(),
             Self::SectionKeys(section) => format!("a table with keys of [{section}]"),
         }
     }
@@ -197,7 +202,11 @@ impl ValueType {
                 };
                 all.iter().all(|count| *count >= 2).then_some(CaseValue::CountList(all))
             }
-            Self::Table(_) | Self::SectionKeys(_) => None,
+            Self::IndexList => {
+                let index = |item: &DeValue| usize::try_from(value::parse_integer(item)?).ok();
+                parse_list(value, value.as_array()?.len(), index).map(CaseValue::CountList)
+            }
+            Self::Table(_) | Self::TableList(_) | Self::SectionKeys(_) => None,
         }
     }
 }

@@ -49,6 +49,7 @@ macro_rules! from_value {
 }
 
 from_value! {
+    TextList: Vec<String>;
     Text: String;
     Boolean: bool;
     Count: usize;

@@ -71,8 +71,11 @@ impl ListChange {
 
 /// Cases refused by the program only, since the error depends on several items or tables: no perturbation left,
 /// duplicate receiver names, an empty list of fields, a periodic face without its opposite face, a recorded integral
-/// that is not computed, a second region `rest`.
-const PROGRAM_ONLY_ERRORS: [&str; 8] = [
+/// that is not computed, a second region `rest`, no blocks, a block twice in the same place.
+const PROGRAM_ONLY_ERRORS: [&str; 11] = [
+    "block Empty",
+    "block Shorter",
+    "block Longer",
     "initial Empty",
     "initial Shorter",
     "output.integrals Empty",

@@ -17,6 +17,9 @@ use wellposed_cases::{
 
 type KeyNames = BTreeSet<String>;
 
+const ALL_TEMPLATES: [TemplateKind; 3] =
+    [TemplateKind::SingleState, TemplateKind::Simulation, TemplateKind::BlockySimulation];
+
 /// Returns all keys by section and name, e.g. `model.mu`, `load.time.kind`. A key of both solids and flows occurs once.
 fn collect_all_keys() -> KeyNames {
     let mut names: KeyNames = keys().iter().map(|key| key.name.to_owned()).collect();
@@ -31,7 +34,7 @@ fn collect_all_keys() -> KeyNames {
 fn collect_schema_keys(names: &mut KeyNames, path: &str, form: &'static TableSchema) {
     for (_, item) in form.keys() {
         let name = format!("{path}.{}", item.name);
-        if let ValueType::Table(inner) = item.value_type {
+        if let ValueType::Table(inner) | ValueType::TableList(inner) = item.value_type {
             collect_schema_keys(names, &name, inner);
         }
         names.insert(name);
@@ -80,9 +83,10 @@ fn collect_nested_properties(schema: &Value, root: &Value, path: &str, names: &m
 fn remove_sections(names: KeyNames) -> KeyNames {
     let all = collect_all_keys();
     let is_inside = |name: &String| {
-        name.starts_with("region.model.")
-            || name.starts_with("region.yield.")
-            || name.starts_with("initial_stress.")
+        let of_material =
+            ["region.model.", "region.yield.", "block.model.", "block.yield.", "block.materials."];
+        name.starts_with("initial_stress.")
+            || of_material.iter().any(|start| name.starts_with(start)) && !all.contains(name)
     };
     let is_section = |name: &String| {
         !all.contains(name) && all.iter().any(|own| own.starts_with(&format!("{name}.")))
@@ -111,7 +115,7 @@ fn json_schema_has_exactly_all_keys() {
 #[test]
 fn reference_page_has_exactly_all_keys() {
     let (mut names, mut section) = (KeyNames::new(), String::new());
-    let tables = ["time", "profile"];
+    let tables = ["time", "profile", "materials", "inside"];
     for line in generate_reference().lines() {
         if let Some(title) = line.strip_prefix("## ").or(line.strip_prefix("### ")) {
             let name = title.split('`').nth(1).unwrap_or_default();
@@ -167,7 +171,7 @@ fn collect_template_keys(text: &str, names: &mut KeyNames) {
 fn templates_have_exactly_all_keys() {
     let mut names = KeyNames::new();
     for medium in MediumKind::all_media() {
-        for purpose in [TemplateKind::SingleState, TemplateKind::Simulation] {
+        for purpose in ALL_TEMPLATES {
             collect_template_keys(&generate_template(medium, purpose), &mut names);
         }
     }
@@ -178,6 +182,7 @@ fn templates_have_exactly_all_keys() {
     let fold = |name: &str| match name.split('.').collect::<Vec<_>>()[..] {
         [_, table @ ("time" | "profile"), key] => format!("{table}.{key}"),
         ["initial", key @ ("center" | "point" | "normal")] => format!("region.{key}"),
+        ["block", "materials", key] => format!("block.{key}"),
         _ => name.to_owned(),
     };
     expected = expected.iter().map(|name| fold(name)).collect();
@@ -279,7 +284,7 @@ fn bundled_resolved_and_template_cases_are_valid() {
         check(&name, &Case::load(&file, &[]).expect("a case").to_toml());
     }
     for medium in MediumKind::all_media() {
-        for purpose in [TemplateKind::SingleState, TemplateKind::Simulation] {
+        for purpose in ALL_TEMPLATES {
             let text = generate_template(medium, purpose);
             check(&medium.title(), &text);
             let case = Case::parse(&text, "new.toml", &[]).expect("a case");
@@ -288,82 +293,9 @@ fn bundled_resolved_and_template_cases_are_valid() {
     }
 }
 
-const SOLID_CASE: &str = "\
-[model]
-kind = 'classical'
-lambda = 1e9
-mu = 1e9
-density = 2000
-[yield]
-kind = 'drucker-prager'
-strength = 1e6
-friction = 0.5
-dilatancy = 0.5
-[grid]
-cells = [20, 10]
-spacing = 1
-[time]
-duration = 1
-[[region]]
-shape = 'layer'
-axis = 2
-from = 0
-to = 10
-model = { mu = 2e9 }
-[[boundary]]
-side = 'x1-'
-kind = 'mixed'
-fixed_components = ['v1']
-[[load]]
-side = 'x2+'
-field = 'sigma22'
-amplitude = 1
-at = 5
-kernel = 'bell'
-radius = 1
-time = { kind = 'ricker', frequency = 5 }
-[[initial]]
-kind = 'pulse'
-field = 'v1'
-amplitude = 1
-at = [5, 5]
-radius = 1
-[gravity]
-acceleration = [0, -9.81]
-[[receiver]]
-from = [1, 1]
-to = [5, 5]
-count = 3
-[check]
-numbers = [1]
-";
+const SOLID_CASE: &str = include_str!("data/solid.toml");
 
-const FLOW_CASE: &str = "\
-[model]
-kind = 'harris-grekova'
-friction_angle_deg = 30
-moment_of_inertia = 1e-7
-rotational_strength = 0
-[background]
-density = 1600
-pressure = 1000
-stress_angle_deg = 45
-shear_rate = 50
-[grid]
-cells = [32, 32]
-length = 0.1
-[time]
-duration = 1e-3
-[[initial]]
-kind = 'noise'
-field = 'v'
-from = 1
-to = 6
-amplitude = 1e-4
-seed = 1
-[[receiver]]
-at = [0.05, 0.05]
-";
+const FLOW_CASE: &str = include_str!("data/flow.toml");
 
 /// Modifications that make a case invalid: case, text replaced, and its replacement.
 #[rustfmt::skip]

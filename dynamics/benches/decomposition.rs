@@ -47,7 +47,7 @@ fn measure_fastest<const D: usize>(
     for _ in 0..MEASUREMENT_ROUNDS {
         for (solver, best) in solvers.iter_mut().zip(&mut best) {
             let start = Instant::now();
-            solver.advance(steps);
+            solver.advance(steps).expect("threads");
             *best = best.min(start.elapsed().as_secs_f64() / (steps * cell_count) as f64);
         }
     }
@@ -59,7 +59,7 @@ fn fill_with_noise<const D: usize>(solver: &mut DecomposedDomain<f64, D>, cell_c
         let value = |cell: usize| noise((cell + 31 * index) as u64);
         solver.set(field, &(0..cell_count).map(value).collect::<Vec<_>>());
     }
-    solver.advance(2);
+    solver.advance(2).expect("threads");
 }
 
 fn compare_decompositions<const D: usize>(

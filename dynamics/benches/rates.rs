@@ -174,7 +174,7 @@ impl<T: SolverReal, const D: usize> MeasuredSolver<T, D> {
 
     fn advance(&mut self, steps: usize) {
         match self {
-            Self::Fused(own) => own.advance(steps),
+            Self::Fused(own) => own.advance(steps).expect("threads"),
             Self::Reference(own) => own.advance(steps),
         }
     }

@@ -44,6 +44,9 @@ const MAX_STEP_SHEAR: f64 = 0.25;
 /// Rounding error of a step relative to the sum of the norm of the state and the background shear rate.
 const STEP_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
+/// Callback before an evaluation of the right-hand side, called with the time of the evaluation, s.
+pub type EvaluationCallback<'a> = &'a mut dyn FnMut(f64);
+
 /// A field of a flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlowField {
@@ -231,10 +234,23 @@ impl FlowSolver {
     /// # Errors
     /// A point has left the fully deforming region, or no step meets the tolerance; the state is then unchanged.
     pub fn advance(&mut self, until: f64) -> Result<(), LeftDomain> {
+        self.advance_with(until, &mut |_| {})
+    }
+
+    /// Makes one step as [`advance`](Self::advance) does, and calls `on_evaluation` before each evaluation of the
+    /// right-hand side with the time of the evaluation, s. A step on a large grid may take minutes.
+    ///
+    /// # Errors
+    /// See [`advance`](Self::advance).
+    pub fn advance_with(
+        &mut self,
+        until: f64,
+        on_evaluation: EvaluationCallback,
+    ) -> Result<(), LeftDomain> {
         if until <= self.time {
             return Ok(());
         }
-        self.apply_or_restore(|flow| flow.step_towards(until))
+        self.apply_or_restore(|flow| flow.step_towards(until, on_evaluation))
     }
 
     /// Makes a step of size `step`, s, without error control, with at least `min_stages` stages.
@@ -243,9 +259,9 @@ impl FlowSolver {
     /// See [`advance`](Self::advance); or the step requires more than the maximum number of stages.
     pub fn advance_by(&mut self, step: f64, min_stages: usize) -> Result<(), LeftDomain> {
         self.apply_or_restore(|flow| {
-            flow.update_spectral_radius()?;
+            flow.update_spectral_radius(&mut |_| {})?;
             let end = flow.time + step;
-            let (state, rates, _) = flow.try_step(step, end, min_stages)?;
+            let (state, rates, _) = flow.try_step(step, end, min_stages, &mut |_| {})?;
             flow.accept_step(state, rates, end);
             Ok(())
         })
@@ -270,13 +286,17 @@ impl FlowSolver {
             (self.steps + 1, self.control.steps_since_estimate + 1);
     }
 
-    fn step_towards(&mut self, until: f64) -> Result<(), LeftDomain> {
+    fn step_towards(
+        &mut self,
+        until: f64,
+        on_evaluation: EvaluationCallback,
+    ) -> Result<(), LeftDomain> {
         let rest = until - self.time;
         if self.control.step.is_nan() {
-            self.control.spectral_radius = self.estimate_spectral_radius()?;
-            self.control.step = self.estimate_first_step(rest)?;
+            self.control.spectral_radius = self.estimate_spectral_radius(on_evaluation)?;
+            self.control.step = self.estimate_first_step(rest, on_evaluation)?;
         }
-        self.update_spectral_radius()?;
+        self.update_spectral_radius(on_evaluation)?;
         let start = self.equations.pressure.clone();
         let (mut cuts, mut last_left) = (0, None);
         loop {
@@ -298,7 +318,7 @@ impl FlowSolver {
                     || self.error_without_position("a step is below the rounding of the time");
                 return Err(last_left.unwrap_or_else(stuck));
             }
-            match self.try_step(step, end, 0) {
+            match self.try_step(step, end, 0, on_evaluation) {
                 Ok((state, rates, error)) if error <= 1.0 => {
                     let factor = 0.8
                         * error.max(1e-6).cr_powf(-1.0 / 3.0)
@@ -327,7 +347,7 @@ impl FlowSolver {
             self.equations.pressure.copy_from_slice(&start);
             // Near the boundary of the fully deforming region the estimate itself may fail.
             if self.control.steps_since_estimate > 0
-                && let Ok(rate) = self.estimate_spectral_radius()
+                && let Ok(rate) = self.estimate_spectral_radius(on_evaluation)
             {
                 self.control.spectral_radius = rate;
             }
@@ -347,6 +367,7 @@ impl FlowSolver {
         step: f64,
         end: f64,
         min_stages: usize,
+        on_evaluation: EvaluationCallback,
     ) -> Result<(Vec<Complex64>, Vec<Complex64>, f64), LeftDomain> {
         // Decay rates depend on length and direction of the wave vectors, which change at the rate |Γ| at most: the
         // spectral radius grows by a factor exp(2|Γ|t) at most.
@@ -365,6 +386,7 @@ impl FlowSolver {
         let mut time = self.time;
         for (index, stage) in compute_coefficients(self.stage_count).into_iter().enumerate() {
             if index > 0 {
+                on_evaluation(time);
                 self.equations.compute_rates(time, &last, &mut rates)?;
             }
             // The stage vector Yⱼ overwrites Yⱼ₋₂.
@@ -379,6 +401,7 @@ impl FlowSolver {
             }
             time = self.time + step * stage.time;
         }
+        on_evaluation(end);
         self.equations.compute_rates(end, &last, &mut rates)?;
         // Error estimate 0.8 (y − y⁺) + 0.4 h (y′ + y⁺′) of a step of size h from state y to y⁺ (Sommeijer, Shampine &
         // Verwer 1998).
@@ -429,21 +452,27 @@ impl FlowSolver {
     }
 
     /// Updates the estimate of the spectral radius if it is outdated.
-    fn update_spectral_radius(&mut self) -> Result<(), LeftDomain> {
+    fn update_spectral_radius(
+        &mut self,
+        on_evaluation: EvaluationCallback,
+    ) -> Result<(), LeftDomain> {
         let StepControl { spectral_radius, steps_since_estimate, estimate_time, .. } = self.control;
         let sheared = (self.time - estimate_time) * self.gradient_norm();
         if spectral_radius.is_nan()
             || steps_since_estimate >= SPECTRAL_RADIUS_STEPS
             || sheared > SPECTRAL_RADIUS_SHEAR
         {
-            self.control.spectral_radius = self.estimate_spectral_radius()?;
+            self.control.spectral_radius = self.estimate_spectral_radius(on_evaluation)?;
         }
         Ok(())
     }
 
     /// Estimates the spectral radius, 1/s, by the nonlinear power method (finite differences), with a safety factor of
     /// 1.2.
-    fn estimate_spectral_radius(&mut self) -> Result<f64, LeftDomain> {
+    fn estimate_spectral_radius(
+        &mut self,
+        on_evaluation: EvaluationCallback,
+    ) -> Result<f64, LeftDomain> {
         const MAX_ITERATIONS: usize = 50;
         let start = self.equations.pressure.clone();
         let (time, size) = (self.time, 1e-6 * self.shear_rate());
@@ -462,6 +491,7 @@ impl FlowSolver {
             let norm = self.norm(&direction);
             let mut state = self.state.clone();
             axpby(&mut state, 1.0, &direction, size / norm);
+            on_evaluation(time);
             self.equations.compute_rates(time, &state, &mut rates)?;
             axpby(&mut rates, 1.0, &self.rates, -1.0);
             let found = self.norm(&rates) / size;
@@ -485,13 +515,18 @@ impl FlowSolver {
     }
 
     /// Estimates the first step size, s, from the change of the time derivative over a short Euler step.
-    fn estimate_first_step(&mut self, rest: f64) -> Result<f64, LeftDomain> {
+    fn estimate_first_step(
+        &mut self,
+        rest: f64,
+        on_evaluation: EvaluationCallback,
+    ) -> Result<f64, LeftDomain> {
         let start = self.equations.pressure.clone();
         let step = rest.min(1.0 / self.control.spectral_radius);
         let mut state = self.state.clone();
         axpby(&mut state, 1.0, &self.rates, step);
         let mut rates = vec![Complex64::ZERO; state.len()];
         // If the Euler step leaves the fully deforming region, the first step is reduced later.
+        on_evaluation(self.time + step);
         if self.equations.compute_rates(self.time + step, &state, &mut rates).is_ok() {
             axpby(&mut rates, step, &self.rates, -step);
             let error = self.norm(&rates) / self.error_tolerance(&self.state);

@@ -9,8 +9,8 @@
 //! 3. Until the end of the duration, the simulation advances by a batch of steps towards the next time at which an
 //!    account or a snapshot is due. The observer receives the records of these steps and the accounts and snapshots
 //!    that are due, then the simulation itself (progress, checkpoints).
-//! 4. A run ends at its duration, by a fault (an unsound state), or by an error of the observer (which is how it is
-//!    interrupted). After a fault the simulation is at its last sound state, whose records and account are delivered if
+//! 4. A run ends at its duration, by a fault (an unsound state), by an error of the observer (which is how it is
+//!    interrupted), or if the threads of the solver cannot be started. After a fault the simulation is at its last sound state, whose records and account are delivered if
 //!    they have not been.
 //!
 //! Steps do not depend on the output. A run resumed from a saved [`SimulationState`] delivers the same bits as an
@@ -28,6 +28,7 @@ pub use solid::{SolidAccount, SolidFault, SolidFields, SolidSimulation};
 pub use solver::SolverChoice;
 pub use time_steps::{StepLimit, TimeSteps, TooManySteps};
 
+use crate::decomposition::ThreadStartError;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -70,6 +71,30 @@ fn from_bytes(bytes: &[u8]) -> Option<Vec<f64>> {
     Some(numbers.iter().map(|number| f64::from_le_bytes(*number)).collect())
 }
 
+/// Reason why a simulation was not advanced.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AdvanceError<F> {
+    /// A state is unsound.
+    Fault(F),
+    /// The threads of the solver cannot be started.
+    Threads(ThreadStartError),
+}
+
+/// Reason why a run ended without an outcome.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RunError<E> {
+    /// Error of the observer.
+    Observer(E),
+    /// The threads of the solver cannot be started.
+    Threads(ThreadStartError),
+}
+
+impl<E> From<ThreadStartError> for RunError<E> {
+    fn from(error: ThreadStartError) -> Self {
+        Self::Threads(error)
+    }
+}
+
 /// A state that can be advanced step by step.
 pub trait Simulation {
     /// Energies of a state and the work and dissipation of the steps so far.
@@ -103,15 +128,17 @@ pub trait Simulation {
     /// available from [`account_at`](Self::account_at) and [`fields_at`](Self::fields_at).
     ///
     /// # Errors
-    /// A state is unsound: [`recover`](Self::recover) must then return to the last sound one.
-    fn advance(&mut self, due: f64) -> Result<(), Self::Fault>;
+    /// A state is unsound: [`recover`](Self::recover) must then return to the last sound one. Or the threads of the
+    /// solver cannot be started; the state is then unchanged.
+    fn advance(&mut self, due: f64) -> Result<(), AdvanceError<Self::Fault>>;
 
     /// Returns to the last sound state after a fault, and returns the fault of the state that follows it. If steps must
     /// be repeated, `go_on` is called before each batch of them.
     ///
     /// # Errors
-    /// The first error of `go_on`; the simulation is unusable afterwards.
-    fn recover<E>(
+    /// The first error of `go_on`, or the threads of the solver cannot be started; the simulation is unusable
+    /// afterwards.
+    fn recover<E: From<ThreadStartError>>(
         &mut self,
         fault: Self::Fault,
         go_on: impl FnMut() -> Result<(), E>,
@@ -231,13 +258,14 @@ pub struct SimulationOutcome<S: Simulation> {
 /// Runs a simulation from its initial state or, if `is_resumed`, from a restored state to the end of its duration.
 ///
 /// # Errors
-/// The first error of the observer.
+/// The first error of the observer, or the threads of the solver cannot be started. Output up to the last call of
+/// [`Observer::on_steps_done`] has then been delivered.
 pub fn run_simulation<S: Simulation, O: Observer<S>>(
     simulation: &mut S,
     output: &OutputTimes,
     is_resumed: bool,
     observer: &mut O,
-) -> Result<SimulationOutcome<S>, O::Error> {
+) -> Result<SimulationOutcome<S>, RunError<O::Error>> {
     let last = simulation.account();
     let mut driver = RunDriver {
         simulation,
@@ -255,7 +283,7 @@ pub fn run_simulation<S: Simulation, O: Observer<S>>(
     let fault = match driver.run_to_end(is_resumed) {
         Ok(()) => None,
         Err(EarlyEndCause::Fault(fault)) => Some(fault),
-        Err(EarlyEndCause::Observer(error)) => return Err(error),
+        Err(EarlyEndCause::Run(error)) => return Err(error),
     };
     Ok(SimulationOutcome { last_account: driver.last_account, fault })
 }
@@ -263,7 +291,13 @@ pub fn run_simulation<S: Simulation, O: Observer<S>>(
 /// Cause of an early end of a run.
 enum EarlyEndCause<F, E> {
     Fault(F),
-    Observer(E),
+    Run(RunError<E>),
+}
+
+impl<F, E> EarlyEndCause<F, E> {
+    fn observer(error: E) -> Self {
+        Self::Run(RunError::Observer(error))
+    }
 }
 
 type DriverResult<S, O> =
@@ -288,7 +322,7 @@ impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
         let start = if is_resumed { Ok(()) } else { self.deliver_due_output() };
         match start.and_then(|()| self.run_steps()) {
             Err(EarlyEndCause::Fault(fault)) => {
-                self.deliver_last_state().map_err(EarlyEndCause::Observer)?;
+                self.deliver_last_state().map_err(EarlyEndCause::observer)?;
                 Err(EarlyEndCause::Fault(fault))
             }
             end => end,
@@ -298,14 +332,20 @@ impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
     fn run_steps(&mut self) -> DriverResult<S, O> {
         while !self.simulation.is_finished() {
             let due = self.next_output_time();
-            if let Err(fault) = self.simulation.advance(due) {
-                let found = self.simulation.recover(fault, || self.observer.on_replay());
-                return Err(EarlyEndCause::Fault(found.map_err(EarlyEndCause::Observer)?));
+            match self.simulation.advance(due) {
+                Ok(()) => {}
+                Err(AdvanceError::Threads(error)) => return Err(EarlyEndCause::Run(error.into())),
+                Err(AdvanceError::Fault(fault)) => {
+                    let go_on = || self.observer.on_replay().map_err(RunError::Observer);
+                    let found =
+                        self.simulation.recover(fault, go_on).map_err(EarlyEndCause::Run)?;
+                    return Err(EarlyEndCause::Fault(found));
+                }
             }
             self.deliver_due_output()?;
             self.observer
                 .on_steps_done(self.simulation, &self.last_account)
-                .map_err(EarlyEndCause::Observer)?;
+                .map_err(EarlyEndCause::observer)?;
         }
         Ok(())
     }
@@ -319,17 +359,17 @@ impl<S: Simulation, O: Observer<S>> RunDriver<'_, S, O> {
 
     /// Delivers all records, and the accounts and snapshots that are due.
     fn deliver_due_output(&mut self) -> DriverResult<S, O> {
-        self.deliver_probe_records().map_err(EarlyEndCause::Observer)?;
+        self.deliver_probe_records().map_err(EarlyEndCause::observer)?;
         while let Some(time) = self.reached_time(self.output.accounts, self.account_count) {
             self.last_account = self.simulation.account_at(time).map_err(EarlyEndCause::Fault)?;
-            self.observer.on_account(&self.last_account).map_err(EarlyEndCause::Observer)?;
+            self.observer.on_account(&self.last_account).map_err(EarlyEndCause::observer)?;
             self.account_count += 1;
         }
         let Some(times) = self.output.snapshots else { return Ok(()) };
         while let Some(time) = self.reached_time(times, self.snapshot_count) {
             let fields = self.simulation.fields_at(time).map_err(EarlyEndCause::Fault)?;
             let due = DueSnapshot { index: self.snapshot_count, time, fields };
-            self.observer.on_snapshot(self.simulation, due).map_err(EarlyEndCause::Observer)?;
+            self.observer.on_snapshot(self.simulation, due).map_err(EarlyEndCause::observer)?;
             self.snapshot_count += 1;
         }
         Ok(())

@@ -47,10 +47,10 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 fn count_allocations(problem: &Problem<2>, parts: usize, steps: usize) -> [usize; 2] {
     let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(problem, parts).expect("sound");
     split.set(SolidField::Velocity(0), &(0..405).map(|i| (i % 7) as f64).collect::<Vec<_>>());
-    split.advance(3);
+    split.advance(3).expect("threads");
     let counts = || [THREAD_ALLOCATION_COUNT.get(), ALLOCATION_COUNT.load(Ordering::Relaxed)];
     let before = counts();
-    split.advance(steps);
+    split.advance(steps).expect("threads");
     let after = counts();
     [after[0] - before[0], after[1] - before[1]]
 }

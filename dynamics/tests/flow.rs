@@ -426,6 +426,21 @@ fn step_size_and_number_of_stages_are_limited() {
     assert_eq!(flow.snapshot().arrays[1], before.arrays[1]);
 }
 
+/// Verifies that a step calls back before each evaluation of the right-hand side, at times within the step.
+#[test]
+fn each_evaluation_of_a_step_is_announced() {
+    let mut flow = perturbed_flow(&steady_shear(Closure::HarrisGrekova, 16), 1e-3);
+    let [start, _] = flow.evaluation_counts();
+    let mut times = Vec::new();
+    for _ in 0..3 {
+        flow.advance_with(1e-3, &mut |time| times.push(time)).expect("a step");
+    }
+    let [end, _] = flow.evaluation_counts();
+    assert_eq!(times.len(), end - start);
+    assert!(times.iter().all(|time| (0.0..=1e-3).contains(time)), "{times:?}");
+    assert!(times.contains(&flow.time()));
+}
+
 #[test]
 fn invalid_problems_are_refused() {
     let sound = steady_shear(Closure::HarrisGrekova, 8);

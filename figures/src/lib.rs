@@ -11,6 +11,7 @@
 #![deny(missing_docs)]
 
 mod animation;
+mod bands;
 mod colour;
 mod contour;
 mod directions;
@@ -34,10 +35,14 @@ mod sphere;
 mod verdict_map;
 
 pub use animation::{GifAnimation, animate};
+pub use bands::{BandFamily, BandFigure, BandStyle};
 pub use directions::{Direction, DirectionKind, DirectionsFigure};
 pub use dispersion::{DispersionBranch, DispersionFigure, FrequencyBand, ReferenceLevel};
 pub use error::FigureError;
-pub use field::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
+pub use field::{
+    FieldArrow, FieldArrows, FieldAxis, FieldFigure, FieldLine, FieldLineSet, FieldLineStyle,
+    FieldMark, FieldMarkKind,
+};
 pub use format::FigureFormat;
 pub use growth::{AxisMark, GrowthFigure, GrowthPanel, LabelledCurve};
 pub use ledger::{LedgerFigure, LedgerTerm};

@@ -1,4 +1,4 @@
-"""What VTK's own readers find in image data (.vti), structured grids (.vts) and collections (.pvd).
+"""What VTK's own readers find in image data (.vti), structured grids (.vts), lines (.vtp) and collections (.pvd).
 
     python3 files/checks/vti.py FILE...
 
@@ -25,13 +25,19 @@ ORIGIN = [-1.5, 0.25, 1e-7]
 SPACING = [0.1, 1.0 / 3.0, 2.5e-8]
 ODD = [np.nan, np.inf, -0.0, 5e-324, np.finfo(float).max, 1.0 / 3.0]
 DEFORMATION = np.array([[1.0, 0.5], [-0.25, 1.25]])
-KINDS = {8: "flat cells", 9: "skew cells", 11: "solid cells"}
+KINDS = {3: "lines", 8: "flat cells", 9: "skew cells", 11: "solid cells"}
+
+READERS = {
+    ".vti": (vtk.vtkXMLImageDataReader, vtk.vtkImageData),
+    ".vts": (vtk.vtkXMLStructuredGridReader, vtk.vtkStructuredGrid),
+    ".vtp": (vtk.vtkXMLPolyDataReader, vtk.vtkPolyData),
+}
 
 
 def read(path):
     """The data in a file and the errors and warnings that reading it caused."""
-    is_image = path.suffix == ".vti"
-    reader = vtk.vtkXMLImageDataReader() if is_image else vtk.vtkXMLStructuredGridReader()
+    new_reader, new_data = READERS[path.suffix]
+    reader = new_reader()
     messages = []
     readable = reader.CanReadFile(str(path))
     if not readable:
@@ -42,7 +48,7 @@ def read(path):
     reader.Update()
     if reader.GetErrorCode() != 0:
         messages.append(vtk.vtkErrorCode.GetStringFromErrorCode(reader.GetErrorCode()))
-    data = vtk.vtkImageData() if is_image else vtk.vtkStructuredGrid()
+    data = new_data()
     data.DeepCopy(reader.GetOutput())
     return data, reader.GetErrorCode(), messages
 
@@ -70,8 +76,11 @@ def show(path, data, code):
     """Prints what a file holds."""
     kind = KINDS.get(data.GetCellType(0), f"cells of type {data.GetCellType(0)}")
     print(f"{path}: error code {code}, time {time(data)}")
-    print(f"  nodes {dimensions(data)}, {data.GetNumberOfCells()} {kind}, "
-          f"{data.GetDataDimension()} dimensions")
+    if isinstance(data, vtk.vtkPolyData):
+        print(f"  {data.GetNumberOfPoints()} points, {data.GetNumberOfCells()} {kind}")
+    else:
+        print(f"  nodes {dimensions(data)}, {data.GetNumberOfCells()} {kind}, "
+              f"{data.GetDataDimension()} dimensions")
     if isinstance(data, vtk.vtkImageData):
         print(f"  origin {data.GetOrigin()}, spacing {data.GetSpacing()}")
     else:

@@ -12,7 +12,7 @@
 //! | [`rheology`] | solids whose stress depends on history: relaxation of the deviator |
 //! | [`interface`] | face laws: fluxes from the Riemann invariants incoming at a face, with history variables |
 //! | [`elastoplastic`] | a solid with an elastic law and a yield set |
-//! | [`registry`] | flows, elastic solids and yield sets by name; a program adds one with one call |
+//! | [`registry`] | flows, elastic solids, yield sets and layers by name; a program adds one of the first three with one call |
 //!
 //! The folder of a flow holds independent statements of the same physics, compared by tests:
 //!

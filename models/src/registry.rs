@@ -1,4 +1,4 @@
-//! Registry of models by name: granular flows, elastic solids, yield sets.
+//! Registry of models by name: granular flows, elastic solids, yield sets, layers between blocks.
 //!
 //! Each list starts with the models of this crate. A program adds models by [`register_flow`], [`register_solid`] or
 //! [`register_yield_set`]; case files can name registered models like the built-in models.
@@ -7,6 +7,7 @@ use crate::common::input::InputError;
 use crate::common::parameter::Parameter;
 use crate::flow::{FlowKind, FlowModel};
 use crate::flow::{double_shearing, free_rotating, harris_grekova, plastic_potential};
+use crate::interface::kinds::{self, LayerKind};
 use crate::solid::parameters::Theory;
 use crate::solid::{SolidKind, SolidModel, cubic_plane, isotropic};
 use crate::yield_set::{YieldSetKind, YieldSetModel, interlayer, mises};
@@ -50,6 +51,19 @@ pub const COSSERAT_MISES: YieldSetKind = YieldSetKind::new(&mises::COSSERAT_MISE
 /// Yield sets of this crate, in the order of listings.
 pub const STANDARD_YIELD_SETS: [YieldSetKind; 4] =
     [INTERLAYER, VON_MISES, DRUCKER_PRAGER, COSSERAT_MISES];
+
+/// Kinds of layers between blocks, in the order of listings; no others can be added.
+pub const LAYERS: [LayerKind; 9] = [
+    LayerKind::new(&kinds::ELASTIC),
+    LayerKind::new(&kinds::ELASTIC_PLASTIC),
+    LayerKind::new(&kinds::VISCOUS),
+    LayerKind::new(&kinds::POROUS),
+    LayerKind::new(&kinds::SATURATED),
+    LayerKind::new(&kinds::CRACKED),
+    LayerKind::new(&kinds::BREAKING),
+    LayerKind::new(&kinds::POROUS_VISCOUS),
+    LayerKind::new(&kinds::POROUS_PLASTIC),
+];
 
 static FLOWS: Registry<FlowKind> =
     Registry { standard_entries: &STANDARD_FLOWS, added_entries: RwLock::new(Vec::new()) };
@@ -131,6 +145,17 @@ pub fn find_solid(name: &str) -> Option<SolidKind> {
 /// The registered yield set called `name`.
 pub fn find_yield_set(name: &str) -> Option<YieldSetKind> {
     YIELD_SETS.find(name)
+}
+
+/// The kind of layer called `name`.
+pub fn find_layer(name: &str) -> Option<LayerKind> {
+    LAYERS.into_iter().find(|kind| kind.name == name)
+}
+
+/// The kind of layer with the given normal and tangential component, words of
+/// [`NORMAL_WORDS`](kinds::NORMAL_WORDS) and [`TANGENTIAL_WORDS`](kinds::TANGENTIAL_WORDS).
+pub fn find_layer_by_components(normal: &str, tangential: &str) -> Option<LayerKind> {
+    LAYERS.into_iter().find(|kind| kind.components == Some([normal, tangential]))
 }
 
 /// Registers a granular-flow model.

@@ -3,7 +3,7 @@
 
 mod support;
 
-use support::states::{self, DilatancyKind};
+use support::states::{self, DilatancyKind, RandomCase};
 use support::{DifferentiableReal, RandomNumbers, dd};
 use testkit::flows::{FlowParameters, MODEL_CASES};
 use wellposed_models::InputError;
@@ -47,36 +47,33 @@ fn parse_residual(error: &InputError) -> f64 {
 /// values of q are inside or outside yield. The yield deviator (eq. 13) is computed here with 31 digits.
 #[test]
 fn deviatoric_stress_determines_the_yield_region() {
-    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
-        let mut random = RandomNumbers::new(600 + seed as u64);
-        for _ in 0..STATE_COUNT {
-            let (parameters, model, state) = states::random_case(&mut random, kind, dilatancy);
-            let phi = dd(parameters.friction_angle);
-            let q = (dd(state.pressure) * phi.sin() + dd(parameters.cohesion) * phi.cos()).to_f64();
-            let with = |factor: f64| MaterialState { deviatoric_stress: Some(q * factor), ..state };
-            assert_eq!(find_region(&model, &state), YieldRegion::FullyDeforming);
-            for factor in [1.0, 1.0 + 9e-13, 1.0 - 9e-13] {
-                assert_eq!(find_region(&model, &with(factor)), YieldRegion::FullyDeforming);
-                // q is replaced by the yield deviator, so its relative deviation of up to 9e-13 from yield does not
-                // enter the analysis.
-                let (own, exact) = (
-                    states::complete_flow(&model, &with(factor)),
-                    states::complete_flow(&model, &state),
-                );
-                assert_eq!(own.stress.deviator, exact.stress.deviator);
-            }
-            for factor in [0.0, 0.5, 1.0 - 1.1e-12, 1.0 - 1e-9] {
-                assert_eq!(find_region(&model, &with(factor)), YieldRegion::RigidOrIndeterminate);
-            }
-            for factor in [1.0 + 1.1e-12, 1.0 + 1e-9, 3.0] {
-                assert_eq!(find_region(&model, &with(factor)), YieldRegion::OutsideYield);
-            }
-            // A state off yield has no flow, and its background contains the given deviatoric stress.
-            let background = model.background(&with(0.5)).unwrap();
-            assert!(background.flow().is_none());
-            assert_eq!(background.stress().deviator.value, q * 0.5);
+    states::for_random_cases(600, STATE_COUNT, |_, case| {
+        let RandomCase { parameters, model, state, .. } = case;
+        let phi = dd(parameters.friction_angle);
+        let q = (dd(state.pressure) * phi.sin() + dd(parameters.cohesion) * phi.cos()).to_f64();
+        let with = |factor: f64| MaterialState { deviatoric_stress: Some(q * factor), ..state };
+        assert_eq!(find_region(&model, &state), YieldRegion::FullyDeforming);
+        for factor in [1.0, 1.0 + 9e-13, 1.0 - 9e-13] {
+            assert_eq!(find_region(&model, &with(factor)), YieldRegion::FullyDeforming);
+            // q is replaced by the yield deviator, so its relative deviation of up to 9e-13 from yield does not
+            // enter the analysis.
+            let (own, exact) = (
+                states::complete_flow(&model, &with(factor)),
+                states::complete_flow(&model, &state),
+            );
+            assert_eq!(own.stress.deviator, exact.stress.deviator);
         }
-    }
+        for factor in [0.0, 0.5, 1.0 - 1.1e-12, 1.0 - 1e-9] {
+            assert_eq!(find_region(&model, &with(factor)), YieldRegion::RigidOrIndeterminate);
+        }
+        for factor in [1.0 + 1.1e-12, 1.0 + 1e-9, 3.0] {
+            assert_eq!(find_region(&model, &with(factor)), YieldRegion::OutsideYield);
+        }
+        // A state off yield has no flow, and its background contains the given deviatoric stress.
+        let background = model.background(&with(0.5)).unwrap();
+        assert!(background.flow().is_none());
+        assert_eq!(background.stress().deviator.value, q * 0.5);
+    });
 }
 
 /// A rotational stress r within 1e-12·m of 0 or ±m, with the rotational yield strength m, counts as equal to it;
@@ -206,95 +203,86 @@ fn noncoaxiality_is_derived_from_a_given_spin() {
 /// it is rejected with its key and the residual of the violated equation.
 #[test]
 fn contradictory_inputs_are_rejected_with_their_residual() {
-    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
-        let mut random = RandomNumbers::new(660 + seed as u64);
-        for _ in 0..STATE_COUNT {
-            let (parameters, model, state) = states::random_case(&mut random, kind, dilatancy);
-            let flow = states::complete_flow(&model, &state);
-            let gradient = flow.velocity_gradient.map(|row| row.map(|x| x.value));
-            let acceleration = flow.acceleration.map(|x| x.value);
-            let all = MaterialState {
-                velocity_gradient: Some(gradient),
-                acceleration: Some(acceleration),
-                body_moment: flow.body_moment,
-                stress_angle_rate: flow.stress_angle_rate,
-                ..state
-            };
-            assert_eq!(states::complete_flow(&model, &all), flow);
+    states::for_random_cases(660, STATE_COUNT, |random, case| {
+        let RandomCase { parameters, model, state, .. } = case;
+        let flow = states::complete_flow(&model, &state);
+        let gradient = flow.velocity_gradient.map(|row| row.map(|x| x.value));
+        let acceleration = flow.acceleration.map(|x| x.value);
+        let all = MaterialState {
+            velocity_gradient: Some(gradient),
+            acceleration: Some(acceleration),
+            body_moment: flow.body_moment,
+            stress_angle_rate: flow.stress_angle_rate,
+            ..state
+        };
+        assert_eq!(states::complete_flow(&model, &all), flow);
 
-            // Values with relative errors of 0.5e-10 to 1e-10 are accepted; the derived values are unchanged.
-            let mut printed =
-                |x: f64, size: f64| x + random.signed_uniform(0.5, 1.0) * 1e-10 * size;
-            let rates = state.shear_rate + state.half_vorticity.abs();
-            let force = acceleration[0].abs().max(acceleration[1].abs());
-            let rounded = MaterialState {
-                velocity_gradient: Some(gradient.map(|row| row.map(|x| printed(x, rates)))),
-                acceleration: Some(acceleration.map(|x| printed(x, force))),
-                body_moment: flow.body_moment.map(|x| printed(x, x.abs())),
-                stress_angle_rate: flow.stress_angle_rate.map(|x| printed(x, x.abs())),
-                ..state
-            };
-            assert_eq!(states::complete_flow(&model, &rounded), flow);
+        // Values with relative errors of 0.5e-10 to 1e-10 are accepted; the derived values are unchanged.
+        let mut printed = |x: f64, size: f64| x + random.signed_uniform(0.5, 1.0) * 1e-10 * size;
+        let rates = state.shear_rate + state.half_vorticity.abs();
+        let force = acceleration[0].abs().max(acceleration[1].abs());
+        let rounded = MaterialState {
+            velocity_gradient: Some(gradient.map(|row| row.map(|x| printed(x, rates)))),
+            acceleration: Some(acceleration.map(|x| printed(x, force))),
+            body_moment: flow.body_moment.map(|x| printed(x, x.abs())),
+            stress_angle_rate: flow.stress_angle_rate.map(|x| printed(x, x.abs())),
+            ..state
+        };
+        assert_eq!(states::complete_flow(&model, &rounded), flow);
 
-            let size = state.shear_rate + state.half_vorticity.abs();
-            // Change one of tr d, d₁₁ − d₂₂, 2 d₁₂ and the vorticity at a time.
-            for (change, part, factor) in [
-                ([[1.0, 0.0], [0.0, 1.0]], "tr d", 2.0),
-                ([[1.0, 0.0], [0.0, -1.0]], "d₁₁ − d₂₂", 2.0),
-                ([[0.0, 1.0], [1.0, 0.0]], "2 d₁₂", 2.0),
-                ([[0.0, -1.0], [1.0, 0.0]], "half_vorticity", 2.0),
-            ] {
-                let step = 1e-6 * size;
-                let wrong = [0, 1]
-                    .map(|i: usize| [0, 1].map(|j: usize| gradient[i][j] + step * change[i][j]));
-                let error = rejection_error(
-                    &model,
-                    &MaterialState { velocity_gradient: Some(wrong), ..all },
-                );
-                assert_eq!(error.input, "velocity_gradient");
-                assert!(error.allowed_values.contains(part), "{}", error.allowed_values);
-                assert!((parse_residual(&error) / (factor * step) - 1.0).abs() < 1e-6);
-            }
-            let size = acceleration[0].abs().max(acceleration[1].abs());
-            for i in 0..2 {
-                let mut wrong = acceleration;
-                wrong[i] += 1e-6 * size;
-                let error =
-                    rejection_error(&model, &MaterialState { acceleration: Some(wrong), ..all });
-                assert_eq!(error.input, "acceleration");
-                assert!(
-                    error.allowed_values.contains(["first", "second"][i]),
-                    "{}",
-                    error.allowed_values
-                );
-                assert!((parse_residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
-            }
-            if let Some(moment) = flow.body_moment {
-                let size = (parameters.moment_of_inertia.unwrap() * state.spin_acceleration).abs()
-                    + (state.inertia_rate * flow.spin.unwrap().value).abs()
-                    + 2.0 * (flow.stress.rotational_stress / state.density).abs();
-                let wrong = moment + 1e-6 * size;
-                let error =
-                    rejection_error(&model, &MaterialState { body_moment: Some(wrong), ..all });
-                assert_eq!(error.input, "body_moment");
-                assert!((parse_residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
-            }
-            if let Some(rate) = flow.stress_angle_rate {
-                let size = rate.abs() + 2.0 * state.half_vorticity.abs();
-                let wrong = rate + 1e-6 * size;
-                let error = rejection_error(
-                    &model,
-                    &MaterialState { stress_angle_rate: Some(wrong), ..all },
-                );
-                assert_eq!(error.input, "stress_angle_rate");
-                let expected = (1e-6 * size).to_degrees();
-                assert!((parse_residual(&error) / expected - 1.0).abs() < 1e-3);
-            } else {
-                let given = MaterialState { stress_angle_rate: Some(0.1), ..all };
-                assert_eq!(rejection_error(&model, &given).input, "stress_angle_rate");
-            }
+        let size = state.shear_rate + state.half_vorticity.abs();
+        // Change one of tr d, d₁₁ − d₂₂, 2 d₁₂ and the vorticity at a time.
+        for (change, part, factor) in [
+            ([[1.0, 0.0], [0.0, 1.0]], "tr d", 2.0),
+            ([[1.0, 0.0], [0.0, -1.0]], "d₁₁ − d₂₂", 2.0),
+            ([[0.0, 1.0], [1.0, 0.0]], "2 d₁₂", 2.0),
+            ([[0.0, -1.0], [1.0, 0.0]], "half_vorticity", 2.0),
+        ] {
+            let step = 1e-6 * size;
+            let wrong =
+                [0, 1].map(|i: usize| [0, 1].map(|j: usize| gradient[i][j] + step * change[i][j]));
+            let error =
+                rejection_error(&model, &MaterialState { velocity_gradient: Some(wrong), ..all });
+            assert_eq!(error.input, "velocity_gradient");
+            assert!(error.allowed_values.contains(part), "{}", error.allowed_values);
+            assert!((parse_residual(&error) / (factor * step) - 1.0).abs() < 1e-6);
         }
-    }
+        let size = acceleration[0].abs().max(acceleration[1].abs());
+        for i in 0..2 {
+            let mut wrong = acceleration;
+            wrong[i] += 1e-6 * size;
+            let error =
+                rejection_error(&model, &MaterialState { acceleration: Some(wrong), ..all });
+            assert_eq!(error.input, "acceleration");
+            assert!(
+                error.allowed_values.contains(["first", "second"][i]),
+                "{}",
+                error.allowed_values
+            );
+            assert!((parse_residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
+        }
+        if let Some(moment) = flow.body_moment {
+            let size = (parameters.moment_of_inertia.unwrap() * state.spin_acceleration).abs()
+                + (state.inertia_rate * flow.spin.unwrap().value).abs()
+                + 2.0 * (flow.stress.rotational_stress / state.density).abs();
+            let wrong = moment + 1e-6 * size;
+            let error = rejection_error(&model, &MaterialState { body_moment: Some(wrong), ..all });
+            assert_eq!(error.input, "body_moment");
+            assert!((parse_residual(&error) / (1e-6 * size) - 1.0).abs() < 1e-6);
+        }
+        if let Some(rate) = flow.stress_angle_rate {
+            let size = rate.abs() + 2.0 * state.half_vorticity.abs();
+            let wrong = rate + 1e-6 * size;
+            let error =
+                rejection_error(&model, &MaterialState { stress_angle_rate: Some(wrong), ..all });
+            assert_eq!(error.input, "stress_angle_rate");
+            let expected = (1e-6 * size).to_degrees();
+            assert!((parse_residual(&error) / expected - 1.0).abs() < 1e-3);
+        } else {
+            let given = MaterialState { stress_angle_rate: Some(0.1), ..all };
+            assert_eq!(rejection_error(&model, &given).input, "stress_angle_rate");
+        }
+    });
 }
 
 /// Constants out of range and missing constants are rejected with their key; ν = 0, c = 0 and ν just below its limit

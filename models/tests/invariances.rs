@@ -1,11 +1,11 @@
 //! Invariances of the linearised equations: rotation of the frame, superposed rigid spin, Galilean shift, change of
-//! units; and reuse of a system.
+//! units; and reuse of the storage of a system.
 
 mod support;
 
 use std::f64::consts::FRAC_PI_2;
 use support::RandomNumbers;
-use support::states;
+use support::states::{self, RandomCase};
 use testkit::flows::{FlowParameters, MODEL_CASES};
 use wellposed_models::flow::state::MaterialState;
 use wellposed_models::{LinearisedSystem, Rounded};
@@ -75,84 +75,78 @@ fn transform_matrix(
 #[test]
 fn coefficients_transform_as_tensors_under_rotation_of_the_frame() {
     let mut worst = 0.0f64;
-    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
-        let mut random = RandomNumbers::new(900 + seed as u64);
-        for _ in 0..STATE_COUNT {
-            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
-            let angle = random.signed_uniform(0.1, 3.0);
-            let after = MaterialState {
-                stress_angle: state.stress_angle + angle,
-                ..map_vectors(&state, |v| rotate_vector(v, angle))
-            };
-            let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
-            let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
-            let left = rotation_matrix(before.equations.len(), angle);
-            let right = rotation_matrix(before.unknowns.len(), angle);
+    states::for_random_cases(900, STATE_COUNT, |random, case| {
+        let RandomCase { kind, dilatancy, model, state, .. } = case;
+        let angle = random.signed_uniform(0.1, 3.0);
+        let after = MaterialState {
+            stress_angle: state.stress_angle + angle,
+            ..map_vectors(&state, |v| rotate_vector(v, angle))
+        };
+        let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
+        let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
+        let left = rotation_matrix(before.equations.len(), angle);
+        let right = rotation_matrix(before.unknowns.len(), angle);
 
-            let (s, c) = angle.sin_cos();
-            let vector = |i: usize, j: usize, k: usize| {
-                let (b1, b2) = (before.b[0][(i, j)], before.b[1][(i, j)]);
-                if k == 0 { c * b1 - s * b2 } else { s * b1 + c * b2 }
-            };
-            let pairs = [
-                (&after.a, transform_matrix(&left, |i, j| before.a[(i, j)], &right)),
-                (&after.b[0], transform_matrix(&left, |i, j| vector(i, j, 0), &right)),
-                (&after.b[1], transform_matrix(&left, |i, j| vector(i, j, 1), &right)),
-                (&after.c, transform_matrix(&left, |i, j| before.c[(i, j)], &right)),
-            ];
-            for (number, (own, expected)) in pairs.iter().enumerate() {
-                for (i, row) in expected.iter().enumerate() {
-                    for (j, expected) in row.iter().enumerate() {
-                        let own = own[(i, j)];
-                        let bound = 2.0 * (own.bound + expected.bound);
-                        let off = (own.value - expected.value).abs();
-                        worst = worst.max(off / (bound + 1e-300));
-                        assert!(
-                            off <= bound,
-                            "{kind:?} {dilatancy:?} matrix {number} ({i}, {j}): {} for {}",
-                            own.value,
-                            expected.value
-                        );
-                    }
+        let (s, c) = angle.sin_cos();
+        let vector = |i: usize, j: usize, k: usize| {
+            let (b1, b2) = (before.b[0][(i, j)], before.b[1][(i, j)]);
+            if k == 0 { c * b1 - s * b2 } else { s * b1 + c * b2 }
+        };
+        let pairs = [
+            (&after.a, transform_matrix(&left, |i, j| before.a[(i, j)], &right)),
+            (&after.b[0], transform_matrix(&left, |i, j| vector(i, j, 0), &right)),
+            (&after.b[1], transform_matrix(&left, |i, j| vector(i, j, 1), &right)),
+            (&after.c, transform_matrix(&left, |i, j| before.c[(i, j)], &right)),
+        ];
+        for (number, (own, expected)) in pairs.iter().enumerate() {
+            for (i, row) in expected.iter().enumerate() {
+                for (j, expected) in row.iter().enumerate() {
+                    let own = own[(i, j)];
+                    let bound = 2.0 * (own.bound + expected.bound);
+                    let off = (own.value - expected.value).abs();
+                    worst = worst.max(off / (bound + 1e-300));
+                    assert!(
+                        off <= bound,
+                        "{kind:?} {dilatancy:?} matrix {number} ({i}, {j}): {} for {}",
+                        own.value,
+                        expected.value
+                    );
                 }
             }
         }
-    }
+    });
     println!("rotation of the frame: {worst:.2} of the tolerance");
 }
 
 /// A rotation by 90° maps axes to axes: the entries of A, B¹, B² and C are permuted up to signs, without cancellation.
 #[test]
 fn rotation_by_90_degrees_permutes_the_coefficients() {
-    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
-        let mut random = RandomNumbers::new(920 + seed as u64);
-        for _ in 0..STATE_COUNT {
-            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
-            let after = MaterialState {
-                stress_angle: state.stress_angle + FRAC_PI_2,
-                ..map_vectors(&state, |[x, y]| [-y, x])
-            };
-            let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
-            let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
-            // New and old components: ∂₁' = −∂₂, ∂₂' = ∂₁, v₁' = −v₂, v₂' = v₁.
-            let old = |i: usize| [(1, -1.0), (0, 1.0)].get(i).copied().unwrap_or((i, 1.0));
-            for i in 0..before.equations.len() {
-                for j in 0..before.unknowns.len() {
-                    let ((m, row), (n, column)) = (old(i), old(j));
-                    let sign = row * column;
-                    for (own, expected) in [
-                        (after.a[(i, j)], sign * before.a[(m, n)]),
-                        (after.b[0][(i, j)], -sign * before.b[1][(m, n)]),
-                        (after.b[1][(i, j)], sign * before.b[0][(m, n)]),
-                        (after.c[(i, j)], sign * before.c[(m, n)]),
-                    ] {
-                        let off = (own.value - expected.value).abs();
-                        assert!(off <= 4.0 * (own.bound + expected.bound));
-                    }
+    states::for_random_cases(920, STATE_COUNT, |_, case| {
+        let RandomCase { model, state, .. } = case;
+        let after = MaterialState {
+            stress_angle: state.stress_angle + FRAC_PI_2,
+            ..map_vectors(&state, |[x, y]| [-y, x])
+        };
+        let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
+        let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
+        // New and old components: ∂₁' = −∂₂, ∂₂' = ∂₁, v₁' = −v₂, v₂' = v₁.
+        let old = |i: usize| [(1, -1.0), (0, 1.0)].get(i).copied().unwrap_or((i, 1.0));
+        for i in 0..before.equations.len() {
+            for j in 0..before.unknowns.len() {
+                let ((m, row), (n, column)) = (old(i), old(j));
+                let sign = row * column;
+                for (own, expected) in [
+                    (after.a[(i, j)], sign * before.a[(m, n)]),
+                    (after.b[0][(i, j)], -sign * before.b[1][(m, n)]),
+                    (after.b[1][(i, j)], sign * before.b[0][(m, n)]),
+                    (after.c[(i, j)], sign * before.c[(m, n)]),
+                ] {
+                    let off = (own.value - expected.value).abs();
+                    assert!(off <= 4.0 * (own.bound + expected.bound));
                 }
             }
         }
-    }
+    });
 }
 
 /// A superposed rigid spin w shifts half the vorticity and the spin equally at constant Δ. Then C changes by ±ρw (the
@@ -160,68 +154,62 @@ fn rotation_by_90_degrees_permutes_the_coefficients() {
 /// unchanged.
 #[test]
 fn superposed_rigid_spin_changes_only_the_expected_coefficients() {
-    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
-        let mut random = RandomNumbers::new(940 + seed as u64);
-        for _ in 0..STATE_COUNT {
-            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
-            let w = random.signed_uniform(0.3, 3.0);
-            let after = MaterialState { half_vorticity: state.half_vorticity + w, ..state };
-            let (flow, flow_with_spin) =
-                (states::complete_flow(&model, &state), states::complete_flow(&model, &after));
-            if let (Some(before), Some(after)) = (flow.spin, flow_with_spin.spin) {
-                assert!((after.value - before.value - w).abs() <= after.bound + before.bound);
-            }
-            assert_eq!(flow.relative_rotation, flow_with_spin.relative_rotation);
-            assert_eq!(flow.internal_power, flow_with_spin.internal_power, "power is objective");
-            let (before, after) = (
-                states::assemble_symbol(&model, &flow),
-                states::assemble_symbol(&model, &flow_with_spin),
-            );
-            assert_eq!(before.a, after.a);
-            assert_eq!(before.b, after.b);
-            let momentum = |i: usize| (i < 2).then_some(i);
-            let spin_row = before.equations.iter().position(|name| *name == "spin");
-            for i in 0..before.equations.len() {
-                for j in 0..before.unknowns.len() {
-                    let change = match (momentum(i), j) {
-                        (Some(0), 1) => -state.density * w,
-                        (Some(1), 0) => state.density * w,
-                        (None, 0 | 1) if Some(i) == spin_row => {
-                            state.density * w * state.inertia_gradient[j]
-                        }
-                        _ => {
-                            assert_eq!(before.c[(i, j)], after.c[(i, j)], "{kind:?} ({i}, {j})");
-                            continue;
-                        }
-                    };
-                    let (old, new) = (before.c[(i, j)], after.c[(i, j)]);
-                    let off = (new.value - old.value - change).abs();
-                    // The last term allows for the roundings of w and of s₂₁ + w.
-                    let bound = old.bound + new.bound + 4.0 * f64::EPSILON * change.abs();
-                    assert!(off <= bound, "{kind:?} ({i}, {j})");
-                }
+    states::for_random_cases(940, STATE_COUNT, |random, case| {
+        let RandomCase { kind, model, state, .. } = case;
+        let w = random.signed_uniform(0.3, 3.0);
+        let after = MaterialState { half_vorticity: state.half_vorticity + w, ..state };
+        let (flow, flow_with_spin) =
+            (states::complete_flow(&model, &state), states::complete_flow(&model, &after));
+        if let (Some(before), Some(after)) = (flow.spin, flow_with_spin.spin) {
+            assert!((after.value - before.value - w).abs() <= after.bound + before.bound);
+        }
+        assert_eq!(flow.relative_rotation, flow_with_spin.relative_rotation);
+        assert_eq!(flow.internal_power, flow_with_spin.internal_power, "power is objective");
+        let (before, after) = (
+            states::assemble_symbol(&model, &flow),
+            states::assemble_symbol(&model, &flow_with_spin),
+        );
+        assert_eq!(before.a, after.a);
+        assert_eq!(before.b, after.b);
+        let momentum = |i: usize| (i < 2).then_some(i);
+        let spin_row = before.equations.iter().position(|name| *name == "spin");
+        for i in 0..before.equations.len() {
+            for j in 0..before.unknowns.len() {
+                let change = match (momentum(i), j) {
+                    (Some(0), 1) => -state.density * w,
+                    (Some(1), 0) => state.density * w,
+                    (None, 0 | 1) if Some(i) == spin_row => {
+                        state.density * w * state.inertia_gradient[j]
+                    }
+                    _ => {
+                        assert_eq!(before.c[(i, j)], after.c[(i, j)], "{kind:?} ({i}, {j})");
+                        continue;
+                    }
+                };
+                let (old, new) = (before.c[(i, j)], after.c[(i, j)]);
+                let off = (new.value - old.value - change).abs();
+                // The last term allows for the roundings of w and of s₂₁ + w.
+                let bound = old.bound + new.bound + 4.0 * f64::EPSILON * change.abs();
+                assert!(off <= bound, "{kind:?} ({i}, {j})");
             }
         }
-    }
+    });
 }
 
 /// A Galilean shift changes only the velocity of the frame, `LinearisedSystem::velocity`; A, B and C are bitwise
 /// unchanged.
 #[test]
 fn galilean_shift_changes_only_the_frame_velocity() {
-    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
-        let mut random = RandomNumbers::new(960 + seed as u64);
-        for _ in 0..STATE_COUNT {
-            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
-            let velocity = [random.signed_uniform(1.0, 1e6), random.signed_uniform(1.0, 1e6)];
-            let after = MaterialState { velocity, ..state };
-            let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
-            let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
-            assert_eq!(before.velocity, state.velocity);
-            assert_eq!(after.velocity, velocity);
-            assert_eq!((&before.a, &before.b, &before.c), (&after.a, &after.b, &after.c));
-        }
-    }
+    states::for_random_cases(960, STATE_COUNT, |random, case| {
+        let RandomCase { model, state, .. } = case;
+        let velocity = [random.signed_uniform(1.0, 1e6), random.signed_uniform(1.0, 1e6)];
+        let after = MaterialState { velocity, ..state };
+        let before = states::assemble_symbol(&model, &states::complete_flow(&model, &state));
+        let after = states::assemble_symbol(&model, &states::complete_flow(&model, &after));
+        assert_eq!(before.velocity, state.velocity);
+        assert_eq!(after.velocity, velocity);
+        assert_eq!((&before.a, &before.b, &before.c), (&after.a, &after.b, &after.c));
+    });
 }
 
 /// Under a change of units by powers of two every entry scales bitwise by the unit of its equation over the unit of its

@@ -8,7 +8,7 @@ mod support;
 
 use std::collections::HashMap;
 use support::equations::{linearise, residuals};
-use support::states;
+use support::states::{self, RandomCase};
 use support::{DoubleDouble, RandomNumbers, dd};
 use testkit::flows::MODEL_CASES;
 use wellposed_models::Rounded;
@@ -148,21 +148,18 @@ fn derived_background_satisfies_the_nonlinear_equations() {
 /// 85), the given half vorticity, and Δ = Ψ_D − Ψ_Σ including its sign.
 #[test]
 fn velocity_gradient_has_the_given_rate_angle_and_vorticity() {
-    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
-        let mut random = RandomNumbers::new(300 + seed as u64);
-        for _ in 0..STATE_COUNT {
-            let (_, model, state) = states::random_case(&mut random, kind, dilatancy);
-            let flow = states::complete_flow(&model, &state);
-            let g = flow.velocity_gradient.map(|row| row.map(|x| x.value));
-            let (normal, shear) = (g[0][0] - g[1][1], g[0][1] + g[1][0]);
-            let rate = 0.5 * normal.hypot(shear);
-            let angle = 0.5 * shear.atan2(normal);
-            // Angles modulo π; the tolerance allows for a few roundings of numbers of order ten.
-            let wrong = (angle - state.stress_angle - state.noncoaxiality.unwrap_or(0.0)).sin();
-            assert!((rate / state.shear_rate - 1.0).abs() < 1e-13);
-            assert!(wrong.abs() < 1e-13, "{kind:?}: Ψ_D is off by {wrong:e}");
-            let vorticity = 0.5 * (g[1][0] - g[0][1]);
-            assert!((vorticity - state.half_vorticity).abs() < 1e-13);
-        }
-    }
+    states::for_random_cases(300, STATE_COUNT, |_, case| {
+        let RandomCase { kind, model, state, .. } = case;
+        let flow = states::complete_flow(&model, &state);
+        let g = flow.velocity_gradient.map(|row| row.map(|x| x.value));
+        let (normal, shear) = (g[0][0] - g[1][1], g[0][1] + g[1][0]);
+        let rate = 0.5 * normal.hypot(shear);
+        let angle = 0.5 * shear.atan2(normal);
+        // Angles modulo π; the tolerance allows for a few roundings of numbers of order ten.
+        let wrong = (angle - state.stress_angle - state.noncoaxiality.unwrap_or(0.0)).sin();
+        assert!((rate / state.shear_rate - 1.0).abs() < 1e-13);
+        assert!(wrong.abs() < 1e-13, "{kind:?}: Ψ_D is off by {wrong:e}");
+        let vorticity = 0.5 * (g[1][0] - g[0][1]);
+        assert!((vorticity - state.half_vorticity).abs() < 1e-13);
+    });
 }

@@ -61,9 +61,13 @@ fn check_with_progress(
 /// Describes the planned measurements for a dry run.
 fn describe_plan(plan: &CheckPlan) -> String {
     match plan {
-        CheckPlan::Solid(media) => {
+        CheckPlan::Solid { media, blocks } => {
             let count: usize = media.iter().map(|own| own.waves.waves.len()).sum();
-            format!("send all branches at {count} wave vectors")
+            let of_blocks = match blocks.len() {
+                0 => String::new(),
+                count => format!(", and Bloch waves in {count} media of blocks and joints"),
+            };
+            format!("send all branches at {count} wave vectors{of_blocks}")
         }
         CheckPlan::NotMeasurable(reason) => {
             format!("say that the case is not measurable: {reason}")

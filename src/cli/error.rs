@@ -4,6 +4,7 @@ use super::folder::OutputError;
 use crate::case::{CaseError, SourcePosition, YieldSetError};
 use crate::report::SCHEMA_VERSION;
 use crate::study::simulate::{IllPosedness, StopReport};
+use dynamics::decomposition::ThreadStartError;
 use serde_json::{Value, json};
 
 /// Exit code of an interrupted program.
@@ -73,6 +74,16 @@ pub enum Error {
     /// Threads could not be started.
     #[error("cannot start the threads: {0}")]
     Threads(String),
+    /// The threads of a time step could not be started. Output and the last checkpoint are complete.
+    #[error(
+        "{error}; wellposed resume {folder} goes on from the last checkpoint, or from the start without one"
+    )]
+    StepThreads {
+        /// Reason.
+        error: ThreadStartError,
+        /// Results folder.
+        folder: String,
+    },
     /// Standard output cannot be written.
     #[error("standard output: {0}")]
     Stdout(#[from] std::io::Error),
@@ -93,6 +104,14 @@ impl Error {
 }
 
 impl Error {
+    /// Converts the error of a run in `folder`, which can be resumed if threads could not be started.
+    pub(super) fn from_run_error(error: crate::Error, folder: &str) -> Self {
+        match error {
+            crate::Error::Threads(error) => Self::StepThreads { error, folder: folder.to_owned() },
+            other => other.into(),
+        }
+    }
+
     /// Converts the error to a JSON object: kind, printed message and exit code; for errors of cases and files also the
     /// place, the value or fault found, and the values allowed or the remedy. A key that does not apply is `null`.
     pub fn to_json(&self) -> Value {
@@ -115,14 +134,16 @@ impl Error {
             Self::Study(crate::Error::Case(_)) | Self::Medium(_) => "case",
             Self::Study(crate::Error::Memory { .. }) => "memory",
             Self::Study(crate::Error::IllPosed(_)) | Self::IllPosed(_) => "ill-posed",
-            Self::Study(_) => "result",
             Self::Output(_) => "output",
             Self::Stopped(_) => "stopped",
             Self::Disagreement { .. } => "disagreement",
             Self::Damaged { .. } => "damage",
             Self::NoCases { .. } => "usage",
             Self::Interrupted { .. } | Self::InterruptedReplay { .. } => "interrupted",
-            Self::Threads(_) => "threads",
+            Self::Threads(_) | Self::StepThreads { .. } | Self::Study(crate::Error::Threads(_)) => {
+                "threads"
+            }
+            Self::Study(_) => "result",
             Self::Stdout(_) => "stdout",
         }
     }
@@ -205,5 +226,25 @@ impl From<Error> for crate::Error {
 impl From<CaseError> for Error {
     fn from(error: CaseError) -> Self {
         Self::Study(error.into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Verifies exit code, kind and message of an error of threads within a run.
+    #[test]
+    fn threads_of_a_step_that_do_not_start_exit_with_2() {
+        let cause = "Resource temporarily unavailable".to_owned();
+        let error = Error::from_run_error(ThreadStartError { cause }.into(), "out/case");
+        assert_eq!(error.exit_code(), 2);
+        assert_eq!(error.to_json()["kind"], "threads");
+        let message = error.to_string();
+        for part in ["cannot start the threads", "unavailable", "wellposed resume out/case"] {
+            assert!(message.contains(part), "{message}");
+        }
+        let other = Error::from_run_error(crate::Error::Cancelled, "out/case");
+        assert!(matches!(other, Error::Study(crate::Error::Cancelled)), "{other}");
     }
 }

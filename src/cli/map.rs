@@ -13,7 +13,7 @@ use std::io::Write;
 /// Runs `map`.
 ///
 /// # Errors
-/// The case cannot be read, has no map or is invalid at all of its points, memory is short, or results cannot be
+/// The case cannot be read, has no map or is invalid at all of its points, memory is insufficient, or results cannot be
 /// written.
 pub fn run_map(
     options: &Options,

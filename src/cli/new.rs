@@ -18,20 +18,7 @@ pub fn write_template(
     force: bool,
 ) -> Result<PathBuf, OutputError> {
     let path = file.map_or_else(|| format!("{}.toml", medium.kind.name()).into(), Path::to_owned);
-    if !force && path.symlink_metadata().is_ok() {
-        return Err(OutputError {
-            path,
-            cause: "exists already".into(),
-            remedy: "name another file, or overwrite with --force",
-        });
-    }
-    if path.symlink_metadata().is_ok_and(|found| !found.is_file()) {
-        return Err(OutputError {
-            path,
-            cause: "not a regular file".into(),
-            remedy: "name another file: only files are overwritten",
-        });
-    }
+    check_new_file(&path, force)?;
     let is_free =
         matches!(medium.kind, ModelKind::Flow(_)) && medium.kind.simulation_rotation().is_none();
     if purpose == TemplateKind::Simulation && is_free {
@@ -43,4 +30,15 @@ pub fn write_template(
     }
     write_file(&path, generate_template(medium, purpose).as_bytes())?;
     Ok(path)
+}
+
+/// Checks that a file may be written: that there is none of this path, or with `force` a regular file.
+pub(super) fn check_new_file(path: &Path, force: bool) -> Result<(), OutputError> {
+    let Ok(found) = path.symlink_metadata() else { return Ok(()) };
+    let (cause, remedy) = match (force, found.is_file()) {
+        (true, true) => return Ok(()),
+        (false, _) => ("exists already", "name another file, or overwrite with --force"),
+        (true, false) => ("not a regular file", "name another file: only files are overwritten"),
+    };
+    Err(OutputError { path: path.to_owned(), cause: cause.into(), remedy })
 }

@@ -5,7 +5,8 @@ use super::run::{ANIMATION_FILE, AnimationOutput, draw_animation, read_records};
 use crate::case::TimeDomainRun;
 use crate::cli::Error;
 use crate::cli::folder::{
-    AppendedFile, OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot,
+    AppendedFile, JOINT_ARCHIVE_FILE, OutputError, ResultFolder, SNAPSHOT_LIST_FILE,
+    has_joint_files, is_snapshot,
 };
 use crate::report;
 use std::io::Write;
@@ -25,7 +26,7 @@ pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
     folder.check_files(|name| {
         let is_table = [AppendedFile::Receivers, AppendedFile::Ledger, AppendedFile::Spectrum];
         is_snapshot(name)
-            || [FIELDS_ARCHIVE, SNAPSHOT_LIST_FILE].contains(&name)
+            || [FIELDS_ARCHIVE, JOINT_ARCHIVE_FILE, SNAPSHOT_LIST_FILE].contains(&name)
             || is_table.iter().any(|table| table.name() == name)
     })?;
     let archive = folder.path().join(FIELDS_ARCHIVE);
@@ -35,8 +36,15 @@ pub fn plot(path: &Path, stdout: &mut dyn Write) -> Result<(), Error> {
         TimeDomainRun::Solid(own) => own.grid.cell_count(),
         TimeDomainRun::Flow(own) => own.grid.point_count(),
     };
-    let fields = report::run::read_fields(&bytes, cells)
+    let mut fields = report::run::read_fields(&bytes, cells)
         .map_err(|error| OutputError::from_invalid_content(&archive, error))?;
+    if let Some(own) = case.solid_run.as_ref().filter(|_| has_joint_files(&case)) {
+        let archive = folder.path().join(JOINT_ARCHIVE_FILE);
+        let bytes = files::read_regular_file(&archive)
+            .map_err(|error| OutputError::from_read_error(&archive, &error))?;
+        fields.joints = report::run::read_joints(&bytes, &own.grid)
+            .map_err(|error| OutputError::from_invalid_content(&archive, error))?;
+    }
     let pictures = report::run::create_pictures(&case, &fields, &read_records(&case, &folder)?)?;
     let mut publication = folder.start_redrawing();
     report::draw_pictures(&pictures, |name, bytes| {

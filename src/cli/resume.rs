@@ -13,8 +13,8 @@ use std::path::Path;
 ///
 /// # Errors
 /// The folder holds no run, a finished run, a run in progress, a run of another program version or of a changed case,
-/// or a damaged checkpoint; memory is short; the threads cannot be started; results cannot be written; or the run was
-/// interrupted or stopped by its own state.
+/// or a damaged checkpoint; memory is insufficient; the threads cannot be started; results cannot be written; or the
+/// run was interrupted or stopped by its own state.
 pub fn resume(
     path: &Path,
     threads: Option<usize>,

@@ -42,10 +42,10 @@ pub struct CheckpointSettings {
 /// Runs `run`.
 ///
 /// # Errors
-/// The case is invalid, memory is short, the cost exceeds the limits, the equations are ill-posed, the folder holds a
-/// finished or interrupted run or one in progress, the threads cannot be started, results cannot be written, or the run
-/// was interrupted or stopped by its own state. `--force` lifts the limits of the cost and discards a finished or
-/// interrupted run; `--accept-ill-posed` permits ill-posed equations.
+/// The case is invalid, memory is insufficient, the cost exceeds the limits, the equations are ill-posed, the folder
+/// holds a finished or interrupted run or one in progress, the threads cannot be started, results cannot be written, or
+/// the run was interrupted or stopped by its own state. `--force` lifts the limits of the cost and discards a finished
+/// or interrupted run; `--accept-ill-posed` permits ill-posed equations.
 pub fn run_simulation(
     options: &Options,
     checkpoint_settings: CheckpointSettings,
@@ -107,7 +107,9 @@ pub(super) fn execute_run(
     let mut recorder = FileRecorder::new(run, checkpoint, lock);
     let pool = create_thread_pool(run.threads)?;
     check_threads(pool.current_num_threads())?;
-    let result = pool.install(|| job.execute(&mut recorder))?;
+    let result = pool
+        .install(|| job.execute(&mut recorder))
+        .map_err(|error| Error::from_run_error(error, &run.folder.path().display().to_string()))?;
     if let Some(warning) = result.residual_warning() {
         let _ = writeln!(std::io::stderr(), "warning: {warning}");
     }

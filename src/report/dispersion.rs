@@ -66,7 +66,7 @@ impl BranchFamily {
             let limits = format_numbers(&self.short_wave_limits);
             let _ = writeln!(text, "  frequencies as k → ∞    {limits} (speed zero)");
         }
-        for [from, to] in &self.forbidden_bands {
+        for [from, to] in &self.band_gaps {
             let from = format_short(*from);
             let _ = match to.is_finite() {
                 true => {
@@ -133,7 +133,7 @@ fn create_figure(case: &Case, found: &DispersionResult) -> DispersionFigure {
     // that frequency, and a band without upper edge has no end.
     let bands = found.families.iter().flat_map(|family| {
         let between = |band: &&[f64; 2]| band[0] > 0.0 && band[1].is_finite();
-        family.forbidden_bands.iter().filter(between).map(|&[from, to]| FrequencyBand {
+        family.band_gaps.iter().filter(between).map(|&[from, to]| FrequencyBand {
             label: format!("no {} waves", family.polarisation),
             low: from,
             high: to,

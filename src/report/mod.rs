@@ -1,8 +1,10 @@
 //! Rendering of study results as text, JSON, tables and pictures, common to all studies.
 
+pub mod bloch;
 pub mod check;
 pub mod dispersion;
 pub mod format;
+pub mod homogenise;
 pub mod map;
 pub mod point;
 pub mod run;

@@ -4,13 +4,16 @@ mod animation;
 mod archive;
 mod display;
 mod flow;
+mod fluid;
+mod joints;
 mod records;
 mod snapshot;
 mod solid;
 
-pub use animation::{AnimationFrame, FrameConverter};
+pub use animation::{AnimationFrame, FrameConverter, FrameScale};
 pub use archive::read_fields;
 pub use display::DisplayTime;
+pub use joints::{JointScale, create_joint_lines, read_joints};
 pub use snapshot::create_image;
 
 use super::format::{case_title, format_short};
@@ -18,7 +21,7 @@ use super::{Report, ReportPicture};
 use crate::Error;
 use crate::case::flow::FlowQuantity;
 use crate::case::{Case, TimeDomainRun};
-use crate::study::simulate::{OutputFields, RunRecords, RunResult, quantity_unit};
+use crate::study::simulate::{JointSummary, OutputFields, RunRecords, RunResult, quantity_unit};
 use std::fmt::Write as _;
 
 impl Report for RunResult {
@@ -46,6 +49,9 @@ impl Report for RunResult {
             let unit: &str = if *name == "power" { "W/m³" } else { &unit };
             write_value_line(&mut text, description, value, unit);
         }
+        if let Some(joints) = &self.joints {
+            write_joints(&mut text, joints);
+        }
         if let Some(flow) = &case.flow_run {
             self.write_value_ranges(&FlowQuantity::all_fields(flow.rotation), &mut text);
         }
@@ -56,11 +62,18 @@ impl Report for RunResult {
         create_pictures(case, &self.fields, &self.records)
     }
 
-    /// Renders the archives; the CSV tables are written row by row during the run.
+    /// Renders the archives, and the table of joints; the other CSV tables are written row by row during the run.
     fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
         let mut all = vec![("fields.npz", archive::encode_fields(&self.fields)?)];
         if let Some(receivers) = &self.records.receivers {
             all.push(("receivers.npz", archive::encode_table(receivers)?));
+        }
+        let joints = &self.fields.joints;
+        if !joints.is_empty() {
+            all.push(("joints.csv", joints::format_csv(joints)?));
+            all.push(("joints.npz", joints::encode_npz(joints)?));
+            let lines = create_joint_lines(joints, self.fields.time)?;
+            all.push(("joints.vtp", lines.to_bytes()));
         }
         Ok(all)
     }
@@ -75,6 +88,15 @@ const SOLID_LEDGER_TERMS: &[(&str, &str)] = &[
     ("source_work", "work of sources and gravity"),
     ("initial_stress_work", "work of the initial stress"),
     ("plastic_dissipation", "plastic dissipation"),
+    ("joint_kinetic", "kinetic energy of joints"),
+    ("joint_stored", "stored energy of joints"),
+    ("fluid_kinetic", "kinetic energy of the fluid"),
+    ("fluid_stored", "energy of the fluid pressure"),
+    ("joint_plastic_dissipation", "plastic dissipation of joints"),
+    ("joint_viscous_dissipation", "viscous dissipation of joints"),
+    ("joint_released_energy", "energy released by open cracks"),
+    ("joint_fracture_energy", "energy lost at fracture"),
+    ("fluid_dissipation", "numerical dissipation of the fluid"),
     ("numerical_dissipation", "numerical dissipation"),
     ("residual", "residual (rounding)"),
     ("balance", "balance (numerical dissipation)"),
@@ -92,6 +114,26 @@ const FLOW_LEDGER_TERMS: &[(&str, &str)] = &[
 
 fn write_value_line(text: &mut String, name: &str, value: f64, unit: &str) {
     let _ = writeln!(text, "  {name:<34} {:>11} {unit}", format_short(value));
+}
+
+/// Writes numbers of slipped, open and broken faces of joints with extreme values and times of first events.
+fn write_joints(text: &mut String, joints: &JointSummary) {
+    let JointSummary { faces, slipped, open, broken, .. } = *joints;
+    let _ = writeln!(
+        text,
+        "  faces of joints: {faces}; {slipped} slipped, {open} open, {broken} broken"
+    );
+    let values = [
+        ("largest slip", Some(joints.largest_slip).filter(|slip| *slip > 0.0), "m"),
+        ("largest opening", Some(joints.largest_opening).filter(|opening| *opening > 0.0), "m"),
+        ("first slip", joints.first_slip_time, "s"),
+        ("first fracture", joints.first_fracture_time, "s"),
+    ];
+    for (name, value, unit) in values {
+        if let Some(value) = value {
+            write_value_line(text, name, value, unit);
+        }
+    }
 }
 
 impl RunResult {

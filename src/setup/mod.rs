@@ -1,6 +1,7 @@
 //! Conversion of cases to problems of the other crates, and of the errors of these crates to errors with a place in the
 //! case file.
 
+pub mod blocky;
 pub mod check;
 pub mod flow;
 pub(crate) mod flow_run;

@@ -3,6 +3,7 @@
 mod boundary;
 mod geometry;
 mod initial;
+mod joints;
 mod pulse;
 mod ranges;
 mod source;
@@ -28,25 +29,24 @@ pub(crate) struct SolidSetup<const D: usize> {
     pub(crate) initial_fields: Vec<(SolidField, Vec<f64>)>,
 }
 
-/// Returns the solver media of a case in the order of its regions; without regions, the medium of its material.
+/// Returns the solver media of a case in the order of its regions or of the materials of its blocks;
+/// without these, the medium of its material.
 pub(crate) fn create_media(case: &Case, dynamics: &SolidRun) -> Result<Vec<Medium>, Error> {
     let dimensions = dynamics.grid.dimensions();
     let medium = |own: &Material| {
         solid::create_medium(own, dimensions).map_err(|error| own.locate_error(error).into())
     };
-    if dynamics.regions.is_empty() {
+    let materials = dynamics.materials();
+    if materials.is_empty() {
         return medium(&case.material).map(|medium| vec![medium]);
     }
-    let all: Vec<Medium> = dynamics
-        .regions
-        .iter()
-        .map(|region| medium(&region.material))
-        .collect::<Result<_, Error>>()?;
+    let all: Vec<Medium> = materials.iter().map(|own| medium(own)).collect::<Result<_, Error>>()?;
     if let Some(odd) = all.iter().position(|medium| medium.fields != all[0].fields) {
-        let kinds = [odd, 0].map(|index| dynamics.regions[index].material.kind.name());
-        let found = format!("found {}, beside {} in region[0]", kinds[0], kinds[1]);
-        let allowed = "all regions of a run need the same fields: solids of one theory";
-        return Err(dynamics.error_at(&format!("region[{odd}].model.kind"), found, allowed).into());
+        let kinds = [odd, 0].map(|index| materials[index].kind.name());
+        let [own, first] = [odd, 0].map(|index| dynamics.material_section(index));
+        let found = format!("found {}, beside {} in {first}", kinds[0], kinds[1]);
+        let allowed = "all media of a run need the same fields: solids of one theory";
+        return Err(dynamics.error_at(&format!("{own}.model.kind"), found, allowed).into());
     }
     Ok(all)
 }
@@ -123,6 +123,7 @@ impl<const D: usize> SolidSetup<D> {
             converter.gravity_and_initial_stress::<D>(&media, &of_cell)?;
         let initial_fields = converter.create_initial_fields::<D>(case, media.len())?;
         let problem = Problem {
+            interlayers: converter.create_interlayers()?,
             loads,
             sources,
             acceleration,
@@ -150,6 +151,7 @@ fn locate_domain_error(dynamics: &SolidRun, error: &DomainError) -> CaseError {
         DomainError::Source(_) => "source",
         DomainError::InitialStress => "initial_stress",
         DomainError::OutOfMemory { .. } => "grid.cells",
+        DomainError::Interlayers { .. } => "joint",
         _ => "grid",
     };
     dynamics.error_at(key, error.to_string(), "docs/case-file.md describes solids in time")

@@ -63,9 +63,10 @@ pub struct BranchFamily {
     pub cut_off_frequencies: Vec<f64>,
     /// Frequencies as k → ∞ of branches with zero characteristic speed, rad/s.
     pub short_wave_limits: Vec<f64>,
-    /// Forbidden bands, in which no such wave propagates: lower and upper frequency, rad/s; the upper one is infinite
+    /// Band gaps, in which no such wave propagates: lower and upper frequency, rad/s; the upper one is infinite
     /// if no wave propagates above (null in JSON).
-    pub forbidden_bands: Vec<[f64; 2]>,
+    #[serde(rename = "forbidden_bands")]
+    pub band_gaps: Vec<[f64; 2]>,
     /// Branches at the wave number of the case.
     #[serde(rename = "at_wave")]
     pub branches: Vec<BranchAtWave>,
@@ -102,7 +103,7 @@ pub struct BranchAtWave {
 ///
 /// let case = wellposed::load("cases/cosserat/forbidden-band.toml", wellposed::NO_SETTINGS)?;
 /// let found = wellposed::compute_dispersion(&case, &ignore_progress)?;
-/// assert!(found.families.iter().any(|family| !family.forbidden_bands.is_empty()));
+/// assert!(found.families.iter().any(|family| !family.band_gaps.is_empty()));
 /// # Ok::<(), wellposed::Error>(())
 /// ```
 pub fn compute_dispersion(
@@ -181,11 +182,7 @@ impl BranchFamily {
             imaginary_characteristic_speeds: speeds.iter().map(|speed| speed[1]).collect(),
             cut_off_frequencies: group.cut_offs(),
             short_wave_limits: group.short_wave_limits(),
-            forbidden_bands: group
-                .forbidden_bands
-                .iter()
-                .map(|band| [band.lower, band.upper])
-                .collect(),
+            band_gaps: group.band_gaps.iter().map(|band| [band.lower, band.upper]).collect(),
             branches: at_wave.iter().map(BranchAtWave::from).collect(),
             labels: (0..curves.len()).map(|branch| group.label(branch)).collect(),
             curves,

@@ -4,17 +4,21 @@
 //! long curves, are fields marked `#[serde(skip)]`.
 
 mod available_memory;
+pub mod bloch;
 pub mod check;
 pub mod dispersion;
 pub mod extremes;
 pub mod format;
+pub mod homogenise;
 pub mod map;
 pub mod point;
 pub mod simulate;
 pub mod speeds;
 
+pub use bloch::{BlochResult, compute_bloch_waves};
 pub use check::{CheckResult, check_agreement};
 pub use dispersion::{DispersionResult, compute_dispersion};
+pub use homogenise::{HomogeniseResult, homogenise};
 pub use map::{MapOptions, MapResult, check_map, compute_map};
 pub use point::{FlowPoint, PointResult, SolidPoint, analyse_point};
 pub use simulate::{RunResult, simulate};

@@ -6,6 +6,7 @@
 
 mod cost;
 mod flow;
+mod joint;
 mod memory;
 mod observer;
 mod plan;
@@ -16,6 +17,7 @@ mod value;
 
 pub use super::available_memory::Bytes;
 pub use cost::{Cost, CostAmount, CostExcess};
+pub use joint::{FaceRecord, JOINT_QUANTITIES, JointFace, JointQuantity, JointSummary};
 pub use plan::{ProblemSize, SimulationPlan, SimulationWarning};
 pub use record::{Recorder, RunProgress, StepStatistics, TableHeader, TableKind, column_unit};
 pub use stop::{IllPosedness, StopCause, StopReport};
@@ -42,8 +44,8 @@ pub struct SimulationSettings {
 /// A simulation stopped early by its own state returns a result as well, see [`RunResult::stop_report`].
 ///
 /// # Errors
-/// The case is invalid or has no simulation, its state cannot be analysed, memory is short, there are too many steps,
-/// the equations are ill-posed and the settings do not accept that, or the simulation was cancelled.
+/// The case is invalid or has no simulation, its state cannot be analysed, memory is insufficient, there are too many
+/// steps, the equations are ill-posed and the settings do not accept that, or the simulation was cancelled.
 ///
 /// # Examples
 /// ```

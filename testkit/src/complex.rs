@@ -1,4 +1,4 @@
-//! Arithmetic of complex numbers whose real and imaginary parts have any number type.
+//! Operators of number types of tests: complex numbers with parts of any number type, and subtraction by negation.
 
 /// Implements `+`, binary and unary `-`, and `*` for a complex type with the fields `re` and `im`.
 #[macro_export]
@@ -32,6 +32,19 @@ macro_rules! impl_complex_arithmetic {
                     re: self.re * other.re - self.im * other.im,
                     im: self.re * other.im + self.im * other.re,
                 }
+            }
+        }
+    };
+}
+
+/// Implements `-` for a number type as the sum with the negated number.
+#[macro_export]
+macro_rules! impl_subtraction {
+    ($number:ty) => {
+        impl std::ops::Sub for $number {
+            type Output = Self;
+            fn sub(self, other: Self) -> Self {
+                self + -other
             }
         }
     };

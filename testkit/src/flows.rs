@@ -1,8 +1,10 @@
 //! Constants of the granular-flow models by name.
 
+use crate::random::RandomNumbers;
 use models::InputError;
 use models::flow::{FlowKind, Model};
 use models::registry;
+use std::ops::Range;
 
 /// Range of the dilatancy angle ν of a test case; φ is the friction angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +15,25 @@ pub enum DilatancyKind {
     Positive,
     /// ν = φ (associated flow), for the plastic potential.
     Associated,
+}
+
+/// Returns a random dilatancy angle ν, rad, of the range `dilatancy` for a flow model with the friction angle φ: for a
+/// plastic potential, where ν may exceed φ, uniform in `potential_angles`; else ν/φ is uniform in `ratios`.
+pub fn random_dilatancy_angle(
+    random: &mut RandomNumbers,
+    kind: FlowKind,
+    dilatancy: DilatancyKind,
+    friction_angle: f64,
+    [potential_angles, ratios]: [Range<f64>; 2],
+) -> f64 {
+    match dilatancy {
+        DilatancyKind::Zero => 0.0,
+        DilatancyKind::Associated => friction_angle,
+        DilatancyKind::Positive if kind == registry::PLASTIC_POTENTIAL => {
+            random.uniform(potential_angles.start, potential_angles.end)
+        }
+        DilatancyKind::Positive => friction_angle * random.uniform(ratios.start, ratios.end),
+    }
 }
 
 /// Every flow model of the crate `models` with every kind of dilatancy that it admits.

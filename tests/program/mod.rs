@@ -12,42 +12,7 @@ use testkit::random::RandomNumbers;
 pub const PROGRAM_PATH: &str = env!("CARGO_BIN_EXE_wellposed");
 
 /// Time-domain case of a yielding solid with receivers and snapshots; it runs for about a second.
-pub const SOLID_CASE: &str = "
-[model]
-kind = 'reduced-cosserat'
-lambda = 1.2e8
-mu = 8e7
-alpha = 3e7
-density = 1900
-inertia = 300
-[yield]
-kind = 'von-mises'
-strength = 2e4
-[grid]
-cells = [60, 50]
-spacing = 0.5
-[time]
-duration = 0.15
-[scheme]
-ledger = 'full'
-[[boundary]]
-side = 'x1-'
-kind = 'non-reflecting'
-[[load]]
-side = 'x2+'
-field = 'sigma22'
-from = 8
-to = 14
-amplitude = -1e5
-time = { kind = 'pulse', duration = 0.05 }
-[[receiver]]
-at = [12, 20]
-[output]
-snapshot_interval = 0.01
-integrals = ['u2', 'phi3']
-[wave]
-number = 1
-";
+pub const SOLID_CASE: &str = include_str!("../data/program-solid.toml");
 
 /// Arguments that run the case in `case.toml` with a checkpoint after every batch of steps.
 pub const RUN_ARGUMENTS: &str = "run case.toml --out out --checkpoint-every 0 --threads 1";

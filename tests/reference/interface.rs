@@ -3,16 +3,16 @@
 
 use super::IsotropicSolid;
 
-/// Kind of a plane wave.
+/// Kind of body wave: longitudinal (P) or shear (S).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BodyWave {
     P,
     S,
 }
 
-/// Plane wave v = amplitude · a g(t − n·x/c).
+/// Plane wave at an interface: v = amplitude · a g(t − n·x/c).
 #[derive(Clone, Copy, Debug)]
-pub struct PlaneWave {
+pub struct InterfaceWave {
     /// Unit propagation direction n.
     pub direction: [f64; 2],
     /// Polarisation a: n for P; n rotated by 90° anticlockwise for S.
@@ -24,7 +24,7 @@ pub struct PlaneWave {
     solid: IsotropicSolid,
 }
 
-impl PlaneWave {
+impl InterfaceWave {
     /// Wave of amplitude 1 with slowness p (s/m) along x₁, propagating upwards or downwards; `None` beyond the
     /// critical angle.
     fn new(wave: BodyWave, solid: &IsotropicSolid, p: f64, is_upward: bool) -> Option<Self> {
@@ -68,8 +68,8 @@ impl PlaneWave {
         (self.direction[0] * x[0] + self.direction[1] * x[1]) / self.speed
     }
 
-    /// Velocity (relative to the incident wave) at a point and a time (s), for a time function g and an incident wave
-    /// that passes x = 0 at time 0.
+    /// Velocity of the wave at a point and a time t (s), per unit amplitude of the incident wave, for a time function g
+    /// and an incident wave that passes x = 0 at time 0.
     pub fn velocity(&self, x: [f64; 2], t: f64, g: impl Fn(f64) -> f64) -> [f64; 2] {
         let value = self.amplitude * g(t - self.arrival_time(x));
         self.polarisation.map(|a| a * value)
@@ -79,8 +79,8 @@ impl PlaneWave {
 /// Plane waves above the interface (incident, reflected P, reflected S) and below it (transmitted P, transmitted S).
 #[derive(Clone, Copy, Debug)]
 pub struct InterfaceWaves {
-    pub above: [PlaneWave; 3],
-    pub below: [PlaneWave; 2],
+    pub above: [InterfaceWave; 3],
+    pub below: [InterfaceWave; 2],
 }
 
 /// Solves for the reflected and transmitted waves of a wave incident from above, at an angle (rad) between its
@@ -96,12 +96,12 @@ pub fn solve_interface_waves(
         BodyWave::S => above.shear_speed(),
     };
     let p = angle.sin() / speed;
-    let incident = PlaneWave::new(incident, above, p, false)?;
+    let incident = InterfaceWave::new(incident, above, p, false)?;
     let mut others = [
-        PlaneWave::new(BodyWave::P, above, p, true)?,
-        PlaneWave::new(BodyWave::S, above, p, true)?,
-        PlaneWave::new(BodyWave::P, below, p, false)?,
-        PlaneWave::new(BodyWave::S, below, p, false)?,
+        InterfaceWave::new(BodyWave::P, above, p, true)?,
+        InterfaceWave::new(BodyWave::S, above, p, true)?,
+        InterfaceWave::new(BodyWave::P, below, p, false)?,
+        InterfaceWave::new(BodyWave::S, below, p, false)?,
     ];
     // Reflected − transmitted = −incident; tractions are divided by an impedance.
     let units = [1.0, 1.0, above.density * speed, above.density * speed];

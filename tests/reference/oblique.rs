@@ -7,7 +7,7 @@
 use super::comparison::{
     AxisMapping, ReferenceReceiver, ReferenceSettings, format_moduli, run_and_compare,
 };
-use super::interface::{BodyWave, PlaneWave, solve_interface_waves};
+use super::interface::{BodyWave, InterfaceWave, solve_interface_waves};
 use super::{ComponentError, IsotropicSolid, REFERENCE_SOLID, RICKER, Ricker};
 
 /// Solid below the interface; its wave speeds are larger by the factor 1.44, so the shortest waves are those above.
@@ -86,8 +86,9 @@ pub fn compute_errors(settings: &ReferenceSettings, incident: BodyWave) -> Vec<C
         PULSE_WIDTH * wavelength,
         RICKER.frequency,
     );
-    let on_side =
-        |at: [f64; 2]| -> &[PlaneWave] { if at[1] >= 0.0 { &waves.above } else { &waves.below } };
+    let on_side = |at: [f64; 2]| -> &[InterfaceWave] {
+        if at[1] >= 0.0 { &waves.above } else { &waves.below }
+    };
     let receivers = RECEIVER_POSITIONS.map(|(name, at)| {
         let receiver =
             ReferenceReceiver::new(name, &at, at[1].abs(), wavelength, (settings, &[0.0; 2]));

@@ -4,8 +4,8 @@ use super::UniformFlow;
 use super::linearised::LinearisedFlow;
 use super::linearised::SAMPLE_COUNT;
 use super::waves::{MIN_RELATIVE_AMPLITUDE, measure_amplitudes, sample_times};
-use crate::AgreementError;
 use crate::fit::{fit_rate, fit_slope};
+use crate::{AgreementError, ProgressCallback, TaskProgress};
 use dynamics::flow::spectral::ModeNumbers;
 use dynamics::flow::{Closure, FlowProblem, FlowSolver as Solver};
 use models::common::elementary::Elementary;
@@ -111,17 +111,27 @@ impl GridRefinement {
     }
 }
 
+/// Number of increments of the progress of a grid.
+const PROGRESS_STEPS: usize = 1000;
+
+/// Number of increments of the progress until all rates are predicted; the others are proportional to the simulated
+/// time.
+const PREDICTION_STEPS: usize = 100;
+
 /// Rates (1/s) of one Fourier mode, by descending growth.
 type ModeRates = (ModeNumbers, Vec<Complex64>);
 
-/// Predicts and measures the fastest growing mode of a perturbation.
+/// Predicts and measures the fastest growing mode of a perturbation. Progress counts thousandths; the callback is called
+/// for each predicted mode, and before each evaluation of the right-hand side of the solver.
 ///
 /// # Errors
 /// The solver rejects the flow or stops before the end time; the perturbation has no velocity, or not one value per
-/// point; the equations do not determine the evolution.
+/// point; the equations do not determine the evolution; the progress callback cancels the comparison, which then ends
+/// after the current time step.
 pub fn compare_fastest_mode(
     problem: &UniformFlow,
     perturbation: &Perturbation,
+    on_progress: ProgressCallback,
 ) -> Result<FastestMode, AgreementError> {
     let flow = LinearisedFlow::new(problem);
     let (points, lengths) = (perturbation.points, perturbation.lengths);
@@ -136,7 +146,7 @@ pub fn compare_fastest_mode(
         return Err(AgreementError::PointCount { found, points });
     }
     solver.perturb([v1, v2], internal)?;
-    let all = predict_mode_rates(&flow, &solver)?;
+    let all = predict_mode_rates(&flow, &solver, on_progress)?;
     let growth = |own: &ModeRates| own.1.first().map_or(f64::MIN, |rate| rate.re);
     let fastest = all.iter().max_by(|a, b| growth(a).total_cmp(&growth(b)));
     let (mode, rates) = fastest.ok_or(AgreementError::NoVelocity)?;
@@ -164,9 +174,11 @@ pub fn compare_fastest_mode(
             duration *= 0.5;
         }
     };
+    let mut progress = MeasurementProgress::new(on_progress, duration);
     for time in sample_times(duration).into_iter().skip(1) {
         while solver.time() < time {
-            solver.advance(time)?;
+            solver.advance_with(time, &mut |time| progress.report(time))?;
+            progress.check()?;
         }
         measured.push(measure_amplitudes(&solver, *mode));
     }
@@ -185,10 +197,39 @@ pub fn compare_fastest_mode(
     })
 }
 
+/// Progress of a measurement on one grid.
+struct MeasurementProgress<'a> {
+    on_progress: ProgressCallback<'a>,
+    /// Duration of the measurement, s.
+    duration: f64,
+    done: usize,
+    is_cancelled: bool,
+}
+
+impl<'a> MeasurementProgress<'a> {
+    fn new(on_progress: ProgressCallback<'a>, duration: f64) -> Self {
+        Self { on_progress, duration, done: PREDICTION_STEPS, is_cancelled: false }
+    }
+
+    /// Reports the simulated time, s; a repeated step does not reduce the progress.
+    fn report(&mut self, time: f64) {
+        let steps = (PROGRESS_STEPS - PREDICTION_STEPS) as f64 * (time / self.duration).min(1.0);
+        self.done = self.done.max(PREDICTION_STEPS + steps as usize);
+        if !self.is_cancelled {
+            self.is_cancelled = (self.on_progress)(self.done, PROGRESS_STEPS).is_break();
+        }
+    }
+
+    fn check(&self) -> Result<(), AgreementError> {
+        if self.is_cancelled { Err(AgreementError::Cancelled) } else { Ok(()) }
+    }
+}
+
 /// Predicted rates of the modes whose velocity exceeds 1/1000 of the largest; one mode of each pair k, −k.
 fn predict_mode_rates(
     flow: &LinearisedFlow,
     solver: &Solver,
+    on_progress: ProgressCallback,
 ) -> Result<Vec<ModeRates>, AgreementError> {
     let [most, across] = solver.max_modes().map(|greatest| greatest as i32);
     let all: Vec<(ModeNumbers, f64)> = (0..=most)
@@ -199,8 +240,12 @@ fn predict_mode_rates(
     let greatest = all.iter().map(|own| own.1).fold(0.0, f64::max);
     let is_held = |own: &&(ModeNumbers, f64)| greatest > 0.0 && own.1 > 1e-3 * greatest;
     let modes: Vec<ModeNumbers> = all.iter().filter(is_held).map(|own| own.0).collect();
+    let in_grid =
+        |done: usize, all: usize| on_progress(PREDICTION_STEPS * done / all.max(1), PROGRESS_STEPS);
+    let progress = TaskProgress::new(&in_grid, modes.len())?;
     let rates = |mode: &ModeNumbers| {
         let modes = flow.linearise_moving_evolution(solver.wave_vector(*mode))?.modes();
+        progress.advance()?;
         Ok((*mode, modes.into_iter().map(|own| own.0).collect()))
     };
     modes.par_iter().map(rates).collect()

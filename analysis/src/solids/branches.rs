@@ -1,7 +1,7 @@
-//! Branches of the plane waves of a solid: frequencies, speeds and forbidden bands against the wave number.
+//! Branches of the plane waves of a solid: frequencies, speeds and band gaps against the wave number.
 
 use super::directional_waves;
-use crate::waves::{ForbiddenBand, WaveFamily, WaveMode};
+use crate::waves::{FrequencyInterval, WaveFamily, WaveMode};
 use models::elastoplastic::Solid;
 use models::yield_set::tangent::NoResponse;
 use num_complex::Complex64;
@@ -16,8 +16,8 @@ pub struct BranchGroup {
     pub family: WaveFamily,
     /// Number of families with this dispersion relation.
     pub family_count: usize,
-    /// Forbidden bands: frequency intervals in which no wave of the group propagates.
-    pub forbidden_bands: Vec<ForbiddenBand>,
+    /// Band gaps: frequency intervals in which no wave of the group propagates.
+    pub band_gaps: Vec<FrequencyInterval>,
     /// Whether energy is conserved or dissipated, so that negative ω² is rounding.
     is_symmetric_hyperbolic: bool,
 }
@@ -64,13 +64,13 @@ pub fn group_branches(
         match groups.iter_mut().find(|group| is_same(group)) {
             Some(group) => group.family_count += 1,
             None => {
-                let forbidden_bands = family.forbidden_bands();
+                let band_gaps = family.band_gaps();
                 let is_symmetric_hyperbolic = is_elastic || solid.is_symmetric_hyperbolic();
                 groups.push(BranchGroup {
                     family,
                     is_symmetric_hyperbolic,
                     family_count: 1,
-                    forbidden_bands,
+                    band_gaps,
                 });
             }
         }

@@ -15,12 +15,12 @@ use wellposed_analysis::growth::Verdict;
 
 /// Brute-force check of a verdict: growth at three wave numbers over four decades.
 ///
-/// Growth of order m in layers approaches its asymptote like k^(−m): 6e-8 and 1e-9 at the smallest of these wave
-/// numbers for the orders 2/5 and 1/2, times a constant of the state, up to 6e4 in these samples; the deviation e must
-/// be below 1e-3 there. At the larger wave numbers e must be smaller by this power of k, within 10 e² for the next
-/// correction. Integer orders converge faster. The tolerance also contains 1e-14/`distance`, since the relative
-/// rounding error is about ε divided by the relative distance from a bound, and 1e-8 for the search of brute force,
-/// which ends within 1e-8 of a maximum.
+/// The relative deviation e of growth of order m in layers from its asymptote is c k^(−m). At the smallest of these
+/// wave numbers k^(−m) is 6e-8 for order 2/5 and 1e-9 for order 1/2; the constant c of the state is up to 6e4 in these
+/// samples. There, e must be below 1e-3. At the larger wave numbers e must have decreased as k^(−m), to within 10 e²
+/// for the next term of the expansion. Integer orders converge faster. The tolerance also contains 1e-14/`distance`,
+/// since the relative rounding error is about ε divided by the relative distance from a bound, and 1e-8 for the search
+/// of brute force, which stops within 1e-8 of a maximum.
 pub fn describe_difference(
     polynomial: &DispersionReference,
     verdict: &Verdict,

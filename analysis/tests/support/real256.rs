@@ -3,7 +3,7 @@
 
 use num_complex::Complex64;
 use std::cmp::Ordering;
-use std::ops::{Add, AddAssign, Mul, Neg, Sub};
+use std::ops::{Add, AddAssign, Mul, Neg};
 use std::sync::OnceLock;
 
 const LIMBS: usize = 4;
@@ -235,12 +235,7 @@ impl Add for Real256 {
     }
 }
 
-impl Sub for Real256 {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self + -other
-    }
-}
+testkit::impl_subtraction!(Real256);
 
 impl Mul for Real256 {
     type Output = Self;

@@ -8,7 +8,7 @@ use models::flow::state::{Background, DeformingFlow, MaterialState};
 use models::flow::{FlowKind, Model};
 use models::registry;
 pub use testkit::flows::DilatancyKind;
-use testkit::flows::FlowParameters;
+use testkit::flows::{FlowParameters, random_dilatancy_angle};
 pub use testkit::random::RandomNumbers;
 
 /// Random-number generator of the tests of this crate.
@@ -66,14 +66,13 @@ pub fn sample_wide_range(
     let density = random.log_uniform(1e2, 1e4);
     let parameters = FlowParameters {
         friction_angle,
-        dilatancy_angle: match dilatancy {
-            DilatancyKind::Zero => 0.0,
-            DilatancyKind::Associated => friction_angle,
-            DilatancyKind::Positive if kind == registry::PLASTIC_POTENTIAL => {
-                random.uniform(0.01, 1.5)
-            }
-            DilatancyKind::Positive => friction_angle * random.uniform(0.02, 0.98),
-        },
+        dilatancy_angle: random_dilatancy_angle(
+            random,
+            kind,
+            dilatancy,
+            friction_angle,
+            [0.01..1.5, 0.02..0.98],
+        ),
         cohesion: if random.bernoulli(0.5) {
             0.0
         } else {
@@ -128,14 +127,13 @@ pub fn sample_order_one(
     let cosserat = kind == registry::HARRIS_GREKOVA;
     let parameters = FlowParameters {
         friction_angle,
-        dilatancy_angle: match dilatancy {
-            DilatancyKind::Zero => 0.0,
-            DilatancyKind::Associated => friction_angle,
-            DilatancyKind::Positive if kind == registry::PLASTIC_POTENTIAL => {
-                random.uniform(0.1, 1.3)
-            }
-            DilatancyKind::Positive => friction_angle * random.uniform(0.1, 0.9),
-        },
+        dilatancy_angle: random_dilatancy_angle(
+            random,
+            kind,
+            dilatancy,
+            friction_angle,
+            [0.1..1.3, 0.1..0.9],
+        ),
         cohesion: random.uniform(0.0, 1.0),
         moment_of_inertia: cosserat.then(|| random.uniform(0.1, 1.0)),
         rotational_strength: cosserat

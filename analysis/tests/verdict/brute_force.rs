@@ -37,14 +37,14 @@ fn random_small_system(seed: u64, integers: bool) -> LinearisedSystem<2> {
 /// Verifies that verdicts on random small systems without physical meaning agree with brute force.
 #[test]
 fn small_random_systems_agree_with_brute_force() {
-    assert_agreement_with_brute_force(false, 200);
+    assert_agreement_with_brute_force(false, 80);
 }
 
 /// Verifies that verdicts on random systems of small integers, in which degenerate directions of different coefficients
 /// often coincide, agree with brute force.
 #[test]
 fn small_integer_systems_agree_with_brute_force() {
-    assert_agreement_with_brute_force(true, 200);
+    assert_agreement_with_brute_force(true, 80);
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn growth_next_to_neutral_roots_is_detected() {
     assert!(order == 1.0 && (coefficient / 0.25 - 1.0).abs() < 0.02, "{order}, {coefficient}");
 }
 
-/// Verifies that imaginary roots that only rounding could move are not assessed as growth.
+/// Verifies that imaginary roots are not assessed as growth if their computed real parts are rounding errors.
 #[test]
 fn neutral_waves_are_not_assessed_as_growth() {
     for (name, system, _) in known_systems() {

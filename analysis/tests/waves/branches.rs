@@ -1,4 +1,4 @@
-//! Branches of the dispersion relation: forbidden bands and slopes.
+//! Branches of the dispersion relation: band gaps and slopes.
 
 use crate::support::states::seeded_generator;
 use models::solid::parameters::Theory;
@@ -10,10 +10,10 @@ use wellposed_analysis::waves::{DirectionalWaves, roots};
 use crate::random_solids::random_solid_of_order_one;
 use crate::yielding::random_plane_yielding;
 
-/// Verifies that no wave has a frequency in a forbidden band and that waves come close to its ends, for shear waves of
+/// Verifies that no wave has a frequency in a band gap and that waves come close to its ends, for shear waves of
 /// random positive stiffnesses.
 #[test]
-fn forbidden_bands_contain_no_wave() {
+fn band_gaps_contain_no_wave() {
     let random = &mut seeded_generator(37);
     let mut bands = 0;
     for _ in 0..400 {
@@ -30,7 +30,7 @@ fn forbidden_bands_contain_no_wave() {
                 .flat_map(|k| family.squared_frequencies(k))
                 .map(|square| square.re.max(0.0).sqrt())
                 .collect();
-            for band in family.forbidden_bands() {
+            for band in family.band_gaps() {
                 bands += 1;
                 let tolerance = 1e-9 * (1.0 + band.lower);
                 let is_inside =

@@ -1,4 +1,4 @@
-//! Speeds, dispersion and forbidden bands of elastic solids against closed forms.
+//! Speeds, dispersion and band gaps of elastic solids against closed forms.
 
 use crate::support::states::{RandomNumbers, seeded_generator};
 use models::solid::parameters::{CoupleModuli, Isotropic, Microrotation, Theory};
@@ -84,7 +84,7 @@ fn specfem_medium_has_published_speeds() {
 }
 
 #[test]
-fn cut_off_is_the_natural_rotation_and_ends_the_forbidden_band() {
+fn cut_off_is_the_natural_rotation_and_ends_the_band_gap() {
     let random = &mut seeded_generator(3);
     let mut worst = 0.0f64;
     for index in 0..2000 {
@@ -105,12 +105,12 @@ fn cut_off_is_the_natural_rotation_and_ends_the_forbidden_band() {
         for family in transverse {
             let cut_off = family.squared_cut_offs()[1].re.sqrt();
             worst = worst.max((cut_off / natural - 1.0).abs());
-            let bands = family.forbidden_bands();
+            let bands = family.band_gaps();
             if theory == Theory::Cosserat {
                 assert!(bands.is_empty(), "{bands:?}");
                 continue;
             }
-            // The forbidden band is ω₁² < ω² < ω₀² with the natural frequency ω₀ of rotation and ω₁² = ω₀²/(1 + α/μ).
+            // The band gap is ω₁² < ω² < ω₀² with the natural frequency ω₀ of rotation and ω₁² = ω₀²/(1 + α/μ).
             let lower = natural / (1.0 + rotation.alpha / solid.mu).sqrt();
             assert_eq!(bands.len(), 1, "{bands:?}");
             worst = worst.max((bands[0].lower / lower - 1.0).abs());

@@ -135,8 +135,8 @@ pub fn equations_with_carried_stresses<const D: usize>(solid: &Isotropic) -> Rat
     layout.rates(&solid.stiffness(layout.all_stresses()), solid.density, inertia)
 }
 
-/// Rate equations of a random yielding Cosserat solid of order one in plane strain; `dilatancy` maps friction to
-/// dilatancy.
+/// Rate equations of a random yielding Cosserat solid in plane strain, with constants of order one; `dilatancy` maps
+/// friction to dilatancy.
 pub fn random_plane_yielding(
     random: &mut RandomNumbers,
     dilatancy: impl Fn(f64) -> f64,

@@ -1,5 +1,6 @@
 //! The section `[grid]` of a solid.
 
+use super::block;
 use crate::error::CaseError;
 use crate::schema::{CountConstraint, KeyGroup, KeySchema, ListLength, TableSchema, ValueType};
 use crate::section::{SectionReader, TableWriter};
@@ -10,7 +11,7 @@ pub const MAX_CELLS: usize = 4_000_000_000;
 /// Schema of the section `[grid]`.
 pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
     "grid",
-    "rectangular grid of cells, with two axes in plane strain or three axes in 3D",
+    "rectangular grid of cells, with two axes in plane strain or three axes in 3D; for blocky media see [[block]]",
     &[KeyGroup::new(&[
         KeySchema::new_required(
             "cells",
@@ -38,7 +39,8 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_section(
         .with_note("lower corner of the grid"),
     ])],
 )
-.with_remedy("a section [grid] with cells and spacing");
+.with_remedy("a section [grid] with cells and spacing")
+.with_alternative("block");
 
 /// A uniform rectangular grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,11 +83,14 @@ impl SolidGrid {
         })
     }
 
-    /// Reads the section `[grid]`.
+    /// Reads the section `[grid]`, or the bounding box of the sections `[[block]]`.
     ///
     /// # Errors
     /// A key is unknown or missing, or a value is invalid.
     pub(crate) fn read(root: &SectionReader) -> Result<Self, CaseError> {
+        if root.has_key("block") {
+            return block::read_bounding_grid(root);
+        }
         let mut section = root.open_required_section(&SCHEMA)?;
         if section.has_key("length") {
             let allowed = "give spacing, the cell size in m, instead";
@@ -104,22 +109,31 @@ impl SolidGrid {
         let spacing = section.read_required("spacing")?;
         let origin = section.read_optional("origin")?.unwrap_or(vec![0.0; d]);
         let grid = Self { cells, spacing, origin };
-        for axis in 0..d {
-            let [first, last] = grid.axis_bounds(axis);
+        grid.check_resolution(&section, "spacing")?;
+        section.finish()?;
+        Ok(grid)
+    }
+
+    /// Checks that centres and faces of neighbouring cells are distinct doubles; errors are reported at `key`.
+    pub(super) fn check_resolution(
+        &self,
+        section: &SectionReader,
+        key: &str,
+    ) -> Result<(), CaseError> {
+        for axis in 0..self.dimensions() {
+            let [first, last] = self.axis_bounds(axis);
             let largest = first.abs().max(last.abs());
-            // Centres and faces of neighbouring cells must be distinct doubles.
-            if !largest.is_finite() || grid.spacing[axis] <= 8.0 * f64::EPSILON * largest {
+            if !largest.is_finite() || self.spacing[axis] <= 8.0 * f64::EPSILON * largest {
                 let found =
-                    format!("cells of {:?} m from {first:?} to {last:?}", grid.spacing[axis]);
+                    format!("cells of {:?} m from {first:?} to {last:?}", self.spacing[axis]);
                 let allowed = format!(
                     "expected a spacing at which cell coordinates along x{} differ in double precision",
                     axis + 1
                 );
-                return Err(section.error_at("spacing", found, allowed));
+                return Err(section.error_at(key, found, allowed));
             }
         }
-        section.finish()?;
-        Ok(grid)
+        Ok(())
     }
 
     /// Formats the section `[grid]` as TOML with all values.

@@ -61,7 +61,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             ValueType::OneOf(|_| InitialStateTerm::NAMES.map(str::to_owned).to_vec()),
             "",
             "\"pulse\"",
-            "pulse: Gaussian exp(−(r/radius)²) of one component; plane-wave: eigenmode of the homogeneous medium; plane-pulse: plane P or S wave with a given time function, classical solids only; rotation: microrotation, Cosserat solids only; uniform: constant value of one component",
+            "pulse: Gaussian exp(−(r/radius)²) of one component; plane-wave: eigenmode of the homogeneous medium; plane-pulse: plane P or S wave with a given time function, classical solids only; rotation: microrotation, Cosserat solids only; rigid-rotation: velocity (and spin) of a rigid body that rotates about a point; uniform: constant value of one component",
         )]),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["pulse"])],
@@ -117,7 +117,7 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
             ],
         ),
         KeyGroup::with_conditions(
-            &[KeyCondition::HasValue("kind", &["rotation", "uniform"])],
+            &[KeyCondition::HasValue("kind", &["rotation", "rigid-rotation", "uniform"])],
             &[KeySchema::new_required(
                 "shape",
                 ValueType::OneOf(|scope| RegionShape::allowed_names_in_scope(scope.dimensions, &RegionShape::WholeGrid)),
@@ -126,15 +126,27 @@ pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
                 "shape, with the keys of [[region]]; everywhere: the whole grid",
             )],
         ),
-        KeyGroup::with_conditions(&[KeyCondition::HasValue("kind", &["rotation", "uniform"])], SHAPE_KEYS),
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["rotation", "rigid-rotation", "uniform"])],
+            SHAPE_KEYS,
+        ),
         KeyGroup::with_conditions(
             &[KeyCondition::HasValue("kind", &["rotation"])],
+            &[KeySchema::new_required("angle_deg", NUMBER_TYPE, "deg", "1.0", "rotation angle, anticlockwise about the axis")],
+        ),
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["rigid-rotation"])],
             &[
-                KeySchema::new_required("angle_deg", NUMBER_TYPE, "deg", "1.0", "rotation angle, anticlockwise about the axis"),
-                KeySchema::new_optional("about", ValueType::SpaceAxis, "", "3", "rotation axis, numbered from 1; default: 3")
-                    .with_note("rotation axis")
-                    .with_conditions(SPACE_CONDITION),
+                KeySchema::new_required("at", POINT_TYPE, "m", "[0.0, -60.0]", "point of the rotation axis")
+                    .with_note("point of the rotation axis"),
+                KeySchema::new_required("rate", NUMBER_TYPE, "1/s", "1.0", "angular velocity, anticlockwise about the axis"),
             ],
+        ),
+        KeyGroup::with_conditions(
+            &[KeyCondition::HasValue("kind", &["rotation", "rigid-rotation"])],
+            &[KeySchema::new_optional("about", ValueType::SpaceAxis, "", "3", "rotation axis, numbered from 1; default: 3")
+                .with_note("rotation axis")
+                .with_conditions(SPACE_CONDITION)],
         ),
         KeyGroup::with_conditions(&[KeyCondition::HasValue("kind", &["uniform"])], &[FIELD_KEY, AMPLITUDE_KEY]),
     ],
@@ -178,6 +190,17 @@ pub enum InitialStateTerm {
         /// Rotation axis, numbered from 0; 2 in plane strain.
         axis: usize,
     },
+    /// Velocity of a rigid body inside a shape, v = Ω e × (x − centre); in Cosserat solids also the spin Ω e.
+    RigidRotation {
+        /// Shape that rotates.
+        shape: RegionShape,
+        /// Point of the rotation axis, m.
+        center: Vec<f64>,
+        /// Angular velocity Ω, 1/s, anticlockwise about the axis.
+        rate: f64,
+        /// Direction e of the rotation axis, numbered from 0; 2 in plane strain.
+        axis: usize,
+    },
     /// Uniform value of one component inside a shape.
     Uniform {
         /// Shape inside which the component has this value.
@@ -205,7 +228,8 @@ pub enum PulseCentre {
 
 impl InitialStateTerm {
     /// Names of all kinds of initial state in case files.
-    pub const NAMES: [&str; 5] = ["pulse", "plane-wave", "plane-pulse", "rotation", "uniform"];
+    pub const NAMES: [&str; 6] =
+        ["pulse", "plane-wave", "plane-pulse", "rotation", "rigid-rotation", "uniform"];
 
     /// Returns the name of the kind of initial state in case files.
     pub const fn name(&self) -> &'static str {
@@ -214,6 +238,7 @@ impl InitialStateTerm {
             Self::PlaneWave { .. } => "plane-wave",
             Self::PlanePulse(_) => "plane-pulse",
             Self::Rotation { .. } => "rotation",
+            Self::RigidRotation { .. } => "rigid-rotation",
             Self::Uniform { .. } => "uniform",
         }
     }
@@ -251,10 +276,12 @@ impl InitialStateTerm {
             Self::Rotation { shape, angle_deg, axis } => {
                 let resolved =
                     shape.write_keys(resolved, dimensions).with_number("angle_deg", angle_deg);
-                match dimensions {
-                    2 => resolved,
-                    _ => resolved.with_number("about", axis + 1),
-                }
+                write_axis(resolved, *axis, dimensions)
+            }
+            Self::RigidRotation { shape, center, rate, axis } => {
+                let resolved = shape.write_keys(resolved, dimensions);
+                let resolved = resolved.with_number("at", center).with_number("rate", rate);
+                write_axis(resolved, *axis, dimensions)
             }
             Self::Uniform { shape, component: field, amplitude } => shape
                 .write_keys(resolved, dimensions)
@@ -262,6 +289,14 @@ impl InitialStateTerm {
                 .with_number("amplitude", amplitude),
         };
         resolved.to_section_toml(&SCHEMA)
+    }
+}
+
+/// Adds the rotation axis in three dimensions.
+fn write_axis(table: TableWriter, axis: usize, dimensions: usize) -> TableWriter {
+    match dimensions {
+        2 => table,
+        _ => table.with_number("about", axis + 1),
     }
 }
 
@@ -282,6 +317,12 @@ impl SolidReader<'_> {
                     InitialStateTerm::PlanePulse(PlanePulseInput::read(&section, at, time)?)
                 }
                 "rotation" => self.read_rotation(&section)?,
+                "rigid-rotation" => InitialStateTerm::RigidRotation {
+                    shape: self.read_shape(&section, &RegionShape::WholeGrid)?,
+                    center: section.read_required("at")?,
+                    rate: section.read_required("rate")?,
+                    axis: self.read_rotation_axis(&section)?,
+                },
                 _ => InitialStateTerm::Uniform {
                     shape: self.read_shape(&section, &RegionShape::WholeGrid)?,
                     component: self.read_component(&section, &self.state_components)?,
@@ -337,10 +378,16 @@ impl SolidReader<'_> {
         self.check_spin(section, "kind", "a microrotation")?;
         let shape = self.read_shape(section, &RegionShape::WholeGrid)?;
         let angle_deg = section.read_required("angle_deg")?;
+        let axis = self.read_rotation_axis(section)?;
+        Ok(InitialStateTerm::Rotation { shape, angle_deg, axis })
+    }
+
+    /// Reads the rotation axis, numbered from 0; x₃ in plane strain.
+    fn read_rotation_axis(&self, section: &SectionReader) -> Result<usize, CaseError> {
         let axis = match self.dimensions() {
             2 => None,
             _ => section.read_optional::<usize>("about")?,
         };
-        Ok(InitialStateTerm::Rotation { shape, angle_deg, axis: axis.map_or(2, |axis| axis - 1) })
+        Ok(axis.map_or(2, |axis| axis - 1))
     }
 }

@@ -69,7 +69,7 @@ impl MaterialRegion {
 }
 
 /// Formats the keys of one section of a material as a TOML table.
-fn to_section_table(material: &Material, section: &str) -> TableWriter {
+pub(super) fn to_section_table(material: &Material, section: &str) -> TableWriter {
     let own = material.key_values(&[]).filter(|(key, _)| key.split_section().0 == section);
     own.fold(TableWriter::default(), |all, (key, value)| {
         all.with_toml(key.split_section().1, value)

@@ -66,7 +66,7 @@ pub(super) const SCHEME_SCHEMA: TableSchema = TableSchema::new_section(
             }),
             "",
             "\"alternating\"",
-            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating",
+            "dimensional splitting; default: two-cyclic if courant is 1 or correction is second-order, otherwise alternating; joints need two-cyclic",
         ),
         KeySchema::new_with_default(
             "precision",
@@ -196,7 +196,7 @@ impl SolidTime {
 
 impl SchemeOptions {
     /// Reads the section `[scheme]`; `courant` is the Courant number, `yields` states whether at least one medium
-    /// yields.
+    /// yields, `has_joints` whether there are joints between blocks.
     ///
     /// Defaults: fourth-order reconstruction for elastic media; limited second-order reconstruction if a medium yields,
     /// since plastic fronts are discontinuous. Alternating sweeps; two-cyclic sweeps for Courant number 1 or a
@@ -204,12 +204,14 @@ impl SchemeOptions {
     pub(super) fn read(
         root: &SectionReader,
         courant: f64,
-        yields: bool,
+        (yields, has_joints): (bool, bool),
     ) -> Result<Self, CaseError> {
         let order =
             if yields { ReconstructionScheme::Eno2 } else { ReconstructionScheme::FourthOrder };
         let default = |correction: ReturnMappingOrder| match correction {
-            ReturnMappingOrder::FirstOrder if courant < 1.0 => DimensionalSplitting::Alternating,
+            ReturnMappingOrder::FirstOrder if courant < 1.0 && !has_joints => {
+                DimensionalSplitting::Alternating
+            }
             _ => DimensionalSplitting::TwoCyclic,
         };
         let Some(section) = root.open_section(&SCHEME_SCHEMA)? else {
@@ -220,8 +222,8 @@ impl SchemeOptions {
             .read_optional_choice("correction", ReturnMappingOrder::ALL, ReturnMappingOrder::name)?
             .unwrap_or_default();
         let splittings: &[DimensionalSplitting] = match correction {
-            ReturnMappingOrder::FirstOrder => DimensionalSplitting::ALL,
-            ReturnMappingOrder::SecondOrder => &[DimensionalSplitting::TwoCyclic],
+            ReturnMappingOrder::FirstOrder if !has_joints => DimensionalSplitting::ALL,
+            _ => &[DimensionalSplitting::TwoCyclic],
         };
         let scheme = Self {
             reconstruction: section

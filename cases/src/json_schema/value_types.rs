@@ -132,6 +132,12 @@ pub(super) fn build_type_schema(value: &ValueType, scope: &SchemaScope) -> Value
             json!({ "type": "array", "items": items, "uniqueItems": true })
         }
         ValueType::Table(form) => build_table_schema(form, scope),
+        ValueType::TableList(form) => {
+            json!({ "type": "array", "items": build_table_schema(form, scope), "minItems": 1 })
+        }
+        ValueType::IndexList => {
+            json!({ "type": "array", "items": { "type": "integer", "minimum": 0 } })
+        }
         ValueType::SectionKeys(section) => build_section_schema(section),
     }
 }

@@ -254,7 +254,9 @@ impl SectionTemplates {
             return self.write_line(is_set, item.name, &value, &comment);
         }
         self.written_tables.push(inner.name);
-        let meaning = inner.discriminator().map_or("", |(kind, _)| kind.meaning);
+        let discriminator = inner.discriminator().map(|(item, _)| item);
+        let meaning = discriminator.map_or("", |item| item.meaning);
+        let kind_key = discriminator.map_or("kind", |item| item.name);
         for line in wrap_text(
             &format!("{} {}", format_sentence(&comment), format_sentence(meaning)),
             MAX_LINE_WIDTH,
@@ -273,7 +275,7 @@ impl SectionTemplates {
                 };
                 let items = self.variant_keys(inner, &variant);
                 let is_possible = present.is_none_or(|key| items.iter().any(|own| own.name == key));
-                let own = format!("kind = \"{word}\"");
+                let own = format!("{kind_key} = \"{word}\"");
                 if !is_possible || (is_set && value.contains(&own)) {
                     continue;
                 }
@@ -287,7 +289,7 @@ impl SectionTemplates {
                     .collect();
                 let units: Vec<String> = items
                     .iter()
-                    .filter(|own| own.name != "kind")
+                    .filter(|own| own.name != kind_key)
                     .map(|own| match is_in_space(own) {
                         true => format!("in 3D also {} = {}", own.name, own.example_value()),
                         false if own.unit.is_empty() => own.meaning.to_owned(),

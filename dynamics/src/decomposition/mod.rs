@@ -1,14 +1,15 @@
 //! Domain decomposition: subdomains of a grid, each on its own thread.
 //!
 //! In each pass over memory a subdomain receives a halo of [`HALO`] cells per step of the pass (more along the first
-//! axis for alternating sweeps, see [`Decomposition`]) and recomputes it redundantly. Every cell undergoes the same
-//! operations as without decomposition, and sums over cells are exact: results are identical bit for bit. Along the
-//! last axis, layers are exchanged during the pass; the upper halo is received last, so that a subdomain can be ahead
-//! of its upper neighbour by almost one block of rows and short delays do not propagate. Along the other axes the
-//! exchange precedes the pass, see [`HaloExchange`](crate::solid::domain::HaloExchange).
+//! axis for alternating sweeps, see [`Decomposition`]) and advances the halo cells redundantly. Every cell undergoes
+//! the same operations as without decomposition, and sums over cells are exact: results are identical bit for bit.
+//! Along the last axis, layers are exchanged during the pass. The upper halo is received last: a subdomain can
+//! therefore be almost one block of rows ahead of its upper neighbour, and short delays do not propagate. Along the
+//! other axes the exchange precedes the pass, see [`HaloExchange`](crate::solid::domain::HaloExchange).
 
 mod channels;
 mod plan;
+mod threads;
 
 use crate::simd::InstructionSet;
 use crate::solid::axis_permutation::AxisPermutation;
@@ -20,9 +21,14 @@ use crate::solid::problem::{DomainError, Problem};
 use crate::solid::region::Region;
 use channels::{Channels, Disconnected};
 use models::solid::waves::SolidField;
+use std::ops::Range;
+use threads::{SystemThreads, evaluate_each, run_concurrently};
 
 pub use crate::solid::snapshot::Snapshot;
 pub use plan::Decomposition;
+pub use threads::ThreadStartError;
+#[doc(hidden)]
+pub use threads::ThreadStarter;
 
 /// A subdomain with its halo.
 struct Subdomain<T: SolverReal, const D: usize> {
@@ -51,14 +57,14 @@ impl<T: SolverReal, const D: usize> Subdomain<T, D> {
         Ok(())
     }
 
-    /// Returns position and history variables of the interlayers at the lower faces of owned cells. Position: layer of
-    /// the whole grid across the last axis, axis normal to the face, global cell above the face, and wave pair.
+    /// Returns positions and numbers of history variables of the interlayers at the lower faces of owned cells.
+    /// Position: layer of the whole grid across the last axis, axis normal to the face, and global cell above the face.
     /// `layer_cells`: number of cells of a layer of the whole grid.
-    fn interlayers(&self, layer_cells: usize) -> Vec<([usize; 4], [T; 2])> {
+    fn interlayers(&self, layer_cells: usize) -> Vec<([usize; 3], usize)> {
         let cells = self.region.owned_global_cells();
-        let own = self.domain.located_history().into_iter();
-        own.map(|([axis, cell, pair], history)| {
-            ([cells[cell] / layer_cells, axis, cells[cell], pair], history)
+        let own = self.domain.interlayer_faces().into_iter();
+        own.map(|[axis, cell, variables]| {
+            ([cells[cell] / layer_cells, axis, cells[cell]], variables)
         })
         .collect()
     }
@@ -128,7 +134,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     ) -> Result<Self, DomainError> {
         let problem = &permutation.check_and_permute(problem)?;
         let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
-        let plan = Decomposition::new(&problem.grid, is_periodic, &problem.scheme, parts)?;
+        let plan = Decomposition::new(&problem.grid, is_periodic, problem.pass_limits(), parts)?;
         let part = |region: &Region<D>| {
             let restricted = problem.restrict_to(region);
             Ok(Subdomain {
@@ -172,17 +178,31 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     }
 
     /// Advances all fields by `steps` time steps: a single subdomain on the calling thread, several on a thread each.
-    pub fn advance(&mut self, steps: usize) {
+    ///
+    /// # Errors
+    /// A thread cannot be started; the state is unchanged.
+    pub fn advance(&mut self, steps: usize) -> Result<(), ThreadStartError> {
+        self.advance_with(&mut SystemThreads, steps)
+    }
+
+    /// Advances as [`advance`](Self::advance) does, on threads of `starter`.
+    #[doc(hidden)]
+    pub fn advance_with(
+        &mut self,
+        starter: &mut impl ThreadStarter,
+        steps: usize,
+    ) -> Result<(), ThreadStartError> {
         // A neighbour's thread ends early only by a panic, which the scope propagates.
         if let [part] = self.subdomains.as_mut_slice() {
             let _ = part.advance(steps);
-            return;
+            return Ok(());
         }
-        std::thread::scope(|scope| {
-            for part in &mut self.subdomains {
-                scope.spawn(move || part.advance(steps));
+        let task = |part| {
+            move || {
+                let _ = Subdomain::advance(part, steps);
             }
-        });
+        };
+        run_concurrently(starter, self.subdomains.iter_mut().map(task))
     }
 
     /// Returns the maximum number of steps per pass over memory; a pass reads and writes each field once.
@@ -375,21 +395,13 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         self.subdomains.first().map_or(0.0, |part| part.domain.grid().volume())
     }
 
-    /// Calls `evaluate` for each subdomain: a single one on the calling thread, several on a thread each.
-    fn map_subdomains<V: Send + Default>(
-        &self,
-        evaluate: impl Fn(&Domain<T, D>) -> V + Sync,
-    ) -> Vec<V> {
+    /// Calls `evaluate` for each subdomain: a single one on the calling thread, several on a thread each if it starts.
+    fn map_subdomains<V: Send>(&self, evaluate: impl Fn(&Domain<T, D>) -> V + Sync) -> Vec<V> {
         if let [part] = self.subdomains.as_slice() {
             return vec![evaluate(&part.domain)];
         }
-        let evaluate = &evaluate;
-        std::thread::scope(|scope| {
-            let domains = self.subdomains.iter().map(|part| &part.domain);
-            let threads: Vec<_> =
-                domains.map(|domain| scope.spawn(move || evaluate(domain))).collect();
-            threads.into_iter().map(|thread| thread.join().unwrap_or_default()).collect()
-        })
+        let domains = self.subdomains.iter().map(|part| &part.domain);
+        evaluate_each(&mut SystemThreads, domains, evaluate)
     }
 
     /// Returns field and cell of a non-finite value (for interlayers, the cell above the face); `None` if all are
@@ -425,7 +437,7 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
     }
 
     /// Returns the output quantities by cell (first axis fastest), see [`Domain::output_cell`].
-    pub fn output_fields(&self) -> Vec<Vec<f64>> {
+    pub fn output_values(&self) -> Vec<Vec<f64>> {
         let of_part = |domain: &Domain<T, D>| {
             let mut fields = vec![Vec::new(); self.quantity_count()];
             let (boundaries, mut state) = (domain.closing_boundaries(), Vec::new());
@@ -461,32 +473,52 @@ impl<T: SolverReal, const D: usize> DecomposedDomain<T, D> {
         Some(self.assemble_grid_values(by_subdomain.into_iter()))
     }
 
-    /// Returns positions and history variables of all interlayers, as [`Subdomain::interlayers`] does, in the order of
-    /// [`Domain::interlayer_history`] of the whole grid.
-    fn interlayers(&self) -> Vec<([usize; 4], [T; 2])> {
+    /// Returns the position of each interlayer as [`Subdomain::interlayers`] does, in the order of
+    /// [`Domain::interlayer_history`] of the whole grid, and the range of its history variables in that order.
+    fn interlayers(&self) -> Vec<([usize; 3], Range<usize>)> {
         let layer: usize = self.cells[..D - 1].iter().product();
         let mut all: Vec<_> =
             self.subdomains.iter().flat_map(|part| part.interlayers(layer)).collect();
-        all.sort_unstable_by_key(|own| own.0);
+        all.sort_unstable();
+        let mut end = 0;
+        let range = |(position, variables): ([usize; 3], usize)| {
+            end += variables;
+            (position, end - variables..end)
+        };
+        all.into_iter().map(range).collect()
+    }
+
+    /// Returns the history variables of all interlayers, in the order of [`Domain::interlayer_history`] of the whole
+    /// grid.
+    pub fn interlayer_history(&self) -> Vec<T> {
+        if let [part] = self.subdomains.as_slice() {
+            return part.domain.interlayer_history();
+        }
+        let places = self.interlayers();
+        let layer: usize = self.cells[..D - 1].iter().product();
+        let mut all = vec![T::ZERO; places.last().map_or(0, |own| own.1.end)];
+        for part in &self.subdomains {
+            let mut history = part.domain.interlayer_history().into_iter();
+            for (place, _) in part.interlayers(layer) {
+                let index = places.partition_point(|other| other.0.cmp(&place).is_lt());
+                let own = all[places[index].1.clone()].iter_mut();
+                own.zip(&mut history).for_each(|(own, value)| *own = value);
+            }
+        }
         all
     }
 
-    /// Returns the history variables of all interlayers (mean velocity V, m/s, and mean traction S, Pa), in the order
-    /// of [`Domain::interlayer_history`] of the whole grid.
-    pub fn interlayer_history(&self) -> Vec<[T; 2]> {
-        self.interlayers().into_iter().map(|own| own.1).collect()
-    }
-
-    fn set_interlayer_history(&mut self, history: &[[T; 2]]) {
-        let places: Vec<_> = self.interlayers().into_iter().map(|own| own.0).collect();
+    fn set_interlayer_history(&mut self, history: &[T]) {
+        let places = self.interlayers();
         let layer: usize = self.cells[..D - 1].iter().product();
         for part in &mut self.subdomains {
             let own = part.interlayers(layer).into_iter();
-            let history = own.map(|(place, _)| {
-                let index = places.partition_point(|other| *other < place);
-                history.get(index).copied().unwrap_or([T::ZERO; 2])
+            let history = own.flat_map(|(place, _)| {
+                let index = places.partition_point(|other| other.0.cmp(&place).is_lt());
+                history.get(places[index].1.clone()).unwrap_or_default()
             });
-            part.domain.set_interlayer_history(&mut history.collect::<Vec<_>>().into_iter());
+            let history: Vec<T> = history.copied().collect();
+            part.domain.set_interlayer_history(&mut history.into_iter());
         }
     }
 

@@ -4,8 +4,8 @@
 //! subdomain per thread: [`DecomposedDomain::with_first_axis`](super::DecomposedDomain::with_first_axis).
 
 use crate::solid::domain::max_pass_steps;
-use crate::solid::line::{GHOSTS, HALO};
-use crate::solid::problem::{DomainError, Grid, Scheme};
+use crate::solid::line::HALO;
+use crate::solid::problem::{DomainError, Grid, PassLimits};
 use crate::solid::region::Region;
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use std::ops::Range;
 /// subdomains along an axis differ by at most one.
 ///
 /// Subdomains are numbered with the first axis fastest. The halo is [`HALO`] cells wide per step of a pass, plus
-/// [`GHOSTS`] along the first axis for alternating sweeps. Edges and corners of the halo hold cells of diagonal
+/// [`PassLimits::first_axis_halo`] along the first axis. Edges and corners of the halo hold cells of diagonal
 /// neighbours, which the exchange along one axis after the other passes on.
 #[derive(Clone, Debug)]
 pub struct Decomposition<const D: usize> {
@@ -24,7 +24,8 @@ pub struct Decomposition<const D: usize> {
 }
 
 impl<const D: usize> Decomposition<D> {
-    /// Plans `parts` subdomains along each axis of a grid, for a scheme; `is_periodic`: whether each axis is periodic.
+    /// Plans `parts` subdomains along each axis of a grid; `is_periodic`: whether each axis is periodic; `limits` of
+    /// passes ([`Problem::pass_limits`](crate::solid::problem::Problem::pass_limits)).
     ///
     /// # Errors
     /// [`DomainError::SubdomainCount`] if the number of subdomains along an axis is zero, or if one of several
@@ -32,13 +33,12 @@ impl<const D: usize> Decomposition<D> {
     pub fn new(
         grid: &Grid<D>,
         is_periodic: [bool; D],
-        scheme: &Scheme,
+        limits: PassLimits,
         parts: [usize; D],
     ) -> Result<Self, DomainError> {
-        // With alternating sweeps, output requires one more sweep along the first axis, and its stencil more halo
-        // cells.
-        let beyond = |axis: usize| if axis == 0 && scheme.is_alternating() { GHOSTS } else { 0 };
-        let mut steps = max_pass_steps::<D>(grid.cells[D - 1] / parts[D - 1].max(1));
+        let beyond = |axis: usize| if axis == 0 { limits.first_axis_halo } else { 0 };
+        let steps = max_pass_steps::<D>(grid.cells[D - 1] / parts[D - 1].max(1));
+        let mut steps = steps.min(limits.max_steps);
         for (axis, (&found, &cells)) in parts.iter().zip(&grid.cells).enumerate() {
             let least = cells / found.max(1);
             if found == 0 || (found > 1 && least < HALO + beyond(axis)) {
@@ -114,15 +114,14 @@ fn subdomain_position<const D: usize>(mut part: usize, parts: &[usize; D]) -> [u
 #[cfg(test)]
 mod tests {
     use super::Decomposition;
-    use crate::solid::line::Slopes;
-    use crate::solid::problem::{DomainError, Grid, PlasticStep, Scheme};
+    use crate::solid::problem::{DomainError, Grid, PassLimits};
 
     #[test]
     fn regions_tile_the_grid() {
         let grid = Grid { cells: [23, 9, 17], spacing: [1.0; 3] };
-        let scheme = Scheme::new(Slopes::Limited, PlasticStep::ReturnMapping);
+        let limits = PassLimits { first_axis_halo: 0, max_steps: 2 };
         let plan =
-            Decomposition::new(&grid, [true, false, false], &scheme, [3, 2, 4]).expect("sound");
+            Decomposition::new(&grid, [true, false, false], limits, [3, 2, 4]).expect("sound");
         let mut owners = vec![0; grid.count()];
         for region in plan.regions() {
             region.owned_global_cells().into_iter().for_each(|cell| owners[cell] += 1);
@@ -140,7 +139,7 @@ mod tests {
         }
         assert_eq!(plan.neighbour(0, 0, 0), Some(2));
         assert_eq!(plan.neighbour(0, 1, 1), Some(3));
-        let refused = Decomposition::new(&grid, [false; 3], &scheme, [1, 3, 1]);
+        let refused = Decomposition::new(&grid, [false; 3], limits, [1, 3, 1]);
         assert!(matches!(
             refused,
             Err(DomainError::SubdomainCount { axis: 1, actual: 3, cells: 9, min_cells: 4 })

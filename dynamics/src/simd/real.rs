@@ -144,6 +144,15 @@ impl<T: Number, const COUNT: usize> Number for Lanes<T, COUNT> {
         }
         any
     }
+
+    #[inline(always)]
+    fn select_gt(self, other: Self, if_greater: Self, mut otherwise: Self) -> Self {
+        for lane in 0..COUNT {
+            let both = (if_greater.0[lane], otherwise.0[lane]);
+            otherwise.0[lane] = self.0[lane].select_gt(other.0[lane], both.0, both.1);
+        }
+        otherwise
+    }
 }
 
 impl<T: Number, const COUNT: usize> LaneGroup<T> for Lanes<T, COUNT> {

@@ -62,6 +62,8 @@ macro_rules! impl_real {
 
             #[cfg(target_arch = "x86_64")]
             unsafe fn run_avx2(kernel: impl SimdKernel<Self>) {
+                // Not inlined, so that kernels that other kernels run are compiled once.
+                #[inline(never)]
                 #[target_feature(enable = "avx2")]
                 fn run(kernel: impl SimdKernel<$kind>) {
                     kernel.run::<$avx2>();
@@ -72,6 +74,7 @@ macro_rules! impl_real {
 
             #[cfg(target_arch = "x86_64")]
             unsafe fn run_avx512(kernel: impl SimdKernel<Self>) {
+                #[inline(never)]
                 #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
                 fn run(kernel: impl SimdKernel<$kind>) {
                     kernel.run::<$avx512>();

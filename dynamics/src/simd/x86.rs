@@ -93,6 +93,11 @@ macro_rules! register_vector {
             fn any_gt(self, other: Self) -> bool {
                 self.greater_lanes(other) != 0
             }
+
+            #[inline(always)]
+            fn select_gt(self, other: Self, if_greater: Self, otherwise: Self) -> Self {
+                otherwise.blend_lanes(self.greater_lanes(other), if_greater)
+            }
         }
 
         impl Vector<$scalar> for $name {
@@ -318,7 +323,7 @@ unsafe fn minmod3_single512(mean: __m512, one: __m512, other: __m512) -> __m512 
 /// operand.
 const XNOR_TABLE: i32 = 0b1001_1001;
 
-// Flush to zero of magnitudes below a limit; NaN is unchanged.
+// Flushes magnitudes below a limit to zero; NaN is unchanged.
 
 #[inline(always)]
 unsafe fn flush_double256(own: __m256d, limit: __m256d) -> __m256d {

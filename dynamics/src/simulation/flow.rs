@@ -4,7 +4,9 @@
 //! they do not depend on the output. Output within a step comes from a copy of the flow that is restored to the state
 //! before the step and advanced to the output time with the same tolerance.
 
-use super::{RegularTimes, Simulation, SimulationState, from_bytes, number_sections, to_bytes};
+use super::{
+    AdvanceError, RegularTimes, Simulation, SimulationState, from_bytes, number_sections, to_bytes,
+};
 use crate::flow::{FlowEnergy, FlowError, FlowProblem, FlowSnapshot, FlowSolver, LeftDomain};
 use std::cmp::Ordering;
 
@@ -165,12 +167,11 @@ impl Simulation for FlowSimulation {
         }
     }
 
-    fn advance(&mut self, _due: f64) -> Result<(), LeftDomain> {
+    fn advance(&mut self, _due: f64) -> Result<(), AdvanceError<LeftDomain>> {
         let time = self.flow.time();
         self.snapshot_before_step = Some(self.flow.snapshot());
-        self.flow.advance(
-            self.interval_ends.time(self.interval_ends.count_until(time)).unwrap_or(self.duration),
-        )?;
+        let end = self.interval_ends.time(self.interval_ends.count_until(time));
+        self.flow.advance(end.unwrap_or(self.duration)).map_err(AdvanceError::Fault)?;
         self.has_new_record = true;
         Ok(())
     }

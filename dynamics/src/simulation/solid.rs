@@ -6,13 +6,18 @@
 //! states, so that stresses stay in their convex yield sets; accounts are those of the end of the step.
 
 use super::solver::{SolidSolver, SolverChoice};
-use super::{Simulation, SimulationState, TimeSteps, from_bytes, number_sections, to_bytes};
+use super::{
+    AdvanceError, Simulation, SimulationState, TimeSteps, from_bytes, number_sections, to_bytes,
+};
+use crate::decomposition::ThreadStartError;
+use crate::solid::interlayers::InterlayerFace;
 use crate::solid::ledger::{Energy, Ledger};
 use crate::solid::probe::Probe;
 use crate::solid::problem::{DomainError, Problem};
 use crate::solid::snapshot::Snapshot;
 
 use crate::solid::domain::SolverReal;
+use models::interface::layer::FaceRecord;
 use models::solid::waves::SolidField;
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -25,7 +30,7 @@ const MAX_BATCH_STEPS: usize = 64;
 const MAX_BATCH_CELL_STEPS: usize = 20_000_000;
 
 /// Energy of a solid and its ledger.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolidAccount {
     /// Time, s.
     pub time: f64,
@@ -58,17 +63,41 @@ pub struct SolidFields {
     pub values: Vec<Vec<f64>>,
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     pub plastic_dissipation: Vec<f64>,
+    /// Faces of interlayers in plane strain ([`InterlayerLaw::Plane`](crate::solid::interlayers::InterlayerLaw)), and their
+    /// states; empty without such interlayers.
+    pub interlayers: Vec<(InterlayerFace, FaceRecord<f64>)>,
 }
 
 impl SolidFields {
     /// Interpolates linearly to the fields `other` of a later state; `part`: fraction of the time between the states,
-    /// in \[0, 1\].
+    /// in \[0, 1\]. Times of first slip and of fracture are those of the later state, like the ends of steps that they are.
     fn interpolate(&self, other: &Self, part: f64) -> Self {
         let line = |(a, b): (&f64, &f64)| (1.0 - part) * a + part * b;
         let field = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(line).collect();
         Self {
             values: self.values.iter().zip(&other.values).map(field).collect(),
             plastic_dissipation: field((&self.plastic_dissipation, &other.plastic_dissipation)),
+            interlayers: self
+                .interlayers
+                .iter()
+                .zip(&other.interlayers)
+                .map(|((_, before), (face, after))| {
+                    let state =
+                        |value: fn(&FaceRecord<f64>) -> f64| line((&value(before), &value(after)));
+                    let record = FaceRecord {
+                        slip: state(|own| own.slip),
+                        opening: state(|own| own.opening),
+                        slip_time: after.slip_time,
+                        fracture_time: after.fracture_time,
+                        normal_stress: state(|own| own.normal_stress),
+                        shear_stress: state(|own| own.shear_stress),
+                        porosity: state(|own| own.porosity),
+                        pressure: state(|own| own.pressure),
+                        fluid_velocity: state(|own| own.fluid_velocity),
+                    };
+                    (face.clone(), record)
+                })
+                .collect(),
         }
     }
 }
@@ -219,7 +248,10 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
     }
 
     /// Restores the last saved state, or the initial one, and repeats the sound steps, with the same bits.
-    fn replay_sound_steps<E>(&mut self, mut go_on: impl FnMut() -> Result<(), E>) -> Result<(), E> {
+    fn replay_sound_steps<E: From<ThreadStartError>>(
+        &mut self,
+        mut go_on: impl FnMut() -> Result<(), E>,
+    ) -> Result<(), E> {
         let saved = self.saved_snapshot.take().filter(|saved| saved.steps <= self.steps_done);
         let start = match saved {
             Some(saved) if self.solver.restore(&saved) => saved.steps,
@@ -233,23 +265,23 @@ impl<T: SolverReal, const D: usize> SolidSimulation<T, D> {
         let batch = self.batch_size();
         for first in (start..self.steps_done).step_by(batch) {
             go_on()?;
-            self.solver.advance(batch.min(self.steps_done - first));
+            self.solver.advance(batch.min(self.steps_done - first))?;
         }
         self.solver.watch_cells(&self.watched_cells);
         Ok(())
     }
 
     /// Advances step by step to the last sound state and returns the fault of the next one.
-    fn advance_to_fault(&mut self) -> SolidFault {
+    fn advance_to_fault(&mut self) -> Result<SolidFault, ThreadStartError> {
         loop {
             let sound = self.solver.snapshot();
-            self.solver.advance(1);
+            self.solver.advance(1)?;
             let account = self.compute_account(self.steps_done + 1);
             if !account.is_finite() || self.steps_done == self.time_steps.count {
                 let fault = self.locate_fault();
                 self.solver.restore(&sound);
                 self.solver.watch_cells(&self.watched_cells);
-                return fault;
+                return Ok(fault);
             }
             self.collect_records(self.steps_done + 1);
             (self.steps_done, self.account) = (self.steps_done + 1, account);
@@ -287,29 +319,29 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         if self.account.energy.total().is_finite() { Ok(()) } else { Err(self.locate_fault()) }
     }
 
-    fn advance(&mut self, due: f64) -> Result<(), SolidFault> {
+    fn advance(&mut self, due: f64) -> Result<(), AdvanceError<SolidFault>> {
         let (step, part) = self.time_steps.locate(due);
         let is_between = step == self.steps_done && part > 0.0;
         self.fields_before_step = is_between.then(|| self.fields());
         let next = step.saturating_sub(self.steps_done).max(1);
         let next = next.min(self.batch_size()).min(self.time_steps.count - self.steps_done);
-        self.solver.advance(next);
+        self.solver.advance(next).map_err(AdvanceError::Threads)?;
         let account = self.compute_account(self.steps_done + next);
         if !account.is_finite() {
-            return Err(self.locate_fault());
+            return Err(AdvanceError::Fault(self.locate_fault()));
         }
         self.collect_records(self.steps_done + 1);
         (self.steps_done, self.account) = (self.steps_done + next, account);
         Ok(())
     }
 
-    fn recover<E>(
+    fn recover<E: From<ThreadStartError>>(
         &mut self,
         _fault: SolidFault,
         go_on: impl FnMut() -> Result<(), E>,
     ) -> Result<SolidFault, E> {
         self.replay_sound_steps(go_on)?;
-        Ok(self.advance_to_fault())
+        Ok(self.advance_to_fault()?)
     }
 
     fn drain_records<E>(
@@ -342,8 +374,12 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
 
     fn fields(&self) -> SolidFields {
         SolidFields {
-            values: self.solver.output_fields(),
+            values: self.solver.output_values(),
             plastic_dissipation: self.solver.plastic_dissipation(),
+            interlayers: match self.problem.interlayers.is_empty() {
+                true => Vec::new(),
+                false => self.problem.interlayer_records(&self.solver.interlayer_history()),
+            },
         }
     }
 
@@ -371,8 +407,8 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
         let fields = number_sections("field", fields.iter().map(|values| narrow(values)));
         let sums = number_sections("sums", sums.iter().map(|sums| to_bytes(sums)));
         let work = number_sections("work", work.iter().map(|parts| to_bytes(parts)));
-        let interlayers = (!interlayers.is_empty())
-            .then(|| ("interlayers".to_owned(), narrow(interlayers.as_flattened())));
+        let interlayers =
+            (!interlayers.is_empty()).then(|| ("interlayers".to_owned(), narrow(interlayers)));
         let state = SimulationState {
             steps: *steps,
             time: self.account.time,
@@ -391,7 +427,6 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
                 Some(bytes) => T::from_bytes(bytes)?,
                 None => Vec::new(),
             };
-            let (interlayers, []) = interlayers.as_chunks::<2>() else { return None };
             Some(Snapshot {
                 steps: state.steps,
                 fields: state
@@ -403,7 +438,7 @@ impl<T: SolverReal, const D: usize> Simulation for SolidSimulation<T, D> {
                     .numbered_sections("sums")
                     .map(from_bytes)
                     .collect::<Option<_>>()?,
-                interlayer_history: interlayers.to_vec(),
+                interlayer_history: interlayers,
             })
         };
         let Some(snapshot) = snapshot().filter(|snapshot| self.solver.restore(snapshot)) else {

@@ -1,6 +1,6 @@
 //! Choice of the solver of a solid, and the interface through which its simulation calls it.
 
-use crate::decomposition::DecomposedDomain;
+use crate::decomposition::{DecomposedDomain, ThreadStartError};
 use crate::simd::Real;
 use crate::solid::domain::SolverReal;
 use crate::solid::ledger::{Energy, Ledger};
@@ -50,7 +50,7 @@ impl SolverChoice {
 /// Interface of both solvers, which have methods of the same names.
 pub(super) trait SolidSolver<T: Real>: Send {
     /// Advances all fields by `steps` time steps.
-    fn advance(&mut self, steps: usize);
+    fn advance(&mut self, steps: usize) -> Result<(), ThreadStartError>;
     /// Time, s.
     fn time(&self) -> f64;
     /// Energy of the deviation from the initial stress, J.
@@ -70,9 +70,12 @@ pub(super) trait SolidSolver<T: Real>: Send {
     /// Number of output quantities per cell.
     fn quantity_count(&self) -> usize;
     /// Output values by quantity and cell of the problem.
-    fn output_fields(&self) -> Vec<Vec<f64>>;
+    fn output_values(&self) -> Vec<Vec<f64>>;
     /// Plastic dissipation by cell, J/m³; empty if no medium yields.
     fn plastic_dissipation(&self) -> Vec<f64>;
+    /// History variables of all interlayers, in the order of
+    /// [`Problem::interlayer_faces`](crate::solid::problem::Problem::interlayer_faces).
+    fn interlayer_history(&self) -> Vec<T>;
     /// Selects the cells to be recorded after each step.
     fn watch_cells(&mut self, cells: &[usize]);
     /// Records the watched cells in the present state.
@@ -86,10 +89,11 @@ pub(super) trait SolidSolver<T: Real>: Send {
 }
 
 macro_rules! impl_solid_solver {
-    ($kind:ident) => {
+    ($kind:ident, $advance:expr) => {
         impl<T: SolverReal, const D: usize> SolidSolver<T> for $kind<T, D> {
-            fn advance(&mut self, steps: usize) {
-                self.advance(steps);
+            fn advance(&mut self, steps: usize) -> Result<(), ThreadStartError> {
+                let advance: fn(&mut Self, usize) -> Result<(), ThreadStartError> = $advance;
+                advance(self, steps)
             }
 
             fn time(&self) -> f64 {
@@ -128,12 +132,16 @@ macro_rules! impl_solid_solver {
                 self.quantity_count()
             }
 
-            fn output_fields(&self) -> Vec<Vec<f64>> {
-                self.output_fields()
+            fn output_values(&self) -> Vec<Vec<f64>> {
+                self.output_values()
             }
 
             fn plastic_dissipation(&self) -> Vec<f64> {
                 self.plastic_dissipation()
+            }
+
+            fn interlayer_history(&self) -> Vec<T> {
+                self.interlayer_history()
             }
 
             fn watch_cells(&mut self, cells: &[usize]) {
@@ -159,5 +167,8 @@ macro_rules! impl_solid_solver {
     };
 }
 
-impl_solid_solver!(DecomposedDomain);
-impl_solid_solver!(Reference);
+impl_solid_solver!(DecomposedDomain, |own, steps| own.advance(steps));
+impl_solid_solver!(Reference, |own, steps| {
+    own.advance(steps);
+    Ok(())
+});

@@ -32,9 +32,9 @@ impl<T: Real> CellConstants<T> {
 
     /// Creates the constants as [`Self::new`] does, for
     /// [`Slopes::FourthOrder`](crate::solid::line::Slopes::FourthOrder) in problems with several media or interlayers.
-    /// With the weights of `interface_weights` no energy grows for C ≥ 0.02. Waves with C < 0.02 use the weights for C
-    /// = 0.02, which are stable, too, since for the same fluxes a smaller Courant number leaves less energy; they add
-    /// at most 2 % of the first-order dissipation.
+    /// With the weights of `interface_weights` the energy never grows for C ≥ 0.02. Waves with C < 0.02 use the weights
+    /// for C = 0.02. These are stable for smaller C too, since with the same face values a smaller Courant number
+    /// leaves less energy; they add at most 2 % of the dissipation of the first-order scheme.
     pub fn with_interfaces(impedance: f64, courant: f64) -> Self {
         Self::with_reconstruction_courant(courant.max(0.02), impedance, courant)
     }
@@ -123,14 +123,15 @@ impl<V: Number> CellConstants<V> {
         half + half
     }
 
-    /// Fourth order near interfaces: returns the weights in the face value minus the cell mean, for the face between
-    /// this cell and the downwind cell. Weights of three differences: between upwind cell and this cell, across the
-    /// face, and between the downwind cell and the next one; then the weight of the additional difference by scattering
-    /// at the face. Arguments (1 or 0): whether the upwind cell and this cell, this cell and the downwind cell, and the
-    /// downwind cell and the next one have equal constants.
+    /// Fourth order near interfaces: returns the weights of the differences whose sum is the face value minus the cell
+    /// mean, for the face between this cell and the downwind cell. The array holds the weights of three differences:
+    /// from the upwind cell to this cell, across the face, and from the downwind cell to the next one. The second value
+    /// is the weight of the additional difference due to scattering at the face. The arguments are 1 or 0: whether the
+    /// constants of these three pairs of cells are equal, in the same order.
     ///
-    /// The weights divided by 1 − C are linear fits in C, or constants, for the most accurate linear reconstruction by
-    /// which no wave gains energy. Reconstructions that are exact for linear waves would let some waves gain energy.
+    /// The weights divided by 1 − C are constants or linear functions of C, fitted to the most accurate linear
+    /// reconstruction that increases the energy of no wave. Reconstructions that are exact for linear profiles would
+    /// increase the energy of some waves.
     #[inline(always)]
     pub(crate) fn interface_weights(&self, [upwind, downwind, beyond]: [V; 3]) -> ([V; 3], V) {
         let one_minus_courant = self.one_minus_courant();

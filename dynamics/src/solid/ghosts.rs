@@ -377,9 +377,10 @@ fn compute_fourth_order_ghosts<N: Number>(
 /// cell; * denotes the face value; C is the Courant number; g_v and g_s are the prescribed velocity and traction; γ =
 /// ½(σ_s − σ_v) is the reflection coefficient, with the signs σ of the ghost rule (−1: traction, 1: velocity, 0:
 /// non-reflecting). At the face I* = γ O* + 2g_s ∓ 2z g_v (− at the lower, + at the upper end) and O* = O₀ + (1 − C) x.
-/// In smooth states x is half the slope a = O₀ − O₁; in rough states this could increase the energy. The averaging of
-/// the leaving wave dissipates at least (w − Cy)² − β, with w = γ(I₀ − I*) for x = ½a (at non-reflecting faces w = −O*)
-/// and y half of the limited slope of the leaving wave, times γ; this bounds x:
+/// In smooth states the half slope x of the arriving wave is ½a with a = O₀ − O₁; in rough states this value could
+/// increase the energy. Cell averaging of the leaving wave dissipates at least (w − Cy)² − β, where w = γ(I₀ − I*) for
+/// x = ½a (at non-reflecting faces w = −O*) and y is γ times half of the limited slope of the leaving wave. The
+/// dissipation limits x:
 ///
 /// ```text
 /// x = a (½ − κ(1 − t)),  t = min(1, 15/4 · max(0, (w − Cy)² − β)/(C a²)),

@@ -13,100 +13,122 @@
 //! approximation. Cells of lines with interlayers use [`CellConstants::with_interfaces`].
 
 use super::line::{CellConstants, Slopes, SweepAccount, advance, face_values};
+use super::reconstruction::GHOSTS;
 use super::riemann::{InterfaceState, State};
 use crate::simd::{Number, Real};
-use models::interface::{FaceLaw, RiemannData};
+use models::interface::{FaceLaw, Interval, RiemannData};
 
 /// Interlayer at a face of a line.
-#[derive(Clone, Copy, Debug)]
-pub struct Interlayer<N: Number, L: FaceLaw<N>> {
+#[derive(Clone, Debug)]
+pub struct Interlayer<N, L> {
     /// Index of the cell above the face, ghosts included. An interlayer between ghosts affects the reconstruction, but
     /// its history variables are not advanced.
     pub upper_cell: usize,
     /// Law of the interlayer.
     pub law: L,
     /// History variables.
-    pub history: L::History,
+    pub history: Vec<N>,
 }
 
-impl<N: Number, L: FaceLaw<N>> Interlayer<N, L> {
-    /// Creates an interlayer at rest at the lower face of cell `upper_cell`.
-    pub fn new(upper_cell: usize, law: L) -> Self {
-        Self { upper_cell, law, history: L::REST_HISTORY }
-    }
-
-    /// Returns kinetic plus stored energy, J/m².
-    pub fn energy(&self) -> N {
-        self.law.kinetic_energy(&self.history) + self.law.stored_energy(&self.history)
-    }
-}
-
-/// Advances an interlayer by `step`, s, with incident waves `left` = s − zv and `right` = s + yv for the impedances z
-/// and y of the cells; returns the interface states of both cells and the dissipation, J/m².
+/// Advances an interlayer by a step with incident waves s − zv from the left and s + yv from the right for the
+/// impedances z and y of the cells, by wave pair; returns the interface states of both cells by wave pair.
 #[inline(always)]
-pub(crate) fn advance_interlayer<N: Number, L: FaceLaw<N>>(
+pub(crate) fn advance_interlayer<N: Number, L: FaceLaw<N, P>, const P: usize>(
     law: &L,
-    impedance: [N; 2],
-    [left, right]: [N; 2],
-    step: N,
-    history: &mut L::History,
-) -> ([InterfaceState<N>; 2], N) {
-    let moved = law.advance(&RiemannData { impedance, invariant: [-left, right] }, step, history);
-    let [before, after] = moved.states;
-    let difference = [impedance[0] * before.velocity, impedance[1] * after.velocity];
-    let interface_states = [
-        InterfaceState {
-            difference: difference[0] + difference[0],
-            sum: before.stress + before.stress,
-        },
-        InterfaceState {
-            difference: difference[1] + difference[1],
-            sum: after.stress + after.stress,
-        },
-    ];
-    (interface_states, moved.dissipated_energy)
+    impedance: &[[N; 2]; P],
+    incident: &[[N; 2]; P],
+    interval: &Interval<N>,
+    history: &mut [N],
+) -> [[InterfaceState<N>; 2]; P] {
+    let zero = RiemannData { impedance: [N::ZERO; 2], invariant: [N::ZERO; 2] };
+    let mut incoming = [zero; P];
+    for pair in 0..P {
+        let [left, right] = incident[pair];
+        incoming[pair] = RiemannData { impedance: impedance[pair], invariant: [-left, right] };
+    }
+    let moved = law.advance(&incoming, interval, history);
+    let mut states = [[InterfaceState { difference: N::ZERO, sum: N::ZERO }; 2]; P];
+    for pair in 0..P {
+        for side in 0..2 {
+            let face = moved[pair][side];
+            let difference = impedance[pair][side] * face.velocity;
+            states[pair][side] = InterfaceState {
+                difference: difference + difference,
+                sum: face.stress + face.stress,
+            };
+        }
+    }
+    states
 }
 
-/// Sweeps a line with interlayers by `step`, s, as [`sweep`](super::line::sweep) does for other lines; `interlayers` in
-/// ascending order of their cells. Returns the dissipation of the interlayers, J/m².
-pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T>>(
-    velocity: &mut [T],
-    stress: &mut [T],
-    cells: &[CellConstants<T>],
+/// Velocities, stresses and constants of a wave pair along a line, ghosts included.
+pub struct LineState<'a, T: Real> {
+    /// Velocities.
+    pub velocity: &'a mut [T],
+    /// Stresses.
+    pub stress: &'a mut [T],
+    /// Constants of the cells.
+    pub cells: &'a [CellConstants<T>],
+    /// Accounts of the interior cells, if wanted.
+    pub accounts: Option<&'a mut [SweepAccount]>,
+}
+
+/// Sweeps a line with interlayers as [`sweep`](super::line::sweep) does for other lines, all wave pairs together;
+/// `interlayers` in ascending order of their cells.
+pub fn sweep_with_interlayers<T: Real, L: FaceLaw<T, P>, const P: usize>(
+    mut lines: [LineState<'_, T>; P],
     slopes: Slopes,
     interlayers: &mut [Interlayer<T, L>],
-    step: T,
-    accounts: Option<&mut [SweepAccount]>,
-) -> f64 {
-    let mut dissipated = 0.0;
-    let interlayer_index = |interlayers: &[Interlayer<T, L>], place: usize| {
-        interlayers.binary_search_by_key(&place, |own| own.upper_cell).ok()
+    interval: &Interval<T>,
+) {
+    let places: Vec<usize> = interlayers.iter().map(|own| own.upper_cell).collect();
+    let find = |place: usize| places.binary_search(&place).ok();
+    let continuity = |place: usize| {
+        [place - 1, place, place + 1]
+            .map(|place| if find(place).is_some() { T::ZERO } else { T::ONE })
     };
-    let at_face = |states: [State<T>; 4], around: [&CellConstants<T>; 4], place: usize| {
-        let continuity = [place - 1, place, place + 1].map(|place| {
-            if interlayer_index(interlayers, place).is_some() { T::ZERO } else { T::ONE }
-        });
-        let values = face_values(states, around, continuity, slopes);
-        let impedance = [around[1].impedance, around[2].impedance];
-        let Some(index) = interlayer_index(interlayers, place) else {
-            return InterfaceState::riemann(impedance, values);
+    let length = lines.iter().map(|line| line.cells.len()).min().unwrap_or(0);
+    // States of all interlayers that are not between two ghosts, from the states before the step.
+    let mut interface_states = vec![None; interlayers.len()];
+    for (own, states) in interlayers.iter_mut().zip(&mut interface_states) {
+        let place = own.upper_cell;
+        if place < GHOSTS || place + GHOSTS > length {
+            continue;
+        }
+        let mut impedance = [[T::ZERO; 2]; P];
+        let mut incident = [[T::ZERO; 2]; P];
+        for (pair, line) in lines.iter().enumerate() {
+            let around: [&CellConstants<T>; 4] =
+                std::array::from_fn(|i| &line.cells[place - 2 + i]);
+            let own_states = std::array::from_fn(|i| State {
+                velocity: line.velocity[place - 2 + i],
+                stress: line.stress[place - 2 + i],
+            });
+            impedance[pair] = [around[1].impedance, around[2].impedance];
+            incident[pair] = face_values(own_states, around, continuity(place), slopes);
+        }
+        *states =
+            Some(advance_interlayer(&own.law, &impedance, &incident, interval, &mut own.history));
+    }
+    for (pair, line) in lines.iter_mut().enumerate() {
+        let at_face = |states: [State<T>; 4], around: [&CellConstants<T>; 4], place: usize| {
+            if let Some(Some(states)) = find(place).map(|index| interface_states[index]) {
+                return states[pair];
+            }
+            let values = face_values(states, around, continuity(place), slopes);
+            InterfaceState::riemann([around[1].impedance, around[2].impedance], values)
         };
-        let own = &mut interlayers[index];
-        let (interface_states, energy_loss) =
-            advance_interlayer(&own.law, impedance, values, step, &mut own.history);
-        dissipated += energy_loss.to_f64();
-        interface_states
-    };
-    advance(velocity, stress, cells, at_face, accounts);
-    dissipated
+        let accounts = line.accounts.as_deref_mut();
+        advance(line.velocity, line.stress, line.cells, at_face, accounts);
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Interlayer, sweep_with_interlayers};
+    use super::{Interlayer, LineState, sweep_with_interlayers};
     use crate::solid::line::{CellConstants, GHOSTS, Slopes, SweepAccount};
     use crate::solid::random_lines::LinearCongruentialGenerator;
-    use models::interface::{FaceLaw, FaceState, FaceStep, RiemannData};
+    use models::interface::{FaceEnergy, FaceLaw, FaceState, Interval, RiemannData};
     use nalgebra::DMatrix;
 
     /// Emits prescribed waves to both cells, independent of the incoming waves: s + zv to the left, s − zv to the
@@ -114,18 +136,19 @@ mod tests {
     #[derive(Clone, Copy)]
     struct WaveEmitter;
 
-    impl FaceLaw<f64> for WaveEmitter {
-        type History = [f64; 2];
-        const REST_HISTORY: [f64; 2] = [0.0; 2];
+    impl FaceLaw<f64, 1> for WaveEmitter {
+        const HISTORY_VARIABLES: usize = 2;
+
+        fn initialise(&self, _: &[[f64; 2]; 1], _: &mut [f64]) {}
 
         fn advance(
             &self,
-            incoming: &RiemannData<f64>,
-            _: f64,
-            emitted: &mut [f64; 2],
-        ) -> FaceStep<f64> {
-            let RiemannData { impedance: [z, y], invariant: [before, after] } = *incoming;
-            let states = [
+            incoming: &[RiemannData<f64>; 1],
+            _: &Interval<f64>,
+            emitted: &mut [f64],
+        ) -> [[FaceState<f64>; 2]; 1] {
+            let RiemannData { impedance: [z, y], invariant: [before, after] } = incoming[0];
+            [[
                 FaceState {
                     velocity: 0.5 * (emitted[0] + before) / z,
                     stress: 0.5 * (emitted[0] - before),
@@ -134,16 +157,11 @@ mod tests {
                     velocity: 0.5 * (after - emitted[1]) / y,
                     stress: 0.5 * (after + emitted[1]),
                 },
-            ];
-            FaceStep { states, dissipated_energy: 0.0 }
+            ]]
         }
 
-        fn kinetic_energy(&self, _: &[f64; 2]) -> f64 {
-            0.0
-        }
-
-        fn stored_energy(&self, _: &[f64; 2]) -> f64 {
-            0.0
+        fn energy(&self, _: &[f64]) -> FaceEnergy<f64> {
+            FaceEnergy::ZERO
         }
     }
 
@@ -162,21 +180,23 @@ mod tests {
             velocity.push(own.map_or(7.0, |own| own[0] * (2.0 * c / z).sqrt()));
             stress.push(own.map_or(-3.0, |own| own[1] * (2.0 * c * z).sqrt()));
         }
-        let mut emitters =
-            [GHOSTS, GHOSTS + count].map(|place| Interlayer::new(place, WaveEmitter));
+        let mut emitters = [GHOSTS, GHOSTS + count].map(|upper_cell| Interlayer {
+            upper_cell,
+            law: WaveEmitter,
+            history: vec![0.0; 2],
+        });
         emitters[0].history[1] = amplitudes[2 * count] * (4.0 * cells[0].impedance).sqrt();
         emitters[1].history[0] =
             amplitudes[2 * count + 1] * (4.0 * cells[count - 1].impedance).sqrt();
         let mut accounts = vec![SweepAccount::default(); count];
-        sweep_with_interlayers(
-            &mut velocity,
-            &mut stress,
-            &all,
-            slopes,
-            &mut emitters,
-            1.0,
-            Some(&mut accounts),
-        );
+        let line = LineState {
+            velocity: &mut velocity,
+            stress: &mut stress,
+            cells: &all,
+            accounts: Some(&mut accounts),
+        };
+        let interval = Interval { end: 1.0, step: 1.0 };
+        sweep_with_interlayers([line], slopes, &mut emitters, &interval);
         accounts.iter().sum::<SweepAccount>().dissipation
     }
 

@@ -2,6 +2,7 @@
 
 use crate::exact_sum::ExactSum;
 use crate::solid::problem::Problem;
+use models::interface::FaceEnergy;
 
 /// Work and dissipation of the steps so far, J (plane strain: per unit thickness).
 ///
@@ -20,6 +21,8 @@ pub struct Ledger {
     pub plastic_dissipation: f64,
     /// Dissipation of dashpots.
     pub viscous_dissipation: f64,
+    /// Dissipation of interlayers.
+    pub interlayer_losses: InterlayerLosses,
     /// Numerical dissipation; see [`SweepAccount`](crate::solid::line::SweepAccount). The fused solver does not compute
     /// it: its ledger has zero here, and the balance lacks this term.
     pub numerical_dissipation: f64,
@@ -34,7 +37,30 @@ impl Ledger {
         self.boundary_work + self.source_work + self.initial_stress_work
             - self.plastic_dissipation
             - self.viscous_dissipation
+            - self.interlayer_losses.total()
             - self.numerical_dissipation
+    }
+}
+
+/// Energy that interlayers have dissipated, J; see [`FaceEnergy`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InterlayerLosses {
+    /// Plastic dissipation: slip, and opening of elastic-plastic layers.
+    pub plastic: f64,
+    /// Viscous dissipation.
+    pub viscous: f64,
+    /// Stored shear energy released by cracks that opened.
+    pub released: f64,
+    /// Stored energy lost at fracture.
+    pub fracture: f64,
+    /// Numerical dissipation of the flow along saturated layers.
+    pub fluid: f64,
+}
+
+impl InterlayerLosses {
+    /// Returns the sum of all terms, J.
+    pub fn total(&self) -> f64 {
+        (self.plastic + self.viscous) + (self.released + self.fracture) + self.fluid
     }
 }
 
@@ -49,12 +75,19 @@ pub struct Energy {
     pub interlayer_kinetic: f64,
     /// Stored energy of interlayers.
     pub interlayer_stored: f64,
+    /// Kinetic energy of the fluid in interlayers.
+    pub fluid_kinetic: f64,
+    /// Energy stored by the pressure of the fluid in interlayers.
+    pub fluid_stored: f64,
 }
 
 impl Energy {
     /// Returns the total energy, J.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.stored + (self.interlayer_kinetic + self.interlayer_stored)
+        self.kinetic
+            + self.stored
+            + (self.interlayer_kinetic + self.interlayer_stored)
+            + (self.fluid_kinetic + self.fluid_stored)
     }
 }
 
@@ -65,9 +98,43 @@ pub(crate) struct EnergySums {
     /// Sum of kinetic energy densities, J/m³; likewise `stored`.
     pub(crate) kinetic: ExactSum,
     pub(crate) stored: ExactSum,
-    /// Kinetic energy of interlayers, J; likewise `interlayer_stored`.
-    pub(crate) interlayer_kinetic: ExactSum,
-    pub(crate) interlayer_stored: ExactSum,
+    /// Energies of interlayers.
+    pub(crate) interlayers: InterlayerSums,
+}
+
+/// Sums over interlayer faces of the terms of [`FaceEnergy`], J: energies, then losses.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct InterlayerSums([ExactSum; 9]);
+
+impl InterlayerSums {
+    /// Adds a face of area `area`, m².
+    pub(crate) fn add(&mut self, energy: &FaceEnergy<f64>, area: f64) {
+        let terms = [
+            energy.kinetic,
+            energy.stored,
+            energy.fluid_kinetic,
+            energy.fluid_stored,
+            energy.plastic,
+            energy.viscous,
+            energy.released,
+            energy.fracture,
+            energy.fluid_dissipation,
+        ];
+        for (sum, term) in self.0.iter_mut().zip(terms) {
+            sum.add(area * term);
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.0.iter_mut().zip(&other.0).for_each(|(own, other)| own.merge(other));
+    }
+
+    /// Returns the dissipated energies.
+    fn losses(&self) -> InterlayerLosses {
+        let [.., plastic, viscous, released, fracture, fluid] =
+            self.0.each_ref().map(ExactSum::to_f64);
+        InterlayerLosses { plastic, viscous, released, fracture, fluid }
+    }
 }
 
 impl EnergySums {
@@ -75,17 +142,20 @@ impl EnergySums {
     pub(crate) fn merge(&mut self, other: &Self) {
         self.kinetic.merge(&other.kinetic);
         self.stored.merge(&other.stored);
-        self.interlayer_kinetic.merge(&other.interlayer_kinetic);
-        self.interlayer_stored.merge(&other.interlayer_stored);
+        self.interlayers.merge(&other.interlayers);
     }
 
     /// Converts the sums to energies, J; `volume` of a cell, m³.
     pub(crate) fn to_energy(&self, volume: f64) -> Energy {
+        let [interlayer_kinetic, interlayer_stored, fluid_kinetic, fluid_stored, ..] =
+            self.interlayers.0.each_ref().map(|sum| sum.to_f64());
         Energy {
             kinetic: volume * self.kinetic.to_f64(),
             stored: volume * self.stored.to_f64(),
-            interlayer_kinetic: self.interlayer_kinetic.to_f64(),
-            interlayer_stored: self.interlayer_stored.to_f64(),
+            interlayer_kinetic,
+            interlayer_stored,
+            fluid_kinetic,
+            fluid_stored,
         }
     }
 }
@@ -194,6 +264,7 @@ pub(crate) struct LedgerSums {
     pub(crate) work: WorkSums,
     /// Sums over cells of the lists of [`CellDissipation::lists`], J/m³.
     pub(crate) dissipation: [ExactSum; 3],
+    pub(crate) interlayers: InterlayerSums,
 }
 
 impl LedgerSums {
@@ -202,6 +273,7 @@ impl LedgerSums {
         self.work.merge(&other.work);
         let both = self.dissipation.iter_mut().zip(&other.dissipation);
         both.for_each(|(own, other)| own.merge(other));
+        self.interlayers.merge(&other.interlayers);
     }
 
     /// Converts the sums to a ledger, J; `volume` of a cell, m³.
@@ -214,6 +286,7 @@ impl LedgerSums {
             initial_stress_work,
             plastic_dissipation,
             viscous_dissipation,
+            interlayer_losses: self.interlayers.losses(),
             numerical_dissipation: self.work.numerical_dissipation.to_f64(),
             min_dissipation_ratio: self.work.min_dissipation_ratio,
         }

@@ -62,10 +62,10 @@ pub(super) fn face_values<T: Real>(
 ) -> [T; 2] {
     let [first, left, right, _] = cells;
     let in_front = [states[0], states[1], states[2]];
-    let stencil_data =
-        slopes.stencil_data(in_front, [first, left, right], [continuity[0], continuity[1]]);
+    let carried_invariants =
+        slopes.carried_invariants(in_front, [first, left, right], [continuity[0], continuity[1]]);
     let around = [states[1], states[2], states[3]];
-    slopes.face_values_with_interlayers(stencil_data, around, cells, continuity).0
+    slopes.face_values_with_interlayers(carried_invariants, around, cells, continuity).0
 }
 
 /// Computes the interface states of a face for its left and its right cell, from the four cells around it.

@@ -7,6 +7,7 @@
 //! | [`boundary`] | boundary conditions, loads and sources |
 //! | `cell`, `riemann`, `reconstruction`, [`mod@line`] | sweep: cell constants, Riemann solver, limiter, update |
 //! | [`interlayers`], [`interface`] | thin layers with mass between blocks of cells; faces with history along a line |
+//! | `fluid_network` | flow of the fluid along saturated interlayers and through their junctions |
 //! | `ghosts` | boundary conditions as ghost cells |
 //! | [`metric`] | cell lengths that vary by layer, and polar blocks |
 //! | [`domain`] | fused solver; its `step` defines the sequence of operations of a time step |
@@ -23,6 +24,7 @@ mod cell_laws;
 #[cfg(test)]
 mod contraction;
 pub mod domain;
+mod fluid_network;
 mod ghosts;
 pub mod initial;
 pub mod interface;

@@ -1,11 +1,11 @@
 //! Problem definition: grid, media, boundary conditions, sources, initial stress and scheme.
 
 use crate::solid::boundary::{Boundary, Condition, Load, Source};
-use crate::solid::ghosts::CLOSURE_CELLS;
+use crate::solid::fluid_network::MAX_FLUID_SUBSTEPS;
 use crate::solid::interlayers::Interlayers;
 use crate::solid::medium::Medium;
 use crate::solid::metric::Metric;
-use crate::solid::reconstruction::Slopes;
+use crate::solid::reconstruction::{GHOSTS, Slopes};
 use crate::solid::region::Region;
 use models::solid::stress::Stress;
 use models::solid::waves::SolidField;
@@ -64,6 +64,15 @@ pub enum Splitting {
     /// largest at free boundaries, where two-cyclic splitting lets two tangential sweeps produce traction before a
     /// normal sweep releases it.
     Alternating,
+}
+
+/// Limits of a pass of the fused solver over memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PassLimits {
+    /// Cells of the halo along the first axis beyond those for each step.
+    pub first_axis_halo: usize,
+    /// Largest number of steps of a pass.
+    pub max_steps: usize,
 }
 
 /// Numerical scheme.
@@ -307,6 +316,27 @@ impl<const D: usize> Problem<D> {
         self.media.len() > 1 || !self.interlayers.is_empty()
     }
 
+    /// Whether there are saturated interlayers.
+    pub(crate) fn has_fluid(&self) -> bool {
+        self.interlayers.iter().any(|own| own.fluid_speed().is_some())
+    }
+
+    /// Whether saturated layers that run along an axis are open where they end at a boundary.
+    pub(crate) fn has_open_layers_along(&self, axis: usize) -> bool {
+        self.interlayers.iter().any(|own| own.axis + axis == 1 && own.has_open_ends)
+    }
+
+    /// Returns what the passes of the fused solver need.
+    pub fn pass_limits(&self) -> PassLimits {
+        // With alternating sweeps, output requires one more sweep along the first axis, and its stencil more halo
+        // cells. Sub-steps of the fluid need as many.
+        let needs_more = self.scheme.is_alternating() || self.has_fluid();
+        PassLimits {
+            first_axis_halo: if needs_more { GHOSTS } else { 0 },
+            max_steps: if self.has_fluid() { 1 } else { usize::MAX },
+        }
+    }
+
     /// Returns the interlayers normal to an axis.
     pub(crate) fn interlayers_across(&self, axis: usize) -> Option<&Interlayers> {
         self.interlayers.iter().find(|own| own.axis == axis)
@@ -322,27 +352,19 @@ impl<const D: usize> Problem<D> {
             if self.interlayers[..index].iter().any(|other| other.axis == own.axis) {
                 return refuse("there are others across the same axis");
             }
-            if own.laws.len() != self.media[0].pairs[own.axis].len() {
-                return refuse("a law is needed for each pair of waves");
-            }
-            let is_admissible = |value: f64| value >= 0.0 && value.is_finite();
-            if !own.laws.iter().all(|law| is_admissible(law.mass) && is_admissible(law.compliance))
-            {
-                return refuse("masses and compliances must be finite and not negative");
-            }
             if self.scheme.is_alternating() {
                 return refuse("sweeps must not alternate");
             }
-            let cells = self.grid.cells[own.axis];
-            if own.block_cells == 0 || own.offset >= cells {
-                return refuse("blocks must have cells, and there must be an interlayer");
+            let along =
+                self.grid.spacing.get(1_usize.wrapping_sub(own.axis)).copied().unwrap_or(1.0);
+            let courant = own.fluid_speed().unwrap_or(0.0) * self.step / along;
+            if courant > MAX_FLUID_SUBSTEPS as f64 {
+                return refuse("waves of the fluid pass more than two cells in a step");
             }
-            let behind = (cells - own.offset - 1) % own.block_cells + 1;
-            if self.boundaries[own.axis][0] != Boundary::Periodic
-                && own.offset.min(behind) < CLOSURE_CELLS
-            {
-                return refuse("blocks beside sides that are not periodic must have three cells");
-            }
+            let is_periodic = self.boundaries[own.axis][0] == Boundary::Periodic;
+            let pairs = self.media[0].pairs[own.axis].len();
+            own.check(self.grid.cells[own.axis], self.grid.faces(own.axis), (pairs, is_periodic))
+                .map_err(|reason| DomainError::Interlayers { index, reason })?;
         }
         Ok(())
     }

@@ -92,8 +92,8 @@ impl Slopes {
         }
     }
 
-    /// Returns the stencil data of cell i + 1 from the invariants of cells i (`own`) and i + 1: its invariants (fourth
-    /// order), else the difference to it.
+    /// Returns the data of cell i + 1 that the reconstruction reads, from the invariants of cells i (`own`) and i + 1:
+    /// the invariants of cell i + 1 (fourth order), else the difference between the two cells.
     #[inline(always)]
     pub(crate) fn upper_stencil<N: Number>(
         self,
@@ -106,8 +106,8 @@ impl Slopes {
         }
     }
 
-    /// Returns the stencil data of cell i − 1 from the invariants of cells i − 1 and i (`own`): its invariants (fourth
-    /// order), else the difference from it.
+    /// Returns the data of cell i − 1 that the reconstruction reads, from the invariants of cells i − 1 and i (`own`):
+    /// the invariants of cell i − 1 (fourth order), else the difference between the two cells.
     #[inline(always)]
     pub(crate) fn lower_stencil<N: Number>(
         self,
@@ -121,15 +121,15 @@ impl Slopes {
     }
 
     /// Computes both waves of the Riemann problem at the lower face of cell i, in one medium: s − zv from the left and
-    /// s + zv from the right, averaged over the step. Also returns `stencil_data` for the next face.
+    /// s + zv from the right, averaged over the step. Also returns the `carried_invariants` of the next face.
     ///
-    /// `stencil_data`: the invariants of cell i − 2 (fourth order), else the right-going wave at the face. `own`: the
-    /// invariants of cell i. `lower_stencil`, `upper_stencil`: results of [`Self::lower_stencil`] and
+    /// `carried_invariants`: the invariants of cell i − 2 (fourth order), else the right-going wave at the face. `own`:
+    /// the invariants of cell i. `lower_stencil`, `upper_stencil`: results of [`Self::lower_stencil`] and
     /// [`Self::upper_stencil`].
     #[inline(always)]
     pub(crate) fn face_values<N: Number>(
         self,
-        stencil_data: RiemannInvariants<N>,
+        carried_invariants: RiemannInvariants<N>,
         own: RiemannInvariants<N>,
         [lower_stencil, upper_stencil]: [RiemannInvariants<N>; 2],
         cell: &CellConstants<N>,
@@ -137,7 +137,7 @@ impl Slopes {
         match self {
             Self::FourthOrder => {
                 let right = cell.face_value([
-                    stencil_data.right,
+                    carried_invariants.right,
                     lower_stencil.right,
                     own.right,
                     upper_stencil.right,
@@ -146,14 +146,17 @@ impl Slopes {
                     upper_stencil.left,
                     own.left,
                     lower_stencil.left,
-                    stencil_data.left,
+                    carried_invariants.left,
                 ]);
                 ([right, left], lower_stencil)
             }
             Self::Godunov | Self::Limited => {
                 let reconstruction =
                     Reconstruction::new(own, [lower_stencil, upper_stencil], cell, self);
-                ([stencil_data.right, reconstruction.left_outflow()], reconstruction.stencil_data())
+                (
+                    [carried_invariants.right, reconstruction.left_outflow()],
+                    reconstruction.carried_invariants(),
+                )
             }
         }
     }
@@ -163,11 +166,11 @@ impl Slopes {
     #[inline(always)]
     pub(crate) fn face_values_in_mixed_media<N: Number>(
         self,
-        stencil_data: RiemannInvariants<N>,
+        carried_invariants: RiemannInvariants<N>,
         states: [State<N>; 3],
         cells: [&CellConstants<N>; 4],
     ) -> ([N; 2], RiemannInvariants<N>) {
-        self.face_values_with_interlayers(stencil_data, states, cells, [N::ONE; 3])
+        self.face_values_with_interlayers(carried_invariants, states, cells, [N::ONE; 3])
     }
 
     /// Computes [`Self::face_values_in_mixed_media`] with interlayers at some of the three faces between the cells:
@@ -178,7 +181,7 @@ impl Slopes {
     #[inline(always)]
     pub(crate) fn face_values_with_interlayers<N: Number>(
         self,
-        stencil_data: RiemannInvariants<N>,
+        carried_invariants: RiemannInvariants<N>,
         states: [State<N>; 3],
         cells: [&CellConstants<N>; 4],
         [continuity_behind, continuity_here, continuity_after]: [N; 3],
@@ -194,7 +197,7 @@ impl Slopes {
                 let next = RiemannInvariants::from_state(next, cell_after);
                 let reflection = cell_behind.reflection_coefficient(cell);
                 let first = own_behind
-                    .transmit(stencil_data, cell_behind.reflection_coefficient(cell_before))
+                    .transmit(carried_invariants, cell_behind.reflection_coefficient(cell_before))
                     .difference(own_behind)
                     .scale(continuity_behind);
                 let before = own.transmit(own_behind, -reflection).difference(own);
@@ -227,8 +230,8 @@ impl Slopes {
                 // In one medium, identical to `face_values` bit for bit, signs of zeros included: +0 is subtracted.
                 let same_medium = to_first * to_middle * to_last;
                 let rest = N::ONE - same_medium;
-                let to_right = [stencil_data.right, own_behind.right, own.right, next.right];
-                let left_outflow = [next.left, own.left, own_behind.left, stencil_data.left];
+                let to_right = [carried_invariants.right, own_behind.right, own.right, next.right];
+                let left_outflow = [next.left, own.left, own_behind.left, carried_invariants.left];
                 let right =
                     same_medium * cell_behind.face_value(to_right) - (N::ZERO - rest * right);
                 let left = same_medium * cell.face_value(left_outflow) - (N::ZERO - rest * left);
@@ -239,15 +242,18 @@ impl Slopes {
                 let continuity = [continuity_here, continuity_after];
                 let reconstruction =
                     Reconstruction::from_mixed_media(states, cells, continuity, self);
-                ([stencil_data.right, reconstruction.left_outflow()], reconstruction.stencil_data())
+                (
+                    [carried_invariants.right, reconstruction.left_outflow()],
+                    reconstruction.carried_invariants(),
+                )
             }
         }
     }
 
-    /// Computes the stencil data for the face between the last two of three cells, from the states and constants of the
-    /// three; see [`Self::face_values`]. `continuity` of the two faces between them: 0 at interlayers, 1 at other
-    /// faces.
-    pub(crate) fn stencil_data<N: Number>(
+    /// Computes the carried invariants of the face between the last two of three cells, from the states and constants
+    /// of the three; see [`Self::face_values`]. `continuity` of the two faces between them: 0 at interlayers, 1 at
+    /// other faces.
+    pub(crate) fn carried_invariants<N: Number>(
         self,
         states: [State<N>; 3],
         cells: [&CellConstants<N>; 3],
@@ -256,7 +262,8 @@ impl Slopes {
         match self {
             Self::FourthOrder => RiemannInvariants::from_state(states[0], cells[0]),
             Self::Godunov | Self::Limited => {
-                Reconstruction::from_mixed_media(states, cells, continuity, self).stencil_data()
+                Reconstruction::from_mixed_media(states, cells, continuity, self)
+                    .carried_invariants()
             }
         }
     }
@@ -345,10 +352,10 @@ impl<N: Number> Reconstruction<N> {
         self.mean.left - self.half_slope.left
     }
 
-    /// Returns the time-averaged outflow of the right-going wave, as stencil data for the next face; the other wave is
-    /// zero.
+    /// Returns the time-averaged outflow of the right-going wave, as carried invariants of the next face; the other
+    /// wave is zero.
     #[inline(always)]
-    fn stencil_data(self) -> RiemannInvariants<N> {
+    fn carried_invariants(self) -> RiemannInvariants<N> {
         RiemannInvariants { right: self.mean.right + self.half_slope.right, left: N::ZERO }
     }
 }

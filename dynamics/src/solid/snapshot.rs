@@ -16,7 +16,7 @@ pub struct Snapshot<T> {
     /// dashpots, J/m³, each empty if the problem does not need it; then one list for each time integral, without its
     /// end correction.
     pub cell_sums: Vec<Vec<f64>>,
-    /// History variables of interlayers (mean velocity V, m/s, and mean traction S, Pa), in the order of
+    /// History variables of interlayers, in the order of
     /// [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
-    pub interlayer_history: Vec<[T; 2]>,
+    pub interlayer_history: Vec<T>,
 }

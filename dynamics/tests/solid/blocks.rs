@@ -4,10 +4,15 @@
 //! `ROUGH=1000 cargo test --release -p wellposed-dynamics --test solid blocks::` runs 1000 random problems per
 //! dimension.
 
+use crate::support::interlayers::{
+    count_saturated_junctions, elastic_component, random_interlayers,
+};
 use crate::support::media::{classical, cosserat};
 use crate::support::noise;
 use crate::support::random::NoiseSequence;
-use models::interface::elastic::{ElasticInterlayer, ElasticMaterial};
+use models::interface::Interval;
+use models::interface::elastic::{ElasticComponent, ElasticLayer, ElasticMaterial};
+use models::interface::opening_line::LayerMass;
 use wellposed_dynamics::boundary::{Boundary, Condition};
 use wellposed_dynamics::decomposition::{DecomposedDomain, Snapshot};
 use wellposed_dynamics::domain::{Domain, SolverReal};
@@ -16,8 +21,10 @@ use wellposed_dynamics::problem::Splitting;
 use wellposed_dynamics::problem::{DomainError, Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::reference::Reference;
 use wellposed_dynamics::simd::InstructionSet;
-use wellposed_dynamics::solid::interface::{Interlayer, sweep_with_interlayers};
-use wellposed_dynamics::solid::interlayers::Interlayers;
+use wellposed_dynamics::solid::interface::{Interlayer, LineState, sweep_with_interlayers};
+use wellposed_dynamics::solid::interlayers::{
+    InterlayerLaw, InterlayerPlane, Interlayers, MAX_PAIRS, PlaneLaws,
+};
 use wellposed_dynamics::solid::line::{CellConstants, GHOSTS, HALO, Slopes};
 
 /// Returns the indices of the random problems of a test: `count` of them, or as many as the environment variable
@@ -95,11 +102,8 @@ fn random_blocks<const D: usize>(number: usize) -> (Problem<D>, String) {
                 false => (offset, every) = (3, cells[axis]),
             }
         }
-        let laws = media[0].pairs[axis].iter().map(|_| {
-            let mut size = || 0.2 * 10f64.powf(1.5 * random.uniform_symmetric());
-            ElasticInterlayer { mass: size(), compliance: size() }
-        });
-        interlayers.push(Interlayers { axis, offset, block_cells: every, laws: laws.collect() });
+        let places = [offset, every];
+        interlayers.push(random_interlayers(&mut random, (axis, &cells), places, &media[0]));
     }
     let description = format!(
         "{number}: {cells:?}, {boundaries:?}, courant {courant}, {scheme:?}, {interlayers:?}"
@@ -146,7 +150,7 @@ fn reference_solver<T: SolverReal, const D: usize>(problem: &Problem<D>) -> Refe
 }
 
 fn snapshot_bits<T: SolverReal>(snapshot: &Snapshot<T>) -> Vec<u64> {
-    let fields = snapshot.fields.iter().flatten().chain(snapshot.interlayer_history.as_flattened());
+    let fields = snapshot.fields.iter().flatten().chain(&snapshot.interlayer_history);
     fields.map(|value| value.to_f64().to_bits()).collect()
 }
 
@@ -163,20 +167,20 @@ fn compare_fused_and_reference<T: SolverReal, const D: usize>(numbers: std::ops:
         let before = domain_bits(&one);
         assert!(before == snapshot_bits(&other.snapshot()), "{description}");
         for steps in [1, 2, 3] {
-            one.advance(steps);
+            one.advance(steps).expect("threads");
             other.advance(steps);
             assert!(domain_bits(&one) == snapshot_bits(&other.snapshot()), "{description}");
             assert_eq!(one.energy(), other.energy(), "{description}");
         }
         assert_eq!(one.interlayer_history(), other.interlayer_history());
         let memory = one.interlayer_history();
-        assert!(memory.iter().flatten().all(|value| value.to_f64() != 0.0), "{description}");
+        assert!(memory.iter().any(|value| value.to_f64() != 0.0), "{description}");
         assert!(domain_bits(&one) != before);
         // Each solver resumes from a snapshot of the other.
         let mut resumed: Reference<T, D> = Reference::new(&problem).expect("sound");
         assert!(resumed.restore(&one.snapshot()));
         assert!(one.restore(&other.snapshot()));
-        one.advance(2);
+        one.advance(2).expect("threads");
         resumed.advance(2);
         assert!(domain_bits(&one) == snapshot_bits(&resumed.snapshot()), "{description}");
         let mut short = one.snapshot();
@@ -193,11 +197,18 @@ fn fused_solver_equals_the_reference_bit_by_bit() {
     compare_fused_and_reference::<f32, 3>(problem_numbers(3, 5));
 }
 
-fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) {
+/// Compares decompositions of random problems; returns the number of junctions of saturated layers.
+fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) -> usize {
+    let mut junctions = 0;
     for number in numbers {
         let (problem, description) = random_blocks::<D>(number);
+        junctions += if D == 2 { count_saturated_junctions(&problem) } else { 0 };
         let mut whole = fused_solver::<f64, D>(&problem);
-        let most = problem.grid.cells.map(|cells| (cells / HALO).max(1));
+        let beyond = problem.pass_limits().first_axis_halo;
+        let most: [usize; D] = std::array::from_fn(|axis| {
+            let halo = if axis == 0 { HALO + beyond } else { HALO };
+            (problem.grid.cells[axis] / halo).max(1)
+        });
         let cuts = [[1, 1, 2], [1, 1, 3], [2, 1, 1], [3, 1, 2], [2, 2, 1], [2, 2, 2]];
         let cuts = cuts.map(|[first, middle, last]| -> [usize; D] {
             std::array::from_fn(|axis| match axis {
@@ -227,32 +238,35 @@ fn compare_decompositions<const D: usize>(numbers: std::ops::Range<usize>) {
         pulse(&mut whole);
         parts.iter_mut().for_each(pulse);
         others.iter_mut().for_each(|own| pulse(&mut own.1));
-        whole.advance(13);
+        whole.advance(13).expect("threads");
         let snapshot = whole.snapshot();
-        whole.advance(6);
+        whole.advance(6).expect("threads");
         let (expected, ledger) = (domain_bits(&whole), whole.ledger());
         for own in &mut parts {
-            own.advance(19);
+            own.advance(19).expect("threads");
             assert!(domain_bits(own) == expected, "{description}");
             assert_eq!(own.ledger(), ledger, "{description}");
             assert_eq!(own.energy(), whole.energy(), "{description}");
             own.initialise_interlayers();
             assert!(own.restore(&snapshot));
-            own.advance(6);
+            own.advance(6).expect("threads");
             assert!(domain_bits(own) == expected, "{description}");
             assert_eq!(own.snapshot(), whole.snapshot());
         }
         for (instructions, own) in &mut others {
             own.set_instructions(*instructions);
-            own.advance(19);
+            own.advance(19).expect("threads");
             assert!(domain_bits(own) == expected, "{instructions:?}: {description}");
         }
     }
+    junctions
 }
 
 #[test]
 fn decompositions_snapshots_and_instruction_sets_give_the_same_bits() {
-    compare_decompositions::<2>(problem_numbers(4, 30));
+    let junctions = compare_decompositions::<2>(problem_numbers(4, 30));
+    // Rare in these problems: `saturated_cuts` cuts a medium with many junctions.
+    println!("{junctions} junctions of saturated layers");
     compare_decompositions::<3>(problem_numbers(5, 6));
 }
 
@@ -293,7 +307,7 @@ fn energy_of_blocks_never_grows() {
         let mut domain = fused_solver::<f64, 2>(&problem);
         let mut before = domain.energy().total();
         for _ in 0..100 {
-            domain.advance(1);
+            domain.advance(1).expect("threads");
             let now = domain.energy().total();
             assert!(now <= before * (1.0 + 1e-13), "{description}: {now:e} after {before:e}");
             before = now;
@@ -314,7 +328,8 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
     let (count, every, offset) = (30, 10, 4);
     for (axis, slopes) in [(0, Slopes::FourthOrder), (1, Slopes::FourthOrder), (0, Slopes::Limited)]
     {
-        let interlayers = Interlayers::from_material(axis, [offset, every], &material, &medium);
+        let law = InterlayerLaw::from_material(axis, &material, &medium);
+        let interlayers = Interlayers::new_regular(axis, count, [offset, every], law);
         let mut cells = [1; 2];
         cells[axis] = count;
         let step = 2.0 * 0.9 * 0.1 / medium.max_speed();
@@ -342,8 +357,10 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
         domain.initialise_interlayers();
         (0..5).for_each(|_| domain.advance());
         for (pair, own) in medium.pairs[axis].iter().enumerate() {
-            let law = [material.tangential_interlayer(), material.normal_interlayer()]
+            let compliance = [material.tangential_compliance(), material.normal_compliance()]
                 [usize::from(pair == axis)];
+            let mass = LayerMass::new_box(material.mass());
+            let law = ElasticLayer { components: [ElasticComponent { mass, compliance }] };
             let mut v = before.values(own.velocity).expect("a field");
             let mut s = before.values(own.stress).expect("a field");
             let cell =
@@ -351,7 +368,7 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
             let place = |i: usize| (i + count - GHOSTS) % count;
             let mut layers: Vec<_> = (0..count + 2 * GHOSTS)
                 .filter(|&i| place(i) % every == offset)
-                .map(|i| Interlayer::new(i, law))
+                .map(|upper_cell| Interlayer { upper_cell, law, history: vec![0.0; 3] })
                 .collect();
             for own in &mut layers {
                 let i = place(own.upper_cell);
@@ -363,15 +380,14 @@ fn row_of_blocks_equals_a_one_dimensional_line() {
                 };
                 let (mut all_v, mut all_s) = (around(&v), around(&s));
                 let cells = vec![cell; count + 2 * GHOSTS];
-                sweep_with_interlayers(
-                    &mut all_v,
-                    &mut all_s,
-                    &cells,
-                    slopes,
-                    &mut layers,
-                    0.5 * step,
-                    None,
-                );
+                let line = LineState {
+                    velocity: &mut all_v,
+                    stress: &mut all_s,
+                    cells: &cells,
+                    accounts: None,
+                };
+                let interval = Interval { end: 1.0, step: 0.5 * step };
+                sweep_with_interlayers([line], slopes, &mut layers, &interval);
                 v = all_v[GHOSTS..GHOSTS + count].to_vec();
                 s = all_s[GHOSTS..GHOSTS + count].to_vec();
             }
@@ -396,7 +412,7 @@ fn rigid_motion_stays_uniform() {
     let field = problem.media[0].pairs[0][0].velocity;
     domain.set(field, &vec![1.0; problem.grid.count()]);
     domain.initialise_interlayers();
-    domain.advance(50);
+    domain.advance(50).expect("threads");
     for value in domain.values(field).expect("a field") {
         assert!((value - 1.0).abs() < 1e-12, "{value}");
     }
@@ -409,17 +425,21 @@ fn non_finite_interlayer_values_are_detected() {
     let mut domain = Domain::<f64, 2>::new(&problem).expect("sound");
     assert_eq!(domain.first_non_finite(), None);
     let count = domain.interlayer_history().len();
-    let memory = (0..count).map(|i| [0.0, if i + 1 == count { f64::NAN } else { 0.0 }]);
+    let memory = (0..count).map(|i| if i + 1 == count { f64::NAN } else { 0.0 });
     domain.set_interlayer_history(&mut memory.into_iter());
     assert!(domain.first_non_finite().is_some());
     let mut reference = Reference::<f64, 2>::new(&problem).expect("sound");
     assert_eq!(reference.first_non_finite(), None);
     let mut snapshot = reference.snapshot();
     if let Some(last) = snapshot.interlayer_history.last_mut() {
-        last[1] = f64::NAN;
+        *last = f64::NAN;
     }
     assert!(reference.restore(&snapshot));
     assert_eq!(reference.first_non_finite(), domain.first_non_finite());
+}
+
+fn elastic_law(mass: f64, compliance: f64) -> InterlayerLaw<f64> {
+    InterlayerLaw::Elastic([elastic_component(mass, compliance); MAX_PAIRS])
 }
 
 #[test]
@@ -429,8 +449,8 @@ fn invalid_interlayers_are_refused() {
         let mut problem = sound.clone();
         problem.boundaries = [0, 1].map(|_| [Boundary::Free, Boundary::Free]);
         problem.interlayers.truncate(1);
-        problem.interlayers[0].offset = 3;
-        problem.interlayers[0].block_cells = problem.grid.cells[problem.interlayers[0].axis];
+        problem.interlayers[0].planes =
+            vec![InterlayerPlane { cell: 3, laws: PlaneLaws::Uniform(0) }];
         assert!(problem.validate().is_ok());
         change(&mut problem);
         let found = problem.validate();
@@ -439,10 +459,19 @@ fn invalid_interlayers_are_refused() {
     };
     assert!(refused(|own| own.interlayers[0].axis = 2));
     assert!(refused(|own| own.interlayers.push(own.interlayers[0].clone())));
-    assert!(refused(|own| own.interlayers[0].laws[0].mass = -1.0));
-    assert!(refused(|own| own.interlayers[0].laws[0].compliance = f64::NAN));
+    assert!(refused(|own| own.interlayers[0].laws[0] = elastic_law(-1.0, 1.0)));
+    assert!(refused(|own| own.interlayers[0].laws[0] = elastic_law(1.0, f64::NAN)));
     assert!(refused(|own| own.interlayers[0].laws.clear()));
-    assert!(refused(|own| own.interlayers[0].offset = 2));
-    assert!(refused(|own| own.interlayers[0].block_cells = 0));
+    assert!(refused(|own| own.interlayers[0].planes[0].cell = 2));
+    assert!(refused(|own| own.interlayers[0].planes.clear()));
+    assert!(refused(|own| {
+        let again = own.interlayers[0].planes[0].clone();
+        own.interlayers[0].planes.push(again);
+    }));
+    assert!(refused(|own| own.interlayers[0].planes[0].laws = PlaneLaws::ByFace(vec![Some(0)])));
+    assert!(refused(|own| {
+        let faces = own.grid.faces(own.interlayers[0].axis);
+        own.interlayers[0].planes[0].laws = PlaneLaws::ByFace(vec![Some(9); faces]);
+    }));
     assert!(refused(|own| own.scheme.splitting = Splitting::Alternating));
 }

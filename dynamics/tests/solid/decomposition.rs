@@ -93,8 +93,8 @@ fn check_decompositions_of_solids<T: SolverReal, const D: usize>(
             split.set(field, &values(index));
         }
         // In two calls: halos of the first must not affect the second.
-        split.advance(11);
-        split.advance(19);
+        split.advance(11).expect("threads");
+        split.advance(19).expect("threads");
         for &field in &fields {
             let (found, expected) = (split.values(field), whole.values(field));
             assert!(to_bits(found) == to_bits(expected), "{parts:?} parts, {set:?}, {field:?}");
@@ -241,11 +241,11 @@ fn runs_resume_from_snapshots() {
         split
     };
     let (mut whole, mut first) = (start(), start());
-    whole.advance(40);
-    first.advance(17);
+    whole.advance(40).expect("threads");
+    first.advance(17).expect("threads");
     let mut second: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 3).expect("sound");
     assert!(second.restore(&first.snapshot()));
-    second.advance(23);
+    second.advance(23).expect("threads");
     assert_eq!(second.snapshot(), whole.snapshot());
     assert_eq!((second.ledger(), second.time()), (whole.ledger(), whole.time()));
     let mut other = first.snapshot();
@@ -288,7 +288,7 @@ fn single_layers_equal_the_reference() {
                 Problem::new(grid, vec![medium.clone()], vec![0; count], sides, step, scheme);
             let (mut split, mut reference) = build_both_solvers(&problem);
             let start = split.energy().total();
-            split.advance(20);
+            split.advance(20).expect("threads");
             reference.advance(20);
             assert!(split.energy().total() <= start * (1.0 + 1e-13), "{cells:?} {ends:?}");
             for inflow in [split.ledger().boundary_work, reference.ledger().boundary_work] {
@@ -329,7 +329,7 @@ fn boundary_work_on_single_layers_equals_the_reference() {
             problem.loads.push(Load { axis, end: 1, pair: 0, faces, signal });
         }
         let (mut split, mut reference) = build_both_solvers(&problem);
-        split.advance(20);
+        split.advance(20).expect("threads");
         reference.advance(20);
         let inflows = [split.ledger().boundary_work, reference.ledger().boundary_work];
         assert!(
@@ -393,8 +393,8 @@ fn check_passes<const D: usize>(cells: [usize; D], watched: [usize; 5]) {
             let mut split: DecomposedDomain<f64, D> =
                 DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
             split.watch_cells(&watched);
-            split.advance(3);
-            split.advance(18);
+            split.advance(3).expect("threads");
+            split.advance(18).expect("threads");
             assert_eq!(split.take_records(), expected, "{parts:?}");
             let snapshot = split.snapshot();
             for (&field, found) in whole.fields().iter().zip(&snapshot.fields) {
@@ -442,7 +442,7 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
     for (index, &field) in fields.iter().enumerate() {
         wide.set(field, &(0..grid.count()).map(|i| value(index, i)).collect::<Vec<_>>());
     }
-    wide.advance(33);
+    wide.advance(33).expect("threads");
 
     let mut reference: Reference<f32, D> = Reference::new(&problem).expect("sound");
     for (index, &field) in fields.iter().enumerate() {
@@ -465,20 +465,20 @@ fn check_flush<const D: usize>(cells: [usize; D], from: usize, flat: usize, last
                 let all = fields.iter().filter_map(|field| split.values(*field)).flatten();
                 all.filter(|value| *value != 0.0 && f64::from(value.abs()) < FLUSH_LIMIT).count()
             };
-            split.advance(15);
+            split.advance(15).expect("threads");
             assert!(small_values(&split) > 0);
-            split.advance(1);
+            split.advance(1).expect("threads");
             assert_eq!(small_values(&split), 0, "{parts} {instructions:?}");
             // The next flush comes after the first step of a two-step pass, in a restored solver.
-            split.advance(1);
+            split.advance(1).expect("threads");
             let mut other: DecomposedDomain<f32, D> =
                 DecomposedDomain::new(&problem, parts).expect("sound");
             other.set_instructions(instructions);
             assert!(other.restore(&split.snapshot()));
             let mut split = other;
-            split.advance(14);
+            split.advance(14).expect("threads");
             assert!(small_values(&split) > 0);
-            split.advance(2);
+            split.advance(2).expect("threads");
             assert!(split.ledger().plastic_dissipation > 0.0);
             let mut found = Vec::new();
             for &field in &fields {
@@ -512,7 +512,7 @@ fn a_panic_does_not_deadlock() {
     let amplitudes = vec![(SolidField::Velocity(1), 0.1)];
     problem.sources.push(Source { cells: vec![(4, 1.0)], amplitudes, signal });
     let mut split: DecomposedDomain<f64, 2> = DecomposedDomain::new(&problem, 2).expect("sound");
-    split.advance(40);
+    split.advance(40).expect("threads");
 }
 
 /// Verifies that media given by moduli and by compliances can be combined in one problem: the results do not depend on
@@ -534,7 +534,7 @@ fn media_by_moduli_and_by_compliances_can_be_mixed() {
             DecomposedDomain::new(&problem, 1).expect("sound");
         split.set(SolidField::Velocity(0), &(0..180).map(noise).collect::<Vec<_>>());
         let start = split.energy().total();
-        split.advance(20);
+        split.advance(20).expect("threads");
         assert!(split.energy().total() < start);
         split.snapshot().fields
     });

@@ -228,8 +228,8 @@ fn all_media() -> Vec<Medium> {
     all
 }
 
-/// Verifies, after each thousand of `thousands` times 1000 steps, that energy has not grown, from noise at Courant
-/// number 1, with every kind of passive boundary.
+/// Verifies that the energy, checked after every 1000 of `thousands` × 1000 steps, does not grow. The initial state is
+/// noise, the Courant number is 1; all media and all kinds of passive boundaries are tested.
 fn check_stability(thousands: usize) {
     for medium in all_media() {
         for which in 0..6 {

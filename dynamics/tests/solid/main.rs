@@ -2,7 +2,10 @@
 //!
 //! `cargo test --release -p wellposed-dynamics --test solid energy::` runs the tests of one file.
 
+mod block_rotation;
 mod blocks;
+mod blocky_ledger;
+mod blocky_media;
 mod configurations;
 mod decomposition;
 mod domain;
@@ -17,10 +20,12 @@ mod plastic_fronts;
 mod rayleigh;
 mod relaxation;
 mod return_mapping;
+mod saturated_cuts;
 mod simple_waves;
 mod simulation;
 mod subdomain_regions;
 mod support;
 mod sweep_order;
+mod thread_start;
 mod uniaxial;
 mod verification;

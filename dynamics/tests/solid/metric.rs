@@ -84,8 +84,8 @@ fn compare_with_reference<T: SolverReal>(theory: Theory, is_polar: bool, slopes:
                 DecomposedDomain::with_subdomains(0, &problem, parts).expect("sound");
             split.set_instructions(instructions);
             fill_with_noise(&problem, |field, values: &[T]| split.set(field, values));
-            split.advance(4);
-            split.advance(11);
+            split.advance(4).expect("threads");
+            split.advance(11).expect("threads");
             let found = split.snapshot();
             assert!(bits(&found.fields) == bits(&expected.fields), "{parts:?} {instructions:?}");
             assert_eq!(found.cell_sums, expected.cell_sums);

@@ -108,8 +108,8 @@ fn rayleigh_error(
             (0..count[0] * count[1]).map(|cell| value(field, at(cell, 0.0))).collect();
         split.set(field, &values);
     }
-    split.advance(steps as usize);
-    let (fields, shown) = (split.fields().to_vec(), split.output_fields());
+    split.advance(steps as usize).expect("threads");
+    let (fields, shown) = (split.fields().to_vec(), split.output_values());
     let mut sums = [0.0; 2];
     for (field, values) in
         fields.iter().zip(&shown).filter(|own| matches!(own.0, SolidField::Velocity(_)))
@@ -152,9 +152,9 @@ fn plane_wave_error(cells: usize, slopes: Slopes) -> f64 {
         .copied()
         .find(|own| matches!(own, SolidField::Stress(i, j) if i != j));
     split.set(shear.unwrap(), &exact.iter().map(|v| -v).collect::<Vec<_>>());
-    split.advance(steps as usize);
+    split.advance(steps as usize).expect("threads");
     let place = split.fields().iter().position(|own| *own == SolidField::Velocity(1)).unwrap();
-    let found = &split.output_fields()[place];
+    let found = &split.output_values()[place];
     let square = |all: &mut dyn Iterator<Item = f64>| all.map(|x| x * x).sum::<f64>();
     (square(&mut found.iter().zip(&exact).map(|(a, b)| a - b)) / square(&mut exact.iter().copied()))
         .sqrt()

@@ -191,7 +191,7 @@ impl<const D: usize> DampedPlaneWave<D> {
         let fields = split.fields().to_vec();
         let amplitude = |split: &DecomposedDomain<f64, D>| {
             let mut sum = Complex::ZERO;
-            for (field, values) in fields.iter().zip(split.output_fields()) {
+            for (field, values) in fields.iter().zip(split.output_values()) {
                 let SolidField::Velocity(i) = field else { continue };
                 for (cell, value) in values.into_iter().enumerate() {
                     sum += phase(cell).conj() * (value * self.polarisation[*i]);
@@ -200,9 +200,9 @@ impl<const D: usize> DampedPlaneWave<D> {
             sum
         };
         // Measured between two times, since initial values and output change the amplitude once.
-        split.advance(steps / 4);
+        split.advance(steps / 4).expect("threads");
         let first = amplitude(&split);
-        split.advance(steps - steps / 4);
+        split.advance(steps - steps / 4).expect("threads");
         let duration = (steps - steps / 4) as f64 * step;
         // The ratio is close to 1, so that its logarithm needs no phase unwrapping.
         let ratio = amplitude(&split) / first / (self.complex_rate * duration).exp();
@@ -342,7 +342,7 @@ fn energy_never_grows() {
                 let mut last = split.energy().total();
                 let start = last;
                 for index in 0..4000 {
-                    split.advance(1);
+                    split.advance(1).expect("threads");
                     let now = split.energy().total();
                     assert!(now <= last * (1.0 + 1e-13), "{index}: {now} after {last}");
                     last = now;
@@ -467,16 +467,16 @@ fn compare_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory
                     };
                     let mut split = make();
                     fill_with_noise(&mut split, 1.0);
-                    split.advance(7);
+                    split.advance(7).expect("threads");
                     let mut other = make();
                     assert!(other.restore(&split.snapshot()));
-                    other.advance(12);
+                    other.advance(12).expect("threads");
                     assert!(
                         other.ledger().viscous_dissipation > 0.0
                             && other.ledger().plastic_dissipation > 0.0
                     );
                     let found = snapshot_bits(&other.snapshot());
-                    split.advance(12);
+                    split.advance(12).expect("threads");
                     assert!(
                         found == snapshot_bits(&split.snapshot()),
                         "{splitting:?} {parts:?}: after a snapshot"
@@ -491,7 +491,7 @@ fn compare_bits<T: SolverReal, const D: usize>(cells: [usize; D], theory: Theory
             let mut reference: Reference<T, D> = Reference::new(&problem).expect("sound");
             assert!(reference.restore(&start.snapshot()));
             reference.advance(19);
-            start.advance(19);
+            start.advance(19).expect("threads");
             assert!(expected == Some(snapshot_bits(&reference.snapshot())), "line by line");
             assert_eq!(reference.energy(), start.energy());
         }
@@ -523,7 +523,7 @@ fn unused_relaxing_media_change_nothing() {
                 split.set(field, &values.collect::<Vec<_>>());
             }
         }
-        split.advance(20);
+        split.advance(20).expect("threads");
         let history = problem.media[1].history_fields();
         assert_eq!(history.len(), 4);
         for field in history {
@@ -542,7 +542,7 @@ fn unused_relaxing_media_change_nothing() {
             let mut split: DecomposedDomain<f64, 2> =
                 DecomposedDomain::new(&problem, 1).expect("sound");
             fill_with_noise(&mut split, 1.0);
-            split.advance(20);
+            split.advance(20).expect("threads");
             (snapshot_bits(&split.snapshot()), split.fields().len())
         });
         assert!(with.1 == plain.1 + 4 && with.0.0[..plain.1] == plain.0.0[..]);

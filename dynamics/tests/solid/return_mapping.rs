@@ -131,7 +131,7 @@ fn run_solver<T: SolverReal, const D: usize>(
         };
         split.set(field, &(0..count).map(value).collect::<Vec<_>>());
     }
-    split.advance(5);
+    split.advance(5).expect("threads");
     split.snapshot()
 }
 

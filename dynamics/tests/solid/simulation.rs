@@ -14,10 +14,10 @@ use wellposed_dynamics::medium::Medium;
 use wellposed_dynamics::probe::Probe;
 use wellposed_dynamics::problem::{Grid, PlasticStep, Problem, Scheme};
 use wellposed_dynamics::simulation::{
-    DueSnapshot, FlowSimulation, Observer, OutputTimes, RegularTimes, Simulation,
+    DueSnapshot, FlowSimulation, Observer, OutputTimes, RegularTimes, RunError, Simulation,
     SimulationOutcome, SimulationState, SolidSimulation, SolverChoice, TimeSteps, run_simulation,
 };
-use wellposed_dynamics::solid::interlayers::Interlayers;
+use wellposed_dynamics::solid::interlayers::{InterlayerLaw, Interlayers};
 
 /// Observer that logs all output and interrupts the run after every `interruption_interval` calls of `on_steps_done`.
 #[derive(Default)]
@@ -98,7 +98,8 @@ fn run_with_interruptions<S: Simulation<Account: Debug, Fields: Debug>>(
         }
         match run_simulation(&mut simulation, output, from.is_some(), &mut log) {
             Ok(end) => return (log, end, simulation.state()),
-            Err(state) => from = Some(state),
+            Err(RunError::Observer(state)) => from = Some(state),
+            Err(RunError::Threads(error)) => panic!("{error}"),
         }
     }
 }
@@ -157,7 +158,9 @@ fn pulse_simulation_with_duration(
         longitudinal_speed: 0.6,
         shear_speed: 0.3,
     };
-    problem.interlayers = vec![Interlayers::from_material(0, [5, 5], &material, &problem.media[0])];
+    let law = InterlayerLaw::from_material(0, &material, &problem.media[0]);
+    let cells = problem.grid.cells[0];
+    problem.interlayers = vec![Interlayers::new_regular(0, cells, [5, 5], law)];
     let pulse = (0..240).map(|cell| if cell % 20 < 4 { 1.0 } else { 0.0 }).collect();
     let initial = vec![(SolidField::Velocity(1), pulse)];
     SolidSimulation::new(problem, steps, initial, vec![probe, Probe::from_cell(17)], solver)
@@ -265,8 +268,8 @@ fn faults_are_located_from_the_last_saved_state() {
     // After resuming from a saved state, only the steps since that state are repeated.
     let mut first = new();
     let mut log = OutputLog { interruption_interval: Some(1), ..OutputLog::default() };
-    let state =
-        run_simulation(&mut first, &output, false, &mut log).err().expect("an interruption");
+    let end = run_simulation(&mut first, &output, false, &mut log);
+    let Err(RunError::Observer(state)) = end else { panic!("an interruption") };
     let mut second = new();
     assert!(second.restore(&state));
     let mut log = OutputLog::default();

@@ -208,7 +208,8 @@ fn compare_decompositions<const D: usize>(
     assert!(domain.ledger().plastic_dissipation > 0.0 && domain.ledger().source_work != 0.0);
     let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
     for &parts in cuts {
-        let plan = Decomposition::new(&grid, is_periodic, &problem.scheme, parts).expect("room");
+        let plan =
+            Decomposition::new(&grid, is_periodic, problem.pass_limits(), parts).expect("room");
         let outcomes = run_subdomains(grid, &plan, splitting, usize::MAX);
         for (region, outcome) in plan.regions().iter().zip(outcomes) {
             let found = outcome.expect("no line is cut");
@@ -235,7 +236,7 @@ fn subdomains_built_from_their_regions_equal_the_whole_domain() {
 fn restricted_problem_equals_the_problem_built_from_coordinates() {
     let grid = Grid { cells: [13, 9, 11], spacing: [0.1; 3] };
     let whole = region_problem(grid, &Region::from_grid(grid.cells), Splitting::TwoCyclic);
-    let plan = Decomposition::new(&grid, [false, true, false], &whole.scheme, [2, 2, 2]);
+    let plan = Decomposition::new(&grid, [false, true, false], whole.pass_limits(), [2, 2, 2]);
     for region in plan.expect("room").regions() {
         let own = region_problem(grid, region, Splitting::TwoCyclic);
         let restricted = whole.restrict_to(region);
@@ -257,7 +258,8 @@ fn restricted_problem_equals_the_problem_built_from_coordinates() {
 fn lost_neighbours_cause_errors() {
     let grid = Grid { cells: [21, 17], spacing: [0.1; 2] };
     let problem = region_problem(grid, &Region::from_grid(grid.cells), Splitting::TwoCyclic);
-    let plan = Decomposition::new(&grid, [false, true], &problem.scheme, [2, 2]).expect("room");
+    let plan =
+        Decomposition::new(&grid, [false, true], problem.pass_limits(), [2, 2]).expect("room");
     for messages in [0, 1, 7, 40] {
         let outcomes = run_subdomains(grid, &plan, Splitting::TwoCyclic, messages);
         assert!(outcomes.iter().all(|outcome| *outcome == Err(LostNeighbour)), "{messages}");
@@ -268,7 +270,7 @@ fn lost_neighbours_cause_errors() {
 fn problems_of_other_regions_are_refused() {
     let grid = Grid { cells: [21, 17], spacing: [0.1; 2] };
     let whole = region_problem(grid, &Region::from_grid(grid.cells), Splitting::TwoCyclic);
-    let plan = Decomposition::new(&grid, [false, true], &whole.scheme, [2, 2]).expect("room");
+    let plan = Decomposition::new(&grid, [false, true], whole.pass_limits(), [2, 2]).expect("room");
     let region = &plan.regions()[0];
     let refused = Domain::<f64, 2>::new_subdomain(&whole, region, plan.max_pass_steps());
     assert!(

@@ -156,14 +156,14 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
             split.set(field_in_frame(*own, frame), &(0..count).map(value).collect::<Vec<_>>());
         }
         split.watch_cells(&watched.map(|at| cell_in_frame(at, frame)));
-        split.advance(steps);
+        split.advance(steps).expect("threads");
         let inner = split.fields().to_vec();
         let place_of =
             |own: SolidField| inner.iter().position(|to| *to == field_in_frame(own, frame));
         // Results by field and cell of the body: output values, solver values, records, dissipated energy.
         let cells: Vec<usize> =
             (0..count).map(|own| cell_in_frame(body_indices(own, BODY_FRAME), frame)).collect();
-        let shown = split.output_fields();
+        let shown = split.output_values();
         let records = split.take_records();
         let width = split.quantity_count();
         let mut all: Vec<Vec<f64>> = Vec::new();
@@ -205,10 +205,10 @@ fn changing_the_first_axis_is_a_rotation_of_the_body() {
     let watched = watched.map(|at| cell_in_frame(at, BODY_FRAME));
     split.watch_cells(&watched);
     reference.watch_cells(&watched);
-    split.advance(steps);
+    split.advance(steps).expect("threads");
     reference.advance(steps);
     assert_eq!(split.take_records(), reference.take_records());
-    assert_eq!(bits(&split.output_fields()), bits(&reference.output_fields()));
+    assert_eq!(bits(&split.output_values()), bits(&reference.output_values()));
     assert_eq!(split.plastic_dissipation(), reference.plastic_dissipation());
     assert_eq!(split.snapshot().fields, reference.snapshot().fields);
     // Sweeps that start with the first axis give another result.
@@ -238,12 +238,12 @@ fn reflecting_boundaries_select_the_first_axis() {
 
     let start = || DecomposedDomain::<f64, 3>::with_first_axis(2, &problem, 2).expect("sound");
     let (mut whole, mut resumed) = (start(), start());
-    whole.advance(7);
-    resumed.advance(3);
+    whole.advance(7).expect("threads");
+    resumed.advance(3).expect("threads");
     let snapshot = resumed.snapshot();
     let mut resumed = start();
     assert!(resumed.restore(&snapshot));
-    resumed.advance(4);
+    resumed.advance(4).expect("threads");
     assert!(whole.snapshot() == resumed.snapshot());
     assert!(whole.energy().total() > 0.0);
     assert_eq!(DecomposedDomain::<f64, 3>::max_subdomains(2, &problem), 3);

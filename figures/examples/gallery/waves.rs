@@ -71,7 +71,7 @@ pub fn build_dispersion_figure(has_growth: bool) -> DispersionFigure {
             branch("transverse, fast (double)", &|k| transverse(k, true), &|k| -30.0 * k.sqrt()),
         ],
         bands: vec![FrequencyBand {
-            label: "forbidden band of rotational waves".to_owned(),
+            label: "band gap of rotational waves".to_owned(),
             low: if has_growth { 600.0 } else { 0.0 },
             high: cutoff,
         }],

@@ -138,7 +138,7 @@ impl DispersionFigure {
     }
 }
 
-/// Extends a range that reaches below zero by 5 % of its length at the lower end; returns other ranges unchanged.
+/// Lowers a negative lower end of a range by 5 % of the length of the range; returns other ranges unchanged.
 fn extend_negative_range(scale: AxisScale) -> AxisScale {
     let low = if scale.low < 0.0 { scale.low - 0.05 * (scale.high - scale.low) } else { scale.low };
     AxisScale { low, ..scale }

@@ -22,7 +22,7 @@ pub struct DispersionBranch {
 /// Frequency band in which a kind of wave does not propagate, drawn shaded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyBand {
-    /// Legend text, e.g. `forbidden band`. Bands with the same label are listed once.
+    /// Legend text, e.g. `band gap`. Bands with the same label are listed once.
     pub label: String,
     /// Lower frequency, in the unit of the frequency axis.
     pub low: f64,

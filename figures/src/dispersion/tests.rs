@@ -15,7 +15,7 @@ fn sample_figure(points: &[[f64; 2]], levels: &[f64], log: bool) -> DispersionFi
     };
     let level = |&value: &f64| ReferenceLevel { label: format!("ω* = {value} rad/s"), value };
     let band = |pair: &[f64]| FrequencyBand {
-        label: "forbidden band".to_owned(),
+        label: "band gap".to_owned(),
         low: pair[0],
         high: pair[pair.len() - 1],
     };

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::colour_map::ColourScale;
 use super::figure::FieldFigure;
 use super::layout::FieldLayout;
 use super::marks::{mark_area, padded_bounds};
@@ -14,17 +13,13 @@ const NUMBER_SIZE: f64 = 20.0;
 const NUMBER_SPACING: f64 = 900.0;
 
 impl FieldFigure {
-    /// Places the numbers on requested contour lines. Each number is placed where its line is nearly horizontal, clear
+    /// Places the numbers on contour lines, given with their levels. Each number is placed where its line is nearly horizontal, clear
     /// of marks and other numbers and, if possible, of other lines.
     pub(super) fn place_contour_numbers(
         &self,
-        scale: &ColourScale,
         layout: &FieldLayout,
         lines: &[(f64, Vec<Point>)],
     ) -> Vec<Text> {
-        if self.contour_levels.is_none() {
-            return Vec::new();
-        }
         let frame = layout.frame;
         let mut occupied: Vec<Rectangle> =
             self.mark_positions(frame).iter().map(|(at, _)| mark_area(*at)).collect();
@@ -39,8 +34,8 @@ impl FieldFigure {
         order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut numbers = Vec::new();
         for (whole, index) in order {
-            let (share, line) = &lines[index];
-            let label_text = format_number(share * scale.limit);
+            let (level, line) = &lines[index];
+            let label_text = format_number(*level);
             let width = text_width(&label_text, NUMBER_SIZE, false);
             // A number would cover most of a short closed line.
             let min_length_ratio = if line.first() == line.last() { 4.5 } else { 1.6 };

@@ -66,34 +66,17 @@ impl FieldFigure {
         if !self.has_contours(scale) || scale.limit == 0.0 {
             return Contours::None;
         }
-        let frame = layout.frame;
-        let raster = FieldRaster::new(self, frame, [MAX_COARSE_CELLS; 2]);
+        if self.arrows.is_some() {
+            let is_low = |value: &f64| *value < -0.25 * scale.limit;
+            let has_low = scale.is_signed && self.values.iter().any(is_low);
+            return if has_low { Contours::Hatching } else { Contours::None };
+        }
+        let raster = FieldRaster::new(self, layout.frame, [MAX_COARSE_CELLS; 2]);
         let means = raster.mean_values(&self.values);
-        let [columns, rows] = [0, 1].map(|axis| raster.cell_count(axis));
-        // The outermost values are repeated in one additional row or column on each side, so that lines reach the
-        // frame.
-        let inner = |index: usize, count: usize| index.clamp(1, count) - 1;
-        let value = |i: usize, j: usize| means[inner(j, rows) * columns + inner(i, columns)];
-        // Maps a position in the extended grid to a cell coordinate: cell centres inside, domain edges at the ends.
-        let cell = |place: f64, axis: usize| {
-            let (edges, count) = (&raster.edges[axis], raster.cell_count(axis));
-            let centre = |index: usize| match index {
-                0 => 0.0,
-                index if index > count => edges[count] as f64,
-                index => 0.5 * (edges[index - 1] + edges[index]) as f64,
-            };
-            let below = (place.max(0.0) as usize).min(count);
-            let (from, to) = (centre(below), centre(below + 1));
-            from + (place - below as f64) * (to - from)
-        };
         let mut lines = Vec::new();
         let mut point_count = 0;
         for share in self.relative_levels(scale) {
-            for line in contour::trace_contours(columns + 2, rows + 2, value, share * scale.limit) {
-                let points: Vec<Point> = line
-                    .iter()
-                    .map(|&[i, j]| [raster.x_position(cell(i, 0)), raster.y_position(cell(j, 1))])
-                    .collect();
+            for points in raster.trace_contours(&means, share * scale.limit) {
                 // Lines too short to be drawn count as well: a field with many of them has no meaningful contours.
                 point_count += 10 + points.len();
                 if point_count > MAX_CONTOUR_POINTS {
@@ -113,6 +96,35 @@ impl FieldFigure {
         } else {
             Contours::None
         }
+    }
+}
+
+impl FieldRaster {
+    /// Traces the contour lines of one level, in pixels; `values` are those of the raster cells.
+    pub(super) fn trace_contours(&self, values: &[f64], level: f64) -> Vec<Vec<Point>> {
+        let [columns, rows] = [0, 1].map(|axis| self.cell_count(axis));
+        // The outermost values are repeated in one additional row or column on each side, so that lines reach the
+        // frame.
+        let inner = |index: usize, count: usize| index.clamp(1, count) - 1;
+        let value = |i: usize, j: usize| values[inner(j, rows) * columns + inner(i, columns)];
+        // Maps a position in the extended grid to a cell coordinate: cell centres inside, domain edges at the ends.
+        let cell = |place: f64, axis: usize| {
+            let (edges, count) = (&self.edges[axis], self.cell_count(axis));
+            let centre = |index: usize| match index {
+                0 => 0.0,
+                index if index > count => edges[count] as f64,
+                index => 0.5 * (edges[index - 1] + edges[index]) as f64,
+            };
+            let below = (place.max(0.0) as usize).min(count);
+            let (from, to) = (centre(below), centre(below + 1));
+            from + (place - below as f64) * (to - from)
+        };
+        let to_points = |line: Vec<Point>| {
+            let point = |[i, j]: Point| [self.x_position(cell(i, 0)), self.y_position(cell(j, 1))];
+            line.into_iter().map(point).collect()
+        };
+        let lines = contour::trace_contours(columns + 2, rows + 2, value, level);
+        lines.into_iter().map(to_points).collect()
     }
 }
 

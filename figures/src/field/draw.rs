@@ -1,22 +1,32 @@
 //! Drawing of a field figure.
 
+use super::arrows::ArrowScale;
 use super::borders::draw_borders;
 use super::colour_map::ColourScale;
 use super::contours::{Contours, draw_contour_line};
 use super::figure::FieldFigure;
 use super::layout::FieldLayout;
+use super::lines::LineWidths;
 use super::raster::{FieldRaster, MAX_COARSE_CELLS};
 use crate::error::FigureError;
 use crate::format::FigureFormat;
 use crate::page::{self, FRAME_LINE_WIDTH, Legend, MARGIN};
-use crate::picture::{Colour, INK, Picture, Rectangle, WHITE};
+use crate::picture::{Colour, INK, Picture, Point, Rectangle, WHITE};
 
 /// Layout, legend and contours, determined before drawing.
 pub(super) struct Arrangement {
     pub(super) layout: FieldLayout,
     pub(super) legend: Legend,
     pub(super) contours: Contours,
+    pub(super) overlay: Overlay,
+}
+
+/// Properties of borders, lines and arrows that do not depend on the height of the legend.
+#[derive(Clone, Copy)]
+pub(super) struct Overlay {
     pub(super) has_borders: bool,
+    pub(super) line_widths: LineWidths,
+    pub(super) arrow_scale: Option<ArrowScale>,
 }
 
 impl FieldFigure {
@@ -38,12 +48,16 @@ impl FieldFigure {
     ) -> Arrangement {
         let top = page::heading_bottom(&self.title, &self.subtitle).ceil();
         let trial = self.compute_layout(scale, top, 0.0);
-        let has_borders = self.material_borders(&self.build_raster(&trial, format)).is_some();
+        let overlay = Overlay {
+            has_borders: self.material_borders(&self.build_raster(&trial, format)).is_some(),
+            line_widths: self.line_widths(trial.frame),
+            arrow_scale: self.arrow_scale(trial.frame),
+        };
         let contours = self.compute_contours(scale, &trial);
         let count_omitted_names =
             |layout| self.place_mark_names(layout).iter().filter(|place| place.is_none()).count();
         let build_legend = |scale: &ColourScale, contours: &Contours, omitted_names| {
-            let entries = self.legend_entries(scale, contours, has_borders, omitted_names);
+            let entries = self.legend_entries(scale, contours, overlay, omitted_names);
             let (mut listed, mut widest_texts) = (Vec::new(), Vec::new());
             for entry in entries {
                 widest_texts.push(entry.widest_text);
@@ -73,7 +87,7 @@ impl FieldFigure {
             Contours::Lines(_) => self.compute_contours(scale, &layout),
             contours => contours,
         };
-        Arrangement { layout, legend, contours, has_borders }
+        Arrangement { layout, legend, contours, overlay }
     }
 
     /// Returns all colours that cells of figures with the same scale may have.
@@ -84,7 +98,7 @@ impl FieldFigure {
     pub(crate) fn to_picture(&self, format: FigureFormat) -> Result<Picture, FigureError> {
         self.validate()?;
         let scale = ColourScale::from_figure(self);
-        let Arrangement { layout, legend, contours, has_borders } =
+        let Arrangement { layout, legend, contours, overlay } =
             self.compute_arrangement(&scale, format);
         let mut picture = page::create_page(layout.height, &self.title, &self.subtitle);
         let raster = self.build_raster(&layout, format);
@@ -98,22 +112,33 @@ impl FieldFigure {
             Contours::Hatching => self.hatch_negative_cells(&mut picture, &scale, &raster),
             Contours::TooMany | Contours::None => {}
         }
-        if has_borders {
+        let curves = self.magnitude_curves(&layout);
+        self.draw_magnitude_curves(&mut picture, &curves);
+        if overlay.has_borders {
             draw_borders(&mut picture, self.material_borders(&raster).unwrap_or_default());
         }
+        self.draw_line_sets(&mut picture, layout.frame, overlay.line_widths);
+        if let Some(arrows) = overlay.arrow_scale {
+            self.draw_arrows(&mut picture, &layout, arrows);
+        }
         self.draw_yielded_cells(&mut picture, layout.frame);
-        if let Contours::Lines(lines) = &contours {
-            for number in self.place_contour_numbers(&scale, &layout, lines) {
-                let bounds = number.bounds();
-                let ground = Rectangle {
-                    top: bounds.top + 1.0,
-                    left: bounds.left - 3.0,
-                    right: bounds.right + 3.0,
-                    ..bounds
-                };
-                picture.fill_rectangle(ground, WHITE);
-                picture.draw_text(number);
+        let lines = match &contours {
+            Contours::Lines(lines) if self.contour_levels.is_some() && self.arrows.is_none() => {
+                let level = |(share, line): &(f64, Vec<Point>)| (share * scale.limit, line.clone());
+                lines.iter().map(level).collect()
             }
+            _ => curves,
+        };
+        for number in self.place_contour_numbers(&layout, &lines) {
+            let bounds = number.bounds();
+            let ground = Rectangle {
+                top: bounds.top + 1.0,
+                left: bounds.left - 3.0,
+                right: bounds.right + 3.0,
+                ..bounds
+            };
+            picture.fill_rectangle(ground, WHITE);
+            picture.draw_text(number);
         }
         picture.draw_frame(layout.frame, FRAME_LINE_WIDTH, INK);
         self.draw_axes(&mut picture, &layout);

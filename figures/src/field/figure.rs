@@ -1,5 +1,7 @@
 //! Data of a field figure, and their checks.
 
+use super::arrows::FieldArrows;
+use super::lines::FieldLineSet;
 use crate::error::FigureError;
 
 /// Axis of a field: name and extent of the domain.
@@ -77,6 +79,10 @@ pub struct FieldFigure {
     pub material_indices: Vec<u16>,
     /// Whether each cell has yielded, in the order of `values`; yielded cells are dotted. Empty if none.
     pub has_yielded: Vec<bool>,
+    /// Sets of lines, e.g. joints; later sets cover earlier ones.
+    pub line_sets: Vec<FieldLineSet>,
+    /// Vector field, drawn as arrows.
+    pub arrows: Option<FieldArrows>,
     /// Marked sources and receivers.
     pub marks: Vec<FieldMark>,
 }
@@ -97,10 +103,12 @@ impl FieldFigure {
             }
         }
         let (columns, rows) = (self.columns, self.rows);
+        let magnitudes = self.arrows.as_ref().map_or(0, |own| own.magnitudes.len());
         let lists = [
             ("values", self.values.len(), false),
             ("outlines", self.material_indices.len(), self.material_indices.is_empty()),
             ("plastic", self.has_yielded.len(), self.has_yielded.is_empty()),
+            ("magnitudes", magnitudes, magnitudes == 0),
         ];
         for (field, found, is_absent) in lists {
             if !is_absent && columns.checked_mul(rows) != Some(found) {

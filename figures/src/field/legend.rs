@@ -3,6 +3,7 @@
 use super::borders::draw_borders;
 use super::colour_map::{ColourScale, NON_FINITE_COLOUR, NON_FINITE_HATCH_COLOUR, SHADE_COUNT};
 use super::contours::{Contours, draw_contour_line, draw_hatching};
+use super::draw::Overlay;
 use super::figure::{FieldFigure, FieldMarkKind};
 use super::marks::draw_mark;
 use super::yielded_cells::{DOT_SPACING, draw_dots};
@@ -29,14 +30,16 @@ impl FieldFigure {
         &self,
         scale: &ColourScale,
         levels: &Contours,
-        has_borders: bool,
+        overlay: Overlay,
         omitted_names: usize,
     ) -> Vec<FieldLegendEntry> {
         let mut entries: Vec<FieldLegendEntry> = Vec::new();
         entries.extend(self.constant_entry(scale));
         entries.extend(self.clipped_entry(scale));
         entries.extend(self.contour_entries(scale, levels));
-        entries.extend(self.border_entry(has_borders));
+        entries.extend(self.border_entry(overlay.has_borders));
+        entries.extend(self.line_entries(overlay.line_widths, scale.is_fixed));
+        entries.extend(self.arrow_entries(overlay.arrow_scale));
         entries.extend(self.yielded_entry(scale));
         entries.extend(self.mark_entries());
         if omitted_names > 0 {
@@ -250,7 +253,7 @@ fn cells_suffix(scale: &ColourScale) -> &'static str {
     if scale.is_fixed { "" } else { " of the cells" }
 }
 
-fn build_entry(
+pub(super) fn build_entry(
     label_text: String,
     swatch: impl Fn(&mut Picture, Rectangle) + 'static,
 ) -> FieldLegendEntry {

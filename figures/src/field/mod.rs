@@ -1,5 +1,6 @@
 //! Figure of a field over a plane domain, e.g. the final state of a simulation.
 
+mod arrows;
 mod axes;
 mod borders;
 mod cells;
@@ -11,6 +12,7 @@ mod draw;
 mod figure;
 mod layout;
 mod legend;
+mod lines;
 mod marks;
 mod raster;
 #[cfg(test)]
@@ -18,4 +20,6 @@ mod tests;
 mod ticks;
 mod yielded_cells;
 
+pub use arrows::{FieldArrow, FieldArrows};
 pub use figure::{FieldAxis, FieldFigure, FieldMark, FieldMarkKind};
+pub use lines::{FieldLine, FieldLineSet, FieldLineStyle};

@@ -1,5 +1,7 @@
 //! Tests of field figures.
 
+mod overlays;
+
 use plotters::style::RGBColor;
 
 use super::colour_map::{

@@ -25,6 +25,9 @@ pub enum VtiError {
     /// A coordinate of the origin is not finite.
     #[error("the origin of image data cannot lie at {0}")]
     Origin(f64),
+    /// A coordinate of a point is not finite.
+    #[error("a point of a line cannot lie at {0}")]
+    Point(f64),
     /// A spacing is not a positive, finite number.
     #[error("the spacing of image data cannot be {0}")]
     Spacing(f64),

@@ -3,21 +3,13 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::attributes::{check_time, escape_xml, format_attribute};
-use super::encoding::{MEMORY_WRITE_MESSAGE, Storage, encode_compressed, encode_plain};
+use super::arrays::{CellArrays, FILE_END, check_length, format_time_element};
+use super::attributes::check_time;
+use super::encoding::{MEMORY_WRITE_MESSAGE, Storage};
 use super::error::VtiError;
 use super::grid::{ImageGrid, format_triple};
 use super::number::VtkNumber;
-use crate::csv::format_shortest;
 use crate::{FileError, write_atomically_with};
-
-struct CellArray {
-    pub(super) name: String,
-    pub(super) vtk_type: &'static str,
-    pub(super) components: usize,
-    /// Encoded values, preceded by their length or block lengths.
-    pub(super) bytes: Vec<u8>,
-}
 
 /// Image data under construction. The same arrays added in the same order give the same bytes.
 ///
@@ -37,16 +29,21 @@ pub struct ImageData {
     pub(super) cell_count: usize,
     /// Encoded node coordinates of a deformed grid.
     pub(super) nodes: Option<Vec<u8>>,
-    pub(super) storage: Storage,
     pub(super) time: Option<f64>,
-    arrays: Vec<CellArray>,
+    arrays: CellArrays,
 }
 
 impl ImageData {
     /// Creates image data on a grid, without arrays.
     pub fn new(grid: ImageGrid, storage: Storage) -> Result<Self, VtiError> {
         let count = grid.checked_cell_count()?;
-        Ok(Self { grid, cell_count: count, nodes: None, storage, time: None, arrays: Vec::new() })
+        Ok(Self {
+            grid,
+            cell_count: count,
+            nodes: None,
+            time: None,
+            arrays: CellArrays::new(storage),
+        })
     }
 
     /// Creates a structured grid: the nodes x of a plane grid are mapped to Fx by the deformation gradient F =
@@ -73,7 +70,7 @@ impl ImageData {
             .flat_map(|j| (0..columns).map(move |i| (i, j)))
             .flat_map(|(i, j)| node(along(0, i), along(1, j)))
             .collect();
-        data.nodes = Some(data.encode(&nodes));
+        data.nodes = Some(data.arrays.encode(&nodes));
         Ok(data)
     }
 
@@ -90,27 +87,7 @@ impl ImageData {
         components: usize,
         values: &[T],
     ) -> Result<(), VtiError> {
-        self.check_name(name)?;
-        if components == 0 {
-            return Err(VtiError::Components { name: name.to_owned(), found: components });
-        }
-        check_length(name, values.len(), self.cell_count.saturating_mul(components))?;
-        let bytes = self.encode(values);
-        self.arrays.push(CellArray {
-            name: name.to_owned(),
-            vtk_type: T::VTK_TYPE,
-            components,
-            bytes,
-        });
-        Ok(())
-    }
-
-    /// Encodes values according to the storage of the file.
-    fn encode<T: VtkNumber>(&self, values: &[T]) -> Vec<u8> {
-        match self.storage {
-            Storage::Plain => encode_plain(values),
-            Storage::Compressed => encode_compressed(values),
-        }
+        self.arrays.add(name, self.cell_count, components, values)
     }
 
     /// Adds a vector from one to three component fields, cells along the first axis fastest. The vector always has
@@ -146,43 +123,28 @@ impl ImageData {
     /// Writes the bytes of the file, in a few large blocks.
     pub fn write_to(&self, writer: &mut impl Write) -> io::Result<()> {
         writer.write_all(self.format_header().as_bytes())?;
-        let arrays = self.arrays.iter().map(|array| &array.bytes);
-        for bytes in arrays.chain(&self.nodes) {
-            writer.write_all(bytes)?;
+        self.arrays.write_values(writer)?;
+        if let Some(nodes) = &self.nodes {
+            writer.write_all(nodes)?;
         }
-        writer.write_all(b"\n  </AppendedData>\n</VTKFile>\n")
-    }
-
-    /// Checks that a name is valid and not used by another array.
-    fn check_name(&self, name: &str) -> Result<(), VtiError> {
-        format_attribute(name)?;
-        if self.arrays.iter().any(|array| array.name == name) {
-            return Err(VtiError::DuplicateName(name.to_owned()));
-        }
-        Ok(())
+        writer.write_all(FILE_END)
     }
 
     /// File content before the appended values, up to the underscore from which their offsets are counted.
     pub(super) fn format_header(&self) -> String {
-        let compressor = match self.storage {
-            Storage::Plain => "",
-            Storage::Compressed => " compressor=\"vtkZLibDataCompressor\"",
-        };
         let extent = self.grid.format_extent();
         let origin = format_triple(&self.grid.origin, 0.0);
         let spacing = format_triple(&self.grid.spacing, 1.0);
-        let (time, arrays) = (self.format_time_element(), self.format_array_elements());
+        let (time, arrays) = (format_time_element(self.time), self.arrays.format_elements());
         let (kind, geometry, nodes) = match self.nodes {
             None => {
                 ("ImageData", format!(" Origin=\"{origin}\" Spacing=\"{spacing}\""), String::new())
             }
             Some(_) => ("StructuredGrid", String::new(), self.format_node_element()),
         };
+        let start = self.arrays.format_start(kind);
         format!(
-            "<?xml version=\"1.0\"?>\n\
-             <VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\"{compressor}>\n  \
-               <{kind} WholeExtent=\"{extent}\"{geometry}>\n\
+            "{start}  <{kind} WholeExtent=\"{extent}\"{geometry}>\n\
              {time}    \
                  <Piece Extent=\"{extent}\">\n      \
                    <PointData>\n      </PointData>\n      \
@@ -195,43 +157,10 @@ impl ImageData {
 
     /// XML element of the nodes of a deformed grid, whose values follow those of all arrays.
     fn format_node_element(&self) -> String {
-        let offset: usize = self.arrays.iter().map(|array| array.bytes.len()).sum();
+        let offset = self.arrays.byte_count();
         format!(
             "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" \
              format=\"appended\" offset=\"{offset}\"/>\n      </Points>\n"
         )
     }
-
-    /// XML element of the time, with the name expected by VTK readers.
-    fn format_time_element(&self) -> String {
-        self.time.map_or_else(String::new, |time| {
-            let time = format_shortest(time);
-            format!(
-                "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" \
-                 NumberOfTuples=\"1\" format=\"ascii\">{time}</DataArray>\n    </FieldData>\n"
-            )
-        })
-    }
-
-    /// XML elements of the arrays with their offsets.
-    fn format_array_elements(&self) -> String {
-        let mut elements = String::new();
-        let mut offset = 0;
-        for CellArray { name, vtk_type: kind, components, bytes } in &self.arrays {
-            let name = escape_xml(name);
-            elements.push_str(&format!(
-                "        <DataArray type=\"{kind}\" Name=\"{name}\" \
-                 NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>\n"
-            ));
-            offset += bytes.len();
-        }
-        elements
-    }
-}
-
-fn check_length(name: &str, found: usize, expected: usize) -> Result<(), VtiError> {
-    if found == expected {
-        return Ok(());
-    }
-    Err(VtiError::Length { name: name.to_owned(), found, expected })
 }

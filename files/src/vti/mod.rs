@@ -1,15 +1,17 @@
 //! VTK XML files for ParaView and VisIt: cell fields on regular grids (image data, `.vti`) and on deformed grids
-//! (structured grids, `.vts`), and collections of a time series (`.pvd`).
+//! (structured grids, `.vts`), lines with values (poly data, `.vtp`), and collections of a time series (`.pvd`).
 //!
 //! Cell values are appended as raw little-endian bytes, bit for bit; compression is optional. The format has no
 //! units: append them to the name of the array, as in `sigma11 [Pa]`.
 
+mod arrays;
 mod attributes;
 mod collection;
 mod encoding;
 mod error;
 mod grid;
 mod image_data;
+mod line_data;
 mod number;
 mod reader;
 #[cfg(test)]
@@ -20,5 +22,6 @@ pub use encoding::Storage;
 pub use error::VtiError;
 pub use grid::ImageGrid;
 pub use image_data::ImageData;
+pub use line_data::{LineData, POINTS_ARRAY};
 pub use number::VtkNumber;
 pub use reader::{read_plain_time, read_plain_values};

@@ -4,7 +4,7 @@ mod private {
     pub trait Sealed {}
 }
 
-/// A number type of VTK arrays: `f64`, `f32` or `i32`.
+/// A number type of VTK arrays: `f64`, `f32`, `i32` or `i64`.
 pub trait VtkNumber: private::Sealed + Copy + Default {
     /// Name of the type in VTK XML.
     const VTK_TYPE: &'static str;
@@ -28,4 +28,5 @@ impl_vtk_number! {
     f64, "Float64";
     f32, "Float32";
     i32, "Int32";
+    i64, "Int64";
 }

@@ -7,6 +7,7 @@ use super::encoding::{BLOCK_LENGTH, Storage, encode_compressed, encode_plain};
 use super::error::VtiError;
 use super::grid::ImageGrid;
 use super::image_data::ImageData;
+use super::line_data::{LineData, POINTS_ARRAY};
 use super::reader::{read_plain_time, read_plain_values};
 
 fn plane_grid() -> ImageGrid {
@@ -218,4 +219,71 @@ fn a_collection_names_files_and_times() {
     assert!(format_collection(&[] as &[(f64, &str)]).unwrap().ends_with(b"</VTKFile>\n"));
     assert_eq!(format_collection(&[(f64::INFINITY, "a")]), Err(VtiError::Time(f64::INFINITY)));
     assert_eq!(format_collection(&[(0.0, "")]), Err(VtiError::Name(String::new())));
+}
+
+/// Verifies layout and values of lines: points, connectivity, offsets and arrays are parsed back from both storages.
+#[test]
+fn lines_are_read_back() {
+    let lines = [[[0.0, -0.5], [0.0, 0.5]], [[0.0, 0.5], [1.0, 0.5]], [[1.0, 0.5], [1.0, 2.0]]];
+    let slip = [0.0, 1e-6, f64::NAN];
+    let data = |storage| {
+        let mut data = LineData::new(&lines, storage).unwrap();
+        data.set_time(0.125).unwrap();
+        data.add_array("slip <1> [m]", &slip).unwrap();
+        data.add_array("joint", &[0, 1, -2]).unwrap();
+        data
+    };
+    let bytes = data(Storage::Plain).to_bytes();
+    let found = read_plain_values(&bytes, "slip <1> [m]").unwrap();
+    assert!(found.iter().map(|value| value.to_bits()).eq(slip.map(f64::to_bits)));
+    let points = read_plain_values(&bytes, POINTS_ARRAY).unwrap();
+    assert_eq!(points[..6], [0.0, -0.5, 0.0, 0.0, 0.5, 0.0]);
+    assert_eq!(points.len(), 18);
+    assert_eq!(read_plain_time(&bytes), Some(0.125));
+    let (head, values) = split_header(&bytes);
+    for expected in [
+        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n  <PolyData>\n",
+        "<Piece NumberOfPoints=\"6\" NumberOfVerts=\"0\" NumberOfLines=\"3\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
+        "type=\"Int32\" Name=\"joint\" NumberOfComponents=\"1\" format=\"appended\" offset=\"32\"",
+        "<Points>\n        <DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" offset=\"52\"/>",
+        "<Lines>\n        <DataArray type=\"Int64\" Name=\"connectivity\" NumberOfComponents=\"1\" format=\"appended\" offset=\"204\"/>",
+        "Name=\"offsets\" NumberOfComponents=\"1\" format=\"appended\" offset=\"260\"/>",
+    ] {
+        assert!(head.contains(expected), "{expected} is missing in\n{head}");
+    }
+    let integers = |start: usize| -> Vec<i64> {
+        let count = read_u64(&values[start..], 0) / 8;
+        let numbers = values[start + 8..].as_chunks().0.iter().take(count);
+        numbers.map(|bytes| i64::from_le_bytes(*bytes)).collect()
+    };
+    assert_eq!(integers(204), [0, 1, 2, 3, 4, 5]);
+    assert_eq!(integers(260), [2, 4, 6]);
+    assert_eq!(values.len(), 260 + 8 + 24);
+
+    let compressed = data(Storage::Compressed).to_bytes();
+    let (head, values) = split_header(&compressed);
+    assert!(head.contains("compressor=\"vtkZLibDataCompressor\""));
+    // One block with its compressed length, then the block itself.
+    let length = read_u64(values, 3);
+    let mut decoded = Vec::new();
+    flate2::read::ZlibDecoder::new(&values[32..32 + length]).read_to_end(&mut decoded).unwrap();
+    assert_eq!(decoded, slip.map(f64::to_le_bytes).as_flattened());
+}
+
+#[test]
+fn invalid_lines_are_refused() {
+    let odd = [[[0.0, f64::INFINITY], [0.0, 0.5]]];
+    assert_eq!(LineData::new(&odd, Storage::Plain).err(), Some(VtiError::Point(f64::INFINITY)));
+    let mut data = LineData::new(&[[[0.0; 2], [1.0; 2]]], Storage::Plain).unwrap();
+    let length = VtiError::Length { name: "a".to_owned(), found: 2, expected: 1 };
+    assert_eq!(data.add_array("a", &[1.0, 2.0]), Err(length));
+    data.add_array("a", &[1.0]).unwrap();
+    for name in ["a", POINTS_ARRAY] {
+        let duplicate = VtiError::DuplicateName(name.to_owned());
+        assert_eq!(data.add_array(name, &[1.0]), Err(duplicate));
+    }
+    assert!(data.set_time(f64::NAN).is_err() && data.add_array("", &[1.0]).is_err());
+    // Without lines the file is valid and empty.
+    let empty = LineData::new(&[], Storage::Plain).unwrap().to_bytes();
+    assert_eq!(read_plain_values(&empty, POINTS_ARRAY), Some(Vec::new()));
 }

@@ -52,69 +52,36 @@ pub trait Elementary: Sized {
     fn root_sum_square(self, other: Self) -> Self;
 }
 
-impl Elementary for f64 {
-    fn cr_sin(self) -> Self {
-        pxfm::f_sin(self)
-    }
+/// Implements methods of one or two doubles by functions of `pxfm`.
+macro_rules! call_pxfm {
+    ($($method:ident($($argument:ident),*) = $function:ident;)*) => {
+        $(fn $method(self $(, $argument: Self)*) -> Self {
+            pxfm::$function(self $(, $argument)*)
+        })*
+    };
+}
 
-    fn cr_cos(self) -> Self {
-        pxfm::f_cos(self)
+impl Elementary for f64 {
+    call_pxfm! {
+        cr_sin() = f_sin;
+        cr_cos() = f_cos;
+        cr_tan() = f_tan;
+        cr_asin() = f_asin;
+        cr_acos() = f_acos;
+        cr_atan() = f_atan;
+        cr_atan2(x) = f_atan2;
+        cr_sinh() = f_sinh;
+        cr_cosh() = f_cosh;
+        cr_exp() = f_exp;
+        cr_exp2() = f_exp2;
+        cr_ln() = f_log;
+        cr_log2() = f_log2;
+        cr_log10() = f_log10;
+        cr_powf(power) = f_pow;
     }
 
     fn cr_sin_cos(self) -> (Self, Self) {
         pxfm::f_sincos(self)
-    }
-
-    fn cr_tan(self) -> Self {
-        pxfm::f_tan(self)
-    }
-
-    fn cr_asin(self) -> Self {
-        pxfm::f_asin(self)
-    }
-
-    fn cr_acos(self) -> Self {
-        pxfm::f_acos(self)
-    }
-
-    fn cr_atan(self) -> Self {
-        pxfm::f_atan(self)
-    }
-
-    fn cr_atan2(self, x: Self) -> Self {
-        pxfm::f_atan2(self, x)
-    }
-
-    fn cr_sinh(self) -> Self {
-        pxfm::f_sinh(self)
-    }
-
-    fn cr_cosh(self) -> Self {
-        pxfm::f_cosh(self)
-    }
-
-    fn cr_exp(self) -> Self {
-        pxfm::f_exp(self)
-    }
-
-    fn cr_exp2(self) -> Self {
-        pxfm::f_exp2(self)
-    }
-
-    fn cr_ln(self) -> Self {
-        pxfm::f_log(self)
-    }
-
-    fn cr_log2(self) -> Self {
-        pxfm::f_log2(self)
-    }
-
-    fn cr_log10(self) -> Self {
-        pxfm::f_log10(self)
-    }
-
-    fn cr_powf(self, power: Self) -> Self {
-        pxfm::f_pow(self, power)
     }
 
     // Computed from products and a square root, since `pxfm::f_hypot` (0.1.30) is not correctly rounded.

@@ -5,6 +5,7 @@ mod dyn_eq;
 pub mod elementary;
 pub mod fourier;
 pub(crate) mod input;
+pub(crate) mod kind;
 pub mod number;
 pub mod parameter;
 pub mod product;

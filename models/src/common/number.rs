@@ -55,6 +55,9 @@ pub trait Number:
 
     /// Whether any lane is greater than its counterpart in `other`.
     fn any_gt(self, other: Self) -> bool;
+
+    /// Returns `if_greater` where `self > other`, else `otherwise` (also for NaN), lane by lane.
+    fn select_gt(self, other: Self, if_greater: Self, otherwise: Self) -> Self;
 }
 
 /// Correctly rounded x/3 without a division: with the rounded product q = x·⅓ both differences in (x − 2q) − q are
@@ -110,6 +113,11 @@ macro_rules! number {
             #[inline(always)]
             fn any_gt(self, other: Self) -> bool {
                 self > other
+            }
+
+            #[inline(always)]
+            fn select_gt(self, other: Self, if_greater: Self, otherwise: Self) -> Self {
+                if self > other { if_greater } else { otherwise }
             }
         }
     };

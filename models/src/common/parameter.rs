@@ -22,6 +22,30 @@ pub struct Parameter {
     pub range: AllowedRange,
 }
 
+/// Defines constants of type [`Parameter`] from rows of name, label, unit, presence, range and meaning.
+macro_rules! define_parameters {
+    ($(
+        $(#[$attribute:meta])*
+        $visibility:vis $constant:ident = $name:literal: $label:literal [$unit:expr],
+            $presence:ident($value:expr), $range:ident $(($bound:expr))?, $meaning:literal;
+    )*) => {
+        $(
+            $(#[$attribute])*
+            $visibility const $constant: $crate::common::parameter::Parameter =
+                $crate::common::parameter::Parameter {
+                    name: $name,
+                    label: $label,
+                    unit: $unit,
+                    meaning: $meaning,
+                    presence: $crate::common::parameter::Presence::$presence($value),
+                    range: $crate::common::range::AllowedRange::$range $(($bound))?,
+                };
+        )*
+    };
+}
+
+pub(crate) use define_parameters;
+
 /// Unit of angles. Case files and output hold them in degrees; models take them in rad.
 pub const ANGLE_UNIT: &str = "deg";
 
@@ -53,6 +77,14 @@ impl Parameter {
         default: f64,
     ) -> Self {
         Self::new([name, label, unit], meaning, Presence::Default(default))
+    }
+
+    /// An optional constant without default, whose range is all finite numbers.
+    pub const fn new_optional(
+        [name, label, unit]: [&'static str; 3],
+        meaning: &'static str,
+    ) -> Self {
+        Self::new([name, label, unit], meaning, Presence::Optional)
     }
 
     const fn new(

@@ -21,6 +21,10 @@ const UNKNOWNS_WITHOUT_SPIN: &[Unknown] =
 const UNKNOWNS_WITH_SPIN: &[Unknown] =
     &[VELOCITY_1, VELOCITY_2, SPIN, PRESSURE, STRESS_ANGLE, DENSITY];
 
+/// Names of the equations of models whose flow rule contains a material rotation without its own balance equation.
+pub const EQUATIONS_WITH_ROTATION: [&str; 5] =
+    ["momentum 1", "momentum 2", "flow rule: volume", "flow rule: rotation", "mass"];
+
 /// Column of the intrinsic spin ω in models with spin.
 pub const SPIN_COLUMN: usize = 2;
 
@@ -59,6 +63,42 @@ impl UnknownColumns {
             angle: after_velocity + 1,
             density: rule.is_dilatant.then_some(after_velocity + 2),
         }
+    }
+}
+
+/// Resets `system` and writes the equations that all flow models share: the balance of momentum in the first two rows,
+/// the flow rule without the term of the material rotation and the balance of mass in the last three rows of
+/// `equations`. Returns the columns.
+pub fn write_shared_equations(
+    system: &mut LinearisedSystem<2>,
+    equations: &'static [&'static str],
+    with_spin: bool,
+    coulomb: &MohrCoulomb,
+    rule: &FlowRule,
+    flow: &DeformingFlow,
+) -> UnknownColumns {
+    let columns = UnknownColumns::reset_system(system, with_spin, equations, rule, flow);
+    let volume_row = equations.len() - 3;
+    write_momentum(system, &columns, coulomb, flow);
+    write_flow_rule(system, volume_row, &columns, rule, flow);
+    write_mass(system, volume_row + 2, &columns, flow);
+    columns
+}
+
+/// Writes the term 2 e_r Dψ/Dt of a material that rotates with the principal stress axes, ω = Dψ/Dt, into `row`; e_r is
+/// the rotation coefficient of the flow rule.
+pub fn write_stress_axes_rotation(
+    system: &mut LinearisedSystem<2>,
+    row: usize,
+    columns: &UnknownColumns,
+    rule: &FlowRule,
+    flow: &DeformingFlow,
+) {
+    let rotation = 2.0 * rule.rotation_coefficient;
+    system.a[(row, columns.angle)] = rotation;
+    for j in 0..2 {
+        system.c[(row, columns.velocity[j])] =
+            rotation * Rounded::from_angle(flow.stress_angle_gradient[j]);
     }
 }
 

@@ -6,6 +6,7 @@ use super::state::{
 };
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
+use crate::common::kind::impl_kind_by_name;
 use crate::common::parameter::Parameter;
 use crate::common::system::LinearisedSystem;
 use crate::flow::closed_form::ClosedFormVerdict;
@@ -111,25 +112,7 @@ impl FlowKind {
     }
 }
 
-impl PartialEq for FlowKind {
-    fn eq(&self, other: &Self) -> bool {
-        self.name() == other.name()
-    }
-}
-
-impl Eq for FlowKind {}
-
-impl std::hash::Hash for FlowKind {
-    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
-        self.name().hash(state);
-    }
-}
-
-impl fmt::Debug for FlowKind {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name())
-    }
-}
+impl_kind_by_name!(FlowKind);
 
 /// A granular-flow model with checked constants.
 #[derive(Clone, Debug)]

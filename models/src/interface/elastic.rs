@@ -1,7 +1,7 @@
-//! Elastic interlayer: C Ṡ = d, with compliance C, mean traction S and opening rate d.
+//! Elastic layer: C Ṡ = d in every traction component, with compliance C, traction S and opening rate d.
 
-use super::interlayer::OpeningLine;
-use super::{FaceLaw, FaceStep, RiemannData};
+use super::opening_line::{INERTIA_VARIABLES, LayerMass, OpeningLine, initial_inertia};
+use super::{FaceEnergy, FaceLaw, FaceState, Interval, RiemannData};
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
 
@@ -35,69 +35,133 @@ impl ElasticMaterial {
         Ok(())
     }
 
-    /// The interlayer law for the normal traction, with stiffness K = ρ′c₁′²/δ.
-    pub fn normal_interlayer(&self) -> ElasticInterlayer<f64> {
-        self.interlayer_for_speed(self.longitudinal_speed)
+    /// Mass per area ρ′δ, kg/m².
+    pub fn mass(&self) -> f64 {
+        self.density * self.thickness
     }
 
-    /// The interlayer law for a tangential traction, with stiffness K = ρ′c₂′²/δ.
-    pub fn tangential_interlayer(&self) -> ElasticInterlayer<f64> {
-        self.interlayer_for_speed(self.shear_speed)
+    /// Compliance 1/K = δ/(ρ′c₁′²) for the normal traction, m/Pa.
+    pub fn normal_compliance(&self) -> f64 {
+        self.thickness / (self.density * self.longitudinal_speed * self.longitudinal_speed)
     }
 
-    fn interlayer_for_speed(&self, speed: f64) -> ElasticInterlayer<f64> {
-        ElasticInterlayer {
-            mass: self.density * self.thickness,
-            compliance: self.thickness / (self.density * speed * speed),
-        }
+    /// Compliance 1/K = δ/(ρ′c₂′²) for a tangential traction, m/Pa.
+    pub fn tangential_compliance(&self) -> f64 {
+        self.thickness / (self.density * self.shear_speed * self.shear_speed)
     }
 }
 
-/// Face law of an elastic interlayer for one traction component. With zero mass and compliance the interface is welded:
-/// velocity and traction are continuous.
-///
-/// History variables: mean velocity V, m/s, and mean traction S, Pa, at the end of the step.
+/// Elastic law of a layer for one traction component. With zero mass and compliance the interface is welded: velocity
+/// and traction are continuous.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ElasticInterlayer<N> {
-    /// Mass per area m = ρ′δ ≥ 0, kg/m².
-    pub mass: N,
+pub struct ElasticComponent<N> {
+    /// Mass of the layer.
+    pub mass: LayerMass<N>,
     /// Compliance C = 1/K = δ/(ρ′c′²) ≥ 0, m/Pa.
     pub compliance: N,
 }
 
-impl ElasticInterlayer<f64> {
+/// Number of history variables of an elastic component: V, d and the traction S, Pa, at the end of the step.
+pub const COMPONENT_VARIABLES: usize = INERTIA_VARIABLES + 1;
+
+impl ElasticComponent<f64> {
+    /// A welded interface.
+    pub const WELDED: Self =
+        Self { mass: LayerMass { mass: 0.0, opening_mass: 0.0 }, compliance: 0.0 };
+
     /// Converts the constants to the number type `N` (f32, f64 or SIMD lanes).
-    pub fn to_number<N: Number>(&self) -> ElasticInterlayer<N> {
-        ElasticInterlayer { mass: N::from_f64(self.mass), compliance: N::from_f64(self.compliance) }
+    pub fn to_number<N: Number>(self) -> ElasticComponent<N> {
+        self.map(N::from_f64)
     }
 }
 
-impl<N: Number> FaceLaw<N> for ElasticInterlayer<N> {
-    type History = [N; 2];
-    const REST_HISTORY: [N; 2] = [N::ZERO; 2];
-
-    /// Midpoint rule: S_mid = (2CS/Δt + d₀)/(2C/Δt + g) with d₀ and g of [`OpeningLine`], then V ← 2V_mid − V and
-    /// S ← 2S_mid − S.
+impl<N> ElasticComponent<N> {
+    /// Converts the constants by `f`.
     #[inline(always)]
-    fn advance(&self, incoming: &RiemannData<N>, step: N, memory: &mut [N; 2]) -> FaceStep<N> {
-        let [velocity, stress] = *memory;
-        let line = OpeningLine::new(*incoming, self.mass, velocity, step);
+    pub fn map<M>(self, f: impl Fn(N) -> M) -> ElasticComponent<M> {
+        ElasticComponent { mass: self.mass.map(&f), compliance: f(self.compliance) }
+    }
+}
+
+impl<N: Number> ElasticComponent<N> {
+    /// Advances the history variables by `step`, s, and returns the states on both sides. Midpoint rule:
+    /// S_mid = (2CS/Δt + d₀)/(2C/Δt + g) with d₀ and g of [`OpeningLine`], then S ← 2S_mid − S.
+    #[inline(always)]
+    pub fn advance(
+        &self,
+        incoming: RiemannData<N>,
+        step: N,
+        history: &mut [N; COMPONENT_VARIABLES],
+    ) -> [FaceState<N>; 2] {
+        let [velocity, opening_rate, stress] = *history;
+        let line = OpeningLine::new(incoming, self.mass, [velocity, opening_rate], step);
         let rate = (self.compliance + self.compliance) / step;
         let middle = (rate * stress + line.free_rate) / (rate + line.admittance);
-        let (velocity_middle, states) = line.states(middle);
-        *memory = [velocity_middle + velocity_middle - velocity, middle + middle - stress];
-        FaceStep { states, dissipated_energy: N::ZERO }
-    }
-
-    /// Kinetic energy ½mV², J/m².
-    #[inline(always)]
-    fn kinetic_energy(&self, [velocity, _]: &[N; 2]) -> N {
-        N::HALF * self.mass * *velocity * *velocity
+        let moved = line.finish(middle);
+        *history = [moved.inertia[0], moved.inertia[1], middle + middle - stress];
+        moved.states
     }
 
     /// Elastic energy ½CS², J/m².
     #[inline(always)]
-    fn stored_energy(&self, [_, stress]: &[N; 2]) -> N {
-        N::HALF * self.compliance * *stress * *stress
+    pub fn stored_energy(&self, stress: N) -> N {
+        N::HALF * self.compliance * stress * stress
+    }
+}
+
+/// Elastic layer: independent elastic components. History variables: those of each component in turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElasticLayer<N, const P: usize> {
+    /// Components: the normal one first.
+    pub components: [ElasticComponent<N>; P],
+}
+
+impl<N, const P: usize> ElasticLayer<N, P> {
+    /// Converts the constants by `f`.
+    #[inline(always)]
+    pub fn map<M>(self, f: impl Fn(N) -> M) -> ElasticLayer<M, P> {
+        ElasticLayer { components: self.components.map(|component| component.map(&f)) }
+    }
+}
+
+impl<N: Number, const P: usize> FaceLaw<N, P> for ElasticLayer<N, P> {
+    const HISTORY_VARIABLES: usize = COMPONENT_VARIABLES * P;
+
+    fn initialise(&self, velocities: &[[N; 2]; P], history: &mut [N]) {
+        let (components, _) = history.as_chunks_mut::<COMPONENT_VARIABLES>();
+        for (component, velocities) in components.iter_mut().zip(velocities) {
+            let [velocity, opening_rate] = initial_inertia(*velocities);
+            *component = [velocity, opening_rate, N::ZERO];
+        }
+    }
+
+    #[inline(always)]
+    fn advance(
+        &self,
+        incoming: &[RiemannData<N>; P],
+        interval: &Interval<N>,
+        history: &mut [N],
+    ) -> [[FaceState<N>; 2]; P] {
+        let zero = FaceState { velocity: N::ZERO, stress: N::ZERO };
+        let mut states = [[zero; 2]; P];
+        let (components, _) = history.as_chunks_mut::<COMPONENT_VARIABLES>();
+        for index in 0..P {
+            states[index] = self.components[index].advance(
+                incoming[index],
+                interval.step,
+                &mut components[index],
+            );
+        }
+        states
+    }
+
+    fn energy(&self, history: &[N]) -> FaceEnergy<N> {
+        let mut energy = FaceEnergy::ZERO;
+        let (components, _) = history.as_chunks::<COMPONENT_VARIABLES>();
+        for (law, [velocity, opening_rate, stress]) in self.components.iter().zip(components) {
+            energy.kinetic = energy.kinetic + law.mass.kinetic_energy([*velocity, *opening_rate]);
+            energy.stored = energy.stored + law.stored_energy(*stress);
+        }
+        energy
     }
 }

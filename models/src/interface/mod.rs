@@ -7,20 +7,38 @@
 //! ```
 //!
 //! where − is the lower side (smaller coordinate) and + the upper side, and v, σ and R are averages of velocity,
-//! traction and Riemann invariant at the face over the step. A [`FaceLaw`] closes these two equations for v± and σ±,
-//! possibly with history variables. The cells on both sides are updated by the fluxes v± and σ± (Godunov 1959).
+//! traction and Riemann invariant at the face over the step. A [`FaceLaw`] closes these equations for v± and σ± of all
+//! traction components of the face, possibly with history variables. The cells on both sides are updated by the fluxes
+//! v± and σ± (Godunov 1959).
 //!
-//! - [`interlayer`]: momentum balance of a thin layer with mass, for any material law;
-//! - [`elastic`]: face law of a layer with an elastic material.
+//! - [`opening_line`]: momentum balance of a thin layer with mass, for any material law;
+//! - [`elastic`], [`plastic`], [`viscous`], [`porous`], [`saturated`], [`cracked`], [`breaking`]: laws of layers;
+//! - [`fluid`]: flow along saturated layers and through their junctions;
+//! - [`layer`]: all laws of layers in one type; [`history`]: layout of their history variables;
+//! - [`parameters`]: constants of layers of all materials; [`kinds`]: kinds of layers by name.
+//! - [`homogenised`]: equivalent Cosserat continuum of blocks with elastic layers; [`continuum`]: its yield set.
 //!
 //! Generic over [`Number`]: the same code runs on single faces and on SIMD lanes of faces.
 
+pub mod breaking;
+pub mod continuum;
+pub mod cracked;
 pub mod elastic;
-pub mod interlayer;
+pub mod fluid;
+pub mod history;
+pub mod homogenised;
+pub mod kinds;
+pub mod layer;
+pub mod opening_line;
+pub mod parameters;
+pub mod plastic;
+pub mod porous;
+pub mod saturated;
+pub mod viscous;
 
 use crate::common::number::Number;
 
-/// Incoming Riemann invariants and impedances at a face; index 0 is the lower side.
+/// Incoming Riemann invariants and impedances at a face, for one traction component; index 0 is the lower side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RiemannData<N> {
     /// Impedances z⁻ and z⁺ > 0, kg/(m²s) for translations.
@@ -38,47 +56,88 @@ pub struct FaceState<N> {
     pub stress: N,
 }
 
-/// Result of a face law for one step.
+/// Time interval of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FaceStep<N> {
-    /// States of both sides; index 0 is the lower side.
-    pub states: [FaceState<N>; 2],
-    /// Energy dissipated by the law in the step, J/m².
-    pub dissipated_energy: N,
+pub struct Interval<N> {
+    /// Time at the end of the step, s; positive.
+    pub end: N,
+    /// Duration Δt, s.
+    pub step: N,
 }
 
-impl<N: Number> FaceStep<N> {
-    /// Power supplied to the face by both sides, σ⁺v⁺ − σ⁻v⁻, W/m².
-    #[inline(always)]
-    pub fn power(&self) -> N {
-        let [before, after] = self.states;
-        after.stress * after.velocity - before.stress * before.velocity
+/// Energy of a face and energy that it has dissipated since the start, J/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FaceEnergy<N> {
+    /// Kinetic energy of the layer, without fluid.
+    pub kinetic: N,
+    /// Energy stored in the layer, without fluid.
+    pub stored: N,
+    /// Kinetic energy of the fluid in the layer.
+    pub fluid_kinetic: N,
+    /// Energy stored by the pressure of the fluid.
+    pub fluid_stored: N,
+    /// Numerical dissipation of the flow of the fluid along the layer since the start.
+    pub fluid_dissipation: N,
+    /// Plastic dissipation since the start: slip, and opening of an elastic-plastic layer.
+    pub plastic: N,
+    /// Viscous dissipation since the start.
+    pub viscous: N,
+    /// Stored shear energy that cracks released when they opened.
+    pub released: N,
+    /// Stored energy that was lost at fracture.
+    pub fracture: N,
+}
+
+impl<N: Number> FaceEnergy<N> {
+    /// No energy.
+    pub const ZERO: Self = Self {
+        kinetic: N::ZERO,
+        stored: N::ZERO,
+        fluid_kinetic: N::ZERO,
+        fluid_stored: N::ZERO,
+        fluid_dissipation: N::ZERO,
+        plastic: N::ZERO,
+        viscous: N::ZERO,
+        released: N::ZERO,
+        fracture: N::ZERO,
+    };
+
+    /// Returns energy plus dissipated energy, J/m². Its change in a step is the work done on the face.
+    pub fn total(&self) -> N {
+        let Self { kinetic, stored, fluid_kinetic, fluid_stored, .. } = *self;
+        (kinetic + stored)
+            + (fluid_kinetic + fluid_stored + self.fluid_dissipation)
+            + ((self.plastic + self.viscous) + (self.released + self.fracture))
     }
 }
 
-/// Face law for one traction component.
+/// Law of a face with `P` traction components: the normal one first, then the others.
 ///
-/// Energy balance of every step Δt, to rounding: ΔE_kinetic + ΔE_stored + dissipated = Δt (σ⁺v⁺ − σ⁻v⁻) with
-/// dissipated ≥ 0. So a face never adds energy to the adjacent cells.
-pub trait FaceLaw<N: Number>: Copy {
-    /// History variables of a face; all zero in a face at rest without stress.
-    type History: AsRef<[N]> + AsMut<[N]> + Copy;
+/// Energy balance of every step Δt, to rounding, with E of [`FaceEnergy::total`], over the components:
+/// ΔE = Δt Σ (σ⁺v⁺ − σ⁻v⁻), where no dissipated energy decreases. So a face never adds energy to the adjacent cells.
+pub trait FaceLaw<N: Number, const P: usize>: Copy {
+    /// Number of history variables of a face.
+    const HISTORY_VARIABLES: usize;
 
-    /// History variables of a face at rest without stress.
-    const REST_HISTORY: Self::History;
+    /// Sets the history variables of a stress-free face to those at the start, from the velocities of the cells of the
+    /// lower and the upper side by component, m/s.
+    fn initialise(&self, velocities: &[[N; 2]; P], history: &mut [N]);
 
-    /// Advances the face by a step Δt = `step` (s): updates the history variables `memory` and returns the states on
-    /// both sides, which give the fluxes, and the dissipated energy.
+    /// Advances the face by a step: updates the history variables and returns the states on both sides by component,
+    /// which give the fluxes.
     fn advance(
         &self,
-        incoming: &RiemannData<N>,
-        step: N,
-        memory: &mut Self::History,
-    ) -> FaceStep<N>;
+        incoming: &[RiemannData<N>; P],
+        interval: &Interval<N>,
+        history: &mut [N],
+    ) -> [[FaceState<N>; 2]; P];
 
-    /// Kinetic energy of the face, J/m².
-    fn kinetic_energy(&self, memory: &Self::History) -> N;
+    /// Returns the energy of the face.
+    fn energy(&self, history: &[N]) -> FaceEnergy<N>;
+}
 
-    /// Elastic energy stored in the face, J/m².
-    fn stored_energy(&self, memory: &Self::History) -> N;
+/// Power supplied to a face by both sides, σ⁺v⁺ − σ⁻v⁻, W/m², for one traction component.
+#[inline(always)]
+pub fn power<N: Number>([before, after]: &[FaceState<N>; 2]) -> N {
+    after.stress * after.velocity - before.stress * before.velocity
 }

@@ -29,27 +29,19 @@
 use crate::common::elementary::Elementary;
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
-use crate::common::parameter::Parameter;
-use crate::common::range::AllowedRange;
+use crate::common::parameter::define_parameters;
 use crate::solid::parameters::Isotropic;
 use crate::solid::stress::{Stress, squared_norm};
 use nalgebra::Complex;
 
-/// Parameter: shear modulus μ₁ of the Maxwell branch, Pa.
-pub const BRANCH_MODULUS: Parameter = Parameter::new_required(
-    ["branch_mu", "modulus μ₁ of the Maxwell branch", "Pa"],
-    "shear modulus μ₁ of the Maxwell branch; > 0",
-    8.1e8,
-)
-.with_range(AllowedRange::Positive);
-
-/// Parameter: relaxation time τ, s.
-pub const RELAXATION_TIME: Parameter = Parameter::new_required(
-    ["relaxation_time", "relaxation time τ", "s"],
-    "relaxation time τ of the Maxwell branch at constant strain; > 0",
-    1e-3,
-)
-.with_range(AllowedRange::Positive);
+define_parameters! {
+    /// Parameter: shear modulus μ₁ of the Maxwell branch, Pa.
+    pub BRANCH_MODULUS = "branch_mu": "modulus μ₁ of the Maxwell branch" ["Pa"], Required(8.1e8), Positive,
+        "shear modulus μ₁ of the Maxwell branch; > 0";
+    /// Parameter: relaxation time τ, s.
+    pub RELAXATION_TIME = "relaxation_time": "relaxation time τ" ["s"], Required(1e-3), Positive,
+        "relaxation time τ of the Maxwell branch at constant strain; > 0";
+}
 
 /// Standard linear solid (Zener model): an isotropic solid whose deviatoric stress relaxes through one Maxwell branch.
 #[derive(Clone, Copy, Debug, PartialEq)]

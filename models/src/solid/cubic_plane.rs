@@ -3,41 +3,28 @@
 
 use super::model::SolidModel;
 use super::{ElasticLaw, Elasticity};
-use crate::common::parameter::{Parameter, to_constant_array};
+use crate::common::parameter::{define_parameters, to_constant_array};
 use crate::common::system::RoundedMatrix;
 use crate::solid::parameters::{ALPHA2, DENSITY, INERTIA, PlaneCompliances, Theory};
 use crate::solid::stress::{Stress, StressComponent};
 use crate::solid::waves::{SpinRotation, VelocityStressPair};
 
+define_parameters! {
+    A1 = "a1": "compliance a₁" ["1/Pa"], Required(4.6296296296296296e-11), Finite,
+        "compliance a₁; > |b₁|";
+    B1 = "b1": "compliance b₁" ["1/Pa"], Required(1.5432098765432098e-11), Finite,
+        "compliance b₁; a₁ + b₁ = a₂ − b₂ in isotropic solids";
+    A2 = "a2": "compliance a₂" ["1/Pa"], Required(2.7962041638724895e-10), Finite,
+        "compliance a₂; > |b₂|";
+    B2 = "b2": "compliance b₂" ["1/Pa"], Required(2.178920212921872e-10), Finite,
+        "compliance b₂";
+}
+
 /// Registry entry of the Cosserat solid in plane strain by compliances.
 pub static COSSERAT_COMPLIANCES: SolidModel = SolidModel {
     name: "cosserat-compliances",
     title: "Cosserat solid by compliances",
-    parameters: &[
-        Parameter::new_required(
-            ["a1", "compliance a₁", "1/Pa"],
-            "compliance a₁; > |b₁|",
-            4.6296296296296296e-11,
-        ),
-        Parameter::new_required(
-            ["b1", "compliance b₁", "1/Pa"],
-            "compliance b₁; a₁ + b₁ = a₂ − b₂ in isotropic solids",
-            1.5432098765432098e-11,
-        ),
-        Parameter::new_required(
-            ["a2", "compliance a₂", "1/Pa"],
-            "compliance a₂; > |b₂|",
-            2.7962041638724895e-10,
-        ),
-        Parameter::new_required(
-            ["b2", "compliance b₂", "1/Pa"],
-            "compliance b₂",
-            2.178920212921872e-10,
-        ),
-        ALPHA2,
-        DENSITY,
-        INERTIA,
-    ],
+    parameters: &[A1, B1, A2, B2, ALPHA2, DENSITY, INERTIA],
     theory: Theory::Cosserat,
     is_plane: true,
     constructor: |given| {

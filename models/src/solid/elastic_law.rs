@@ -1,6 +1,7 @@
 //! Interface of an elastic law, independent of its constants.
 
 use crate::common::DynEq;
+use crate::common::kind::impl_shared_law;
 use crate::common::rates::RateEquations;
 use crate::common::system::RoundedMatrix;
 use crate::solid::parameters::Theory;
@@ -62,32 +63,9 @@ pub trait Elasticity: DynEq + Debug + Send + Sync {
 #[derive(Clone, Debug)]
 pub struct ElasticLaw(Arc<dyn Elasticity>);
 
-impl<T: Elasticity> From<T> for ElasticLaw {
-    fn from(law: T) -> Self {
-        Self(Arc::new(law))
-    }
-}
-
-impl PartialEq for ElasticLaw {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.dyn_eq(other.0.as_any())
-    }
-}
-
-impl std::ops::Deref for ElasticLaw {
-    type Target = dyn Elasticity;
-
-    fn deref(&self) -> &Self::Target {
-        &*self.0
-    }
-}
+impl_shared_law!(ElasticLaw, Elasticity);
 
 impl ElasticLaw {
-    /// The law as its concrete type `T`; `None` if it has another type.
-    pub fn downcast<T: Elasticity>(&self) -> Option<&T> {
-        self.0.as_any().downcast_ref()
-    }
-
     /// Layout of the unknowns in `D` dimensions, and the stiffness matrix between all its stress components;
     /// out-of-plane stresses, if any, are last.
     pub fn layout_and_stiffness<const D: usize>(&self) -> (UnknownLayout, RoundedMatrix) {

@@ -2,9 +2,9 @@
 
 use super::ElasticLaw;
 use crate::common::input::InputError;
+use crate::common::kind::{impl_deref_to_entry, impl_kind_by_name};
 use crate::common::parameter::Parameter;
 use crate::solid::parameters::Theory;
-use std::fmt;
 
 /// An elastic solid as the [registry](crate::registry) lists it.
 pub struct SolidModel {
@@ -51,30 +51,5 @@ impl SolidKind {
     }
 }
 
-impl std::ops::Deref for SolidKind {
-    type Target = SolidModel;
-
-    fn deref(&self) -> &SolidModel {
-        self.0
-    }
-}
-
-impl PartialEq for SolidKind {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
-}
-
-impl Eq for SolidKind {}
-
-impl std::hash::Hash for SolidKind {
-    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
-        self.name.hash(state);
-    }
-}
-
-impl fmt::Debug for SolidKind {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name)
-    }
-}
+impl_deref_to_entry!(SolidKind, SolidModel);
+impl_kind_by_name!(SolidKind);

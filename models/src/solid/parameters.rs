@@ -10,55 +10,28 @@
 use super::stress::{Stress, StressShape, Tensor};
 use crate::common::input::{InputError, ensure};
 use crate::common::number::Number;
-use crate::common::parameter::Parameter;
-use crate::common::range::AllowedRange;
+use crate::common::parameter::define_parameters;
 
-/// Parameter: Lamé modulus λ, Pa.
-pub(super) const LAMBDA: Parameter = Parameter::new_required(
-    ["lambda", "Lamé modulus λ", "Pa"],
-    "Lamé modulus λ; 3λ + 2μ > 0",
-    8.1e9,
-);
-/// Parameter: shear modulus μ, Pa.
-pub(super) const MU: Parameter =
-    Parameter::new_required(["mu", "shear modulus μ", "Pa"], "shear modulus μ; > 0", 8.1e9)
-        .with_range(AllowedRange::Positive);
-/// Parameter: modulus α of the antisymmetric strain, Pa.
-pub(super) const ALPHA: Parameter = Parameter::new_required(
-    ["alpha", "Cosserat modulus α", "Pa"],
-    "modulus α of the antisymmetric strain; > 0",
-    1.005e9,
-)
-.with_range(AllowedRange::Positive);
-/// Parameter: couple modulus β, N.
-pub(super) const BETA: Parameter = Parameter::new_required(
-    ["beta", "Cosserat modulus β", "N"],
-    "couple modulus β; 3β + 2γ > 0",
-    7.75e8,
-);
-/// Parameter: couple modulus γ, N.
-pub(super) const GAMMA: Parameter =
-    Parameter::new_required(["gamma", "Cosserat modulus γ", "N"], "couple modulus γ; > 0", 1.5e8)
-        .with_range(AllowedRange::Positive);
-/// Parameter: couple modulus η, N.
-pub(super) const ETA: Parameter =
-    Parameter::new_required(["eta", "Cosserat modulus η", "N"], "couple modulus η; > 0", 3e8)
-        .with_range(AllowedRange::Positive);
-/// Parameter: density ρ, kg/m³, shared by all solids.
-pub(super) const DENSITY: Parameter =
-    Parameter::new_required(["density", "density ρ", "kg/m³"], "density ρ; > 0", 2700.0)
-        .with_range(AllowedRange::Positive);
-/// Parameter: moment of inertia per unit volume j, kg/m, shared by all solids with microrotation.
-pub(super) const INERTIA: Parameter = Parameter::new_required(
-    ["inertia", "moment of inertia j", "kg/m"],
-    "moment of inertia per unit volume j; > 0",
-    2700.0,
-)
-.with_range(AllowedRange::Positive);
-/// Parameter: couple modulus α₂ of a solid given by compliances, N.
-pub(super) const ALPHA2: Parameter =
-    Parameter::new_required(["alpha2", "couple modulus α₂", "N"], "couple modulus α₂; > 0", 4.5e8)
-        .with_range(AllowedRange::Positive);
+define_parameters! {
+    pub(super) LAMBDA = "lambda": "Lamé modulus λ" ["Pa"], Required(8.1e9), Finite,
+        "Lamé modulus λ; 3λ + 2μ > 0";
+    pub(super) MU = "mu": "shear modulus μ" ["Pa"], Required(8.1e9), Positive,
+        "shear modulus μ; > 0";
+    pub(super) ALPHA = "alpha": "Cosserat modulus α" ["Pa"], Required(1.005e9), Positive,
+        "modulus α of the antisymmetric strain; > 0";
+    pub(super) BETA = "beta": "Cosserat modulus β" ["N"], Required(7.75e8), Finite,
+        "couple modulus β; 3β + 2γ > 0";
+    pub(super) GAMMA = "gamma": "Cosserat modulus γ" ["N"], Required(1.5e8), Positive,
+        "couple modulus γ; > 0";
+    pub(super) ETA = "eta": "Cosserat modulus η" ["N"], Required(3e8), Positive,
+        "couple modulus η; > 0";
+    pub(super) DENSITY = "density": "density ρ" ["kg/m³"], Required(2700.0), Positive,
+        "density ρ; > 0";
+    pub(super) INERTIA = "inertia": "moment of inertia j" ["kg/m"], Required(2700.0), Positive,
+        "moment of inertia per unit volume j; > 0";
+    pub(super) ALPHA2 = "alpha2": "couple modulus α₂" ["N"], Required(4.5e8), Positive,
+        "couple modulus α₂; > 0";
+}
 
 /// An isotropic elastic solid: classical without `microrotation`, reduced Cosserat with microrotation but without
 /// couple stress, else Cosserat. The three theories have different unknowns; none is a singular limit of another.

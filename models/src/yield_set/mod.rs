@@ -13,6 +13,7 @@ pub mod tangent;
 
 use crate::common::DynEq;
 use crate::common::input::{InputError, ensure};
+use crate::common::kind::{impl_deref_to_entry, impl_kind_by_name, impl_shared_law};
 use crate::common::parameter::Parameter;
 use crate::solid::parameters::Theory;
 use crate::solid::stress::{Stress, StressComponent};
@@ -20,17 +21,17 @@ use crate::solid::{ElasticLaw, SolidKind};
 use crate::yield_set::parameters::ActiveCondition;
 use crate::yield_set::projection::Projection;
 use nalgebra::DMatrix;
-use std::fmt::{self, Debug};
+use std::fmt::Debug;
 use std::sync::Arc;
 
 /// A yield set with checked constants: a closed convex set of stresses given by conditions f ≤ 0.
 pub trait YieldConditions: DynEq + Debug + Send + Sync {
-    /// Yield function: maximum of f over all conditions; ≤ 0 inside. Values in Pa, and in N/m for conditions on the
-    /// couple stress, are compared as numbers.
+    /// Yield function: maximum of f over all conditions; ≤ 0 in the set. Conditions on the force stress have f in Pa,
+    /// conditions on the couple stress in N/m; the maximum compares the numerical values.
     fn yield_function(&self, stress: &Stress) -> f64;
 
-    /// Active or violated conditions: f ≥ 0 to within `tolerance`, relative to the size of the terms of f. Conditions
-    /// without a unique normal at `stress`, as of a cone on its axis, are omitted.
+    /// Active or violated conditions: f ≥ −`tolerance` times the magnitude of the terms of f. Conditions without a
+    /// unique normal at `stress`, such as a cone on its axis, are omitted.
     fn active_conditions(&self, stress: &Stress, tolerance: f64) -> Vec<ActiveCondition>;
 
     /// Checks that plastic flow is ideal (no hardening) and associated, as time-domain runs require.
@@ -110,32 +111,7 @@ pub fn linear_ray_exit(start_value: f64, strength: f64, rate: f64) -> Result<f64
 #[derive(Clone, Debug)]
 pub struct YieldSet(Arc<dyn YieldConditions>);
 
-impl<T: YieldConditions> From<T> for YieldSet {
-    fn from(set: T) -> Self {
-        Self(Arc::new(set))
-    }
-}
-
-impl PartialEq for YieldSet {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.dyn_eq(other.0.as_any())
-    }
-}
-
-impl std::ops::Deref for YieldSet {
-    type Target = dyn YieldConditions;
-
-    fn deref(&self) -> &Self::Target {
-        &*self.0
-    }
-}
-
-impl YieldSet {
-    /// The set as its concrete type `T`; `None` if it has another type.
-    pub fn downcast<T: YieldConditions>(&self) -> Option<&T> {
-        self.0.as_any().downcast_ref()
-    }
-}
+impl_shared_law!(YieldSet, YieldConditions);
 
 /// A yield set as the [registry](crate::registry) lists it.
 pub struct YieldSetModel {
@@ -240,30 +216,5 @@ impl YieldSetKind {
     }
 }
 
-impl std::ops::Deref for YieldSetKind {
-    type Target = YieldSetModel;
-
-    fn deref(&self) -> &YieldSetModel {
-        self.0
-    }
-}
-
-impl PartialEq for YieldSetKind {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
-}
-
-impl Eq for YieldSetKind {}
-
-impl std::hash::Hash for YieldSetKind {
-    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
-        self.name.hash(state);
-    }
-}
-
-impl fmt::Debug for YieldSetKind {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name)
-    }
-}
+impl_deref_to_entry!(YieldSetKind, YieldSetModel);
+impl_kind_by_name!(YieldSetKind);

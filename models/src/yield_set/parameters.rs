@@ -7,7 +7,7 @@
 //! Sadovskii & Sadovskaya (2019, "Elastic-plastic Cosserat continuum").
 
 use crate::common::input::{InputError, ensure};
-use crate::common::parameter::Parameter;
+use crate::common::parameter::define_parameters;
 use crate::common::range::AllowedRange;
 use crate::solid::stress::{Stress, StressComponent, split, squared_norm};
 use nalgebra::DMatrix;
@@ -15,78 +15,35 @@ use nalgebra::DMatrix;
 /// Error text for a constant without bounds.
 const FINITE_REQUIRED: &str = "a finite number is needed";
 
-pub(super) const SHEAR_STRENGTH: Parameter = Parameter::new_required(
-    ["shear_strength", "shear strength τ₀", "Pa"],
-    "shear strength τ₀ of the layers without normal stress; ≥ 0",
-    1e6,
-)
-.with_range(AllowedRange::NotNegative);
-pub(super) const SHEAR_FRICTION: Parameter = Parameter::new_required(
-    ["shear_friction", "friction of the layers", ""],
-    "friction κ_τ of the layers; ≥ 0",
-    0.6,
-)
-.with_range(AllowedRange::NotNegative);
-pub(super) const SHEAR_DILATANCY: Parameter = Parameter::new_required(
-    ["shear_dilatancy", "dilatancy of the layers", ""],
-    "dilatancy κ̂_τ of the layers; associated if equal to the friction",
-    0.1,
-);
-pub(super) const COUPLE_STRENGTH: Parameter = Parameter::new_required(
-    ["couple_strength", "couple strength μ₀", "N/m"],
-    "couple strength μ₀ of the layers without normal stress; ≥ 0",
-    1e6,
-)
-.with_range(AllowedRange::NotNegative);
-pub(super) const COUPLE_FRICTION: Parameter = Parameter::new_required(
-    ["couple_friction", "friction of rolling", "m"],
-    "friction κ_μ of rolling; ≥ 0",
-    0.6,
-)
-.with_range(AllowedRange::NotNegative);
-pub(super) const COUPLE_DILATANCY: Parameter = Parameter::new_required(
-    ["couple_dilatancy", "dilatancy of rolling", "m"],
-    "dilatancy κ̂_μ of rolling; associated if equal to the friction",
-    0.6,
-);
+define_parameters! {
+    pub(super) SHEAR_STRENGTH = "shear_strength": "shear strength τ₀" ["Pa"], Required(1e6), NotNegative,
+        "shear strength τ₀ of the layers without normal stress; ≥ 0";
+    pub(super) SHEAR_FRICTION = "shear_friction": "friction of the layers" [""], Required(0.6), NotNegative,
+        "friction κ_τ of the layers; ≥ 0";
+    pub(super) SHEAR_DILATANCY = "shear_dilatancy": "dilatancy of the layers" [""], Required(0.1), Finite,
+        "dilatancy κ̂_τ of the layers; associated if equal to the friction";
+    pub(super) COUPLE_STRENGTH = "couple_strength": "couple strength μ₀" ["N/m"], Required(1e6), NotNegative,
+        "couple strength μ₀ of the layers without normal stress; ≥ 0";
+    pub(super) COUPLE_FRICTION = "couple_friction": "friction of rolling" ["m"], Required(0.6), NotNegative,
+        "friction κ_μ of rolling; ≥ 0";
+    pub(super) COUPLE_DILATANCY = "couple_dilatancy": "dilatancy of rolling" ["m"], Required(0.6), Finite,
+        "dilatancy κ̂_μ of rolling; associated if equal to the friction";
 
-pub(super) const STRENGTH: Parameter = Parameter::new_required(
-    ["strength", "shear strength k", "Pa"],
-    "strength k in shear; > 0",
-    1e6,
-)
-.with_range(AllowedRange::Positive);
-pub(super) const FRICTION: Parameter =
-    Parameter::new_required(["friction", "friction", ""], "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0", 0.6)
-        .with_range(AllowedRange::NotNegative);
-pub(super) const DILATANCY: Parameter = Parameter::new_required(
-    ["dilatancy", "dilatancy", ""],
-    "dilatancy κ̂; associated if equal to the friction",
-    0.3,
-);
-pub(super) const HARDENING: Parameter = Parameter::with_default(
-    ["hardening", "plastic modulus H", "Pa"],
-    "plastic modulus H; 0 for ideal plasticity, negative while softening",
-    0.0,
-);
-pub(super) const ANTISYMMETRIC_WEIGHT: Parameter = Parameter::new_required(
-    ["antisymmetric_weight", "antisymmetric weight h", ""],
-    "weight h of the antisymmetric stress; ≥ 0",
-    1.0,
-)
-.with_range(AllowedRange::NotNegative);
-pub(super) const SYMMETRIC_LENGTH: Parameter = Parameter::with_default(
-    ["symmetric_length", "internal length ℓ_s", "m"],
-    "internal length ℓ_s of the symmetric couple stress; 0: no limit to it",
-    0.0,
-)
-.with_range(AllowedRange::NotNegative);
-pub(super) const ANTISYMMETRIC_LENGTH: Parameter = Parameter::with_default(
-    ["antisymmetric_length", "internal length ℓ_a", "m"],
-    "internal length ℓ_a of the antisymmetric couple stress; 0: no limit to it",
-    0.0,
-)
-.with_range(AllowedRange::NotNegative);
+    pub(super) STRENGTH = "strength": "shear strength k" ["Pa"], Required(1e6), Positive,
+        "strength k in shear; > 0";
+    pub(super) FRICTION = "friction": "friction" [""], Required(0.6), NotNegative,
+        "friction κ of τ̄ + κ σ_m ≤ k; ≥ 0";
+    pub(super) DILATANCY = "dilatancy": "dilatancy" [""], Required(0.3), Finite,
+        "dilatancy κ̂; associated if equal to the friction";
+    pub(super) HARDENING = "hardening": "plastic modulus H" ["Pa"], Default(0.0), Finite,
+        "plastic modulus H; 0 for ideal plasticity, negative while softening";
+    pub(super) ANTISYMMETRIC_WEIGHT = "antisymmetric_weight": "antisymmetric weight h" [""], Required(1.0), NotNegative,
+        "weight h of the antisymmetric stress; ≥ 0";
+    pub(super) SYMMETRIC_LENGTH = "symmetric_length": "internal length ℓ_s" ["m"], Default(0.0), NotNegative,
+        "internal length ℓ_s of the symmetric couple stress; 0: no limit to it";
+    pub(super) ANTISYMMETRIC_LENGTH = "antisymmetric_length": "internal length ℓ_a" ["m"], Default(0.0), NotNegative,
+        "internal length ℓ_a of the antisymmetric couple stress; 0: no limit to it";
+}
 
 /// Yielding controlled by the layers between blocks whose faces are normal to x₁ and x₂
 /// (Sadovskii & Sadovskaya 2019, "Plane strain state"), tension positive:

@@ -3,10 +3,10 @@
 use crate::comparison::{Comparison, EXACT_TOLERANCE};
 use crate::elimination::Elimination;
 use crate::support::{
-    Complex, RandomNumbers, evaluate_polynomial, multiply_polynomials, polynomial_determinant,
-    quadratic_roots, states,
+    Complex, evaluate_polynomial, multiply_polynomials, polynomial_determinant, quadratic_roots,
+    states,
 };
-use crate::system::{IncompressibleFlow, STATE_COUNT, random_wave};
+use crate::system::{for_random_flows, random_wave};
 use wellposed_models::registry;
 
 /// The scaled coefficient A₁/k⁸ of eq. (138) is printed with ē₅₂ in place of ē₄₂ in the first brace and ē₂₅ in place of
@@ -14,11 +14,9 @@ use wellposed_models::registry;
 /// Each misprint alone makes the formula wrong.
 #[test]
 fn eq_138_scaled_coefficient_has_two_misprints() {
-    let mut random = RandomNumbers::new(10);
     let mut comparisons: [Comparison; 3] = Default::default();
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
-        let wave = random_wave(&mut random);
+    for_random_flows(10, |random, system| {
+        let wave = random_wave(random);
         let own = Elimination::new(&system, wave);
         let k = Complex::from((wave[0] * wave[0] + wave[1] * wave[1]).sqrt());
         let bar = own.e.map(|row| row.map(|x| x / k));
@@ -57,7 +55,7 @@ fn eq_138_scaled_coefficient_has_two_misprints() {
             comparison.misprints +=
                 usize::from((printed - truth).abs() > 1e6 * EXACT_TOLERANCE * size);
         }
-    }
+    });
     comparisons.into_iter().for_each(Comparison::assert_mostly_misprinted);
 }
 
@@ -66,10 +64,8 @@ fn eq_138_scaled_coefficient_has_two_misprints() {
 /// and det F is a constant times the factor times this determinant.
 #[test]
 fn eq_121_elimination_introduces_a_spurious_factor() {
-    let mut random = RandomNumbers::new(14);
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
-        let wave = random_wave(&mut random);
+    for_random_flows(14, |random, system| {
+        let wave = random_wave(random);
         let exact = system.dispersion_polynomial(wave);
         assert_eq!(exact.len(), 3, "det(Aς + E) has degree 2");
         let own = Elimination::new(&system, wave);
@@ -89,17 +85,15 @@ fn eq_121_elimination_introduces_a_spurious_factor() {
         let model = states::build_model(registry::HARRIS_GREKOVA, &system.parameters);
         let own = states::assemble_symbol(&model, &system.flow);
         assert_eq!(states::dispersion_polynomial(&own, wave).len(), 3);
-    }
+    });
 }
 
-/// Eq. (131): the root −f/(gρ) of the cubic is not a root of the system, nor is the "neutral" ς = 0 of the text before
+/// Eq. (131): the root −f/(gρ) of the cubic is not a root of the &system, nor is the "neutral" ς = 0 of the text before
 /// the equation: the determinant does not vanish there.
 #[test]
 fn eq_131_printed_roots_are_not_roots() {
-    let mut random = RandomNumbers::new(15);
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
-        let wave = random_wave(&mut random);
+    for_random_flows(15, |random, system| {
+        let wave = random_wave(random);
         let exact = system.dispersion_polynomial(wave);
         let own = Elimination::new(&system, wave);
         let claimed = -(own.f / (own.g * own.density));
@@ -116,5 +110,5 @@ fn eq_131_printed_roots_are_not_roots() {
             assert!(relative(&exact, root) < 1e-25);
             assert!(relative(&cubic, root) < 1e-18, "the system's roots are among the quintic's");
         }
-    }
+    });
 }

@@ -2,20 +2,17 @@
 
 use crate::comparison::{Comparison, EXACT_TOLERANCE};
 use crate::elimination::Elimination;
-use crate::support::{Complex, RandomNumbers, complex};
-use crate::system::{IncompressibleFlow, STATE_COUNT, random_complex, random_wave};
+use crate::support::{Complex, complex};
+use crate::system::{compare_random_flows, for_random_flows, random_complex, random_wave};
 
 /// Eq. (100), the sum of e₅₁ × first and e₅₂ × second momentum row, is printed with the coefficient of ψ in place of
 /// the coefficient of p. Reference: the rows summed for an amplitude that satisfies the rotation row.
 #[test]
 fn eq_100_misprints_the_coefficient_of_pressure() {
-    let mut random = RandomNumbers::new(5);
-    let mut comparison = Comparison::default();
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
-        let e = system.coefficient_matrix(random_wave(&mut random));
-        let frequency = random_complex(&mut random);
-        let mut z: [Complex; 5] = std::array::from_fn(|_| random_complex(&mut random));
+    compare_random_flows(5, |random, system, comparison| {
+        let e = system.coefficient_matrix(random_wave(random));
+        let frequency = random_complex(random);
+        let mut z: [Complex; 5] = std::array::from_fn(|_| random_complex(random));
         // Scales the pressure amplitude to the magnitude of the other terms.
         z[3] = z[3] * complex(system.state.density, 0.0);
         z[2] = -((e[4][0] * z[0] + e[4][1] * z[1] + e[4][4] * z[4]) / e[4][2]);
@@ -28,20 +25,16 @@ fn eq_100_misprints_the_coefficient_of_pressure() {
         let printed_pressure = (e[0][4] * e[4][0] + e[1][4] * e[4][1]) * z[3];
         let size = others.abs() + printed_pressure.abs() + (both(3) * z[3]).abs();
         comparison.add_case(truth, others + printed_pressure, others + both(3) * z[3], size);
-    }
-    comparison.assert_mostly_misprinted();
+    });
 }
 
 /// Eqs (101)–(104): f₅₁ is printed with e₁₅ and e₂₅ in place of e₁₄ and e₂₄. Reference: ψ for v = (1, 0), ω = 0 by
 /// elimination. The other three coefficients of (104) and eqs (101), (102) are correct.
 #[test]
 fn eq_104_misprints_f51() {
-    let mut random = RandomNumbers::new(6);
-    let mut comparison = Comparison::default();
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
-        let own = Elimination::new(&system, random_wave(&mut random));
-        let frequency = random_complex(&mut random);
+    compare_random_flows(6, |random, system, comparison| {
+        let own = Elimination::new(&system, random_wave(random));
+        let frequency = random_complex(random);
         let rs = own.density * frequency;
         let (e, mut size) = (&own.e, 0.0f64);
         for column in 0..2 {
@@ -61,19 +54,16 @@ fn eq_104_misprints_f51() {
         let velocity = e[3][0] * e[4][1] - e[3][1] * e[4][0];
         let printed = (e[0][4] * e[1][0] - e[1][4] * e[0][0]) * velocity;
         comparison.add_case(truth, printed, own.velocity_numerators[1][0], size);
-    }
-    comparison.assert_mostly_misprinted();
+    });
 }
 
 /// Eq. (105): g₄₃ is printed twice, as −g₅₃ and as g₅₃. Reference: p and ψ for v = 0, ω = 1 by elimination.
 #[test]
 fn eq_105_misprints_g43_as_g53() {
-    let mut random = RandomNumbers::new(7);
     let (mut first, mut second) = (Comparison::default(), Comparison::default());
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
-        let own = Elimination::new(&system, random_wave(&mut random));
-        let frequency = random_complex(&mut random);
+    for_random_flows(7, |random, system| {
+        let own = Elimination::new(&system, random_wave(random));
+        let frequency = random_complex(random);
         let rs = own.density * frequency;
         let e = &own.e;
         let [p, psi] =
@@ -83,7 +73,7 @@ fn eq_105_misprints_g43_as_g53() {
         second.add_case(p, -(printed * rs), own.inertia_numerators[0][2] * rs, 0.0);
         // The second printed line is a correct formula for g₅₃.
         assert!((psi + printed * rs).abs() <= EXACT_TOLERANCE * psi.abs());
-    }
+    });
     first.assert_mostly_misprinted();
     second.assert_mostly_misprinted();
 }
@@ -93,17 +83,15 @@ fn eq_105_misprints_g43_as_g53() {
 /// the printed form is wrong. Eq. (108), iᵢⱼ = 0, holds only with the correction.
 #[test]
 fn eq_107_misprints_the_columns() {
-    let mut random = RandomNumbers::new(8);
     let mut comparisons: [Comparison; 6] = Default::default();
     let mut vanishing = Comparison::default();
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
-        let own = Elimination::new(&system, random_wave(&mut random));
+    for_random_flows(8, |random, system| {
+        let own = Elimination::new(&system, random_wave(random));
         for (number, comparison) in comparisons.iter_mut().enumerate() {
             let (row, column) = (number / 3, number % 3);
             // The reduced entry, minus g ρ²ς² on the diagonal, is hᵢⱼ ρς + iᵢⱼ: linear in ρς.
             let [first, second] =
-                [random_complex(&mut random), random_complex(&mut random)].map(|frequency| {
+                [random_complex(random), random_complex(random)].map(|frequency| {
                     let rs = own.density * frequency;
                     let entry = own.reduced_entry_numerically(frequency, row, column);
                     let diagonal = if row == column { own.g * rs * rs } else { 0.0.into() };
@@ -134,7 +122,7 @@ fn eq_107_misprints_the_columns() {
                 vanishing.add_case(0.0.into(), i + printed, i + f, i.abs());
             }
         }
-    }
+    });
     comparisons.into_iter().for_each(Comparison::assert_mostly_misprinted);
     vanishing.assert_mostly_misprinted();
 }
@@ -143,11 +131,9 @@ fn eq_107_misprints_the_columns() {
 /// also has the wrong power of k, in place of e₄ⱼ. Reference: the sums of products of hᵢⱼ.
 #[test]
 fn eq_126_misprints_e4j() {
-    let mut random = RandomNumbers::new(9);
     let mut comparisons: [Comparison; 2] = Default::default();
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
-        let own = Elimination::new(&system, random_wave(&mut random));
+    for_random_flows(9, |random, system| {
+        let own = Elimination::new(&system, random_wave(random));
         let e = &own.e;
         let h = |i: usize, j: usize| own.reduced_coefficient(i, j, 3, 4);
         let (c31, c32, c53, c55) = (e[2][0], e[2][1], e[4][2], e[4][4]);
@@ -177,6 +163,6 @@ fn eq_126_misprints_e4j() {
             let printed = with(b[0].into(), b[1].into());
             comparison.add_case(products[0] + products[1], printed, with(e[3][0], e[3][1]), size);
         }
-    }
+    });
     comparisons.into_iter().for_each(Comparison::assert_mostly_misprinted);
 }

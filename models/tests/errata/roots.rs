@@ -4,7 +4,7 @@ use crate::comparison::Comparison;
 use crate::support::{
     DifferentiableReal, DoubleDouble, RIGHT_ANGLE, RandomNumbers, complex, dd, quadratic_roots,
 };
-use crate::system::{IncompressibleFlow, STATE_COUNT};
+use crate::system::{IncompressibleFlow, STATE_COUNT, for_random_flows};
 
 /// Eq. (149) is too large by a factor of two, since it uses the printed c₅₅ of eq. (83). Reference: the larger root of
 /// the exact determinant at k = 1e9 1/m in a uniform background, where the corrections of Re ς/k² are of relative size
@@ -64,9 +64,7 @@ fn eq_150_misprints_the_product_of_sines() {
 /// printed. Reference: the stress and velocity characteristics (67), (68) from the matrices.
 #[test]
 fn eq_160_misprints_the_degenerate_directions() {
-    let mut random = RandomNumbers::new(13);
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
+    for_random_flows(13, |_, system| {
         let epsilon = RIGHT_ANGLE * dd(0.5) + system.friction_angle() * dd(0.5);
         for epsilon in [epsilon, -epsilon] {
             let (s, c) = (dd(system.state.stress_angle) + epsilon).sin_cos();
@@ -82,19 +80,17 @@ fn eq_160_misprints_the_degenerate_directions() {
             let special = (s * c).to_f64().abs() < 1e-2;
             assert!(special || factors([s, c]).iter().all(|x| *x > 1e-3));
         }
-    }
+    });
 }
 
 /// Eqs (142)–(145) claim that the root of order k² is double; one of the two roots is of order k² and the other at most
 /// of order k.
 #[test]
 fn eq_142_to_145_root_of_order_two_is_simple() {
-    let mut random = RandomNumbers::new(16);
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
+    for_random_flows(16, |random, system| {
         let beta = dd(random.signed_uniform(0.0, 3.0));
         if (beta.cos() - system.friction_angle().sin()).to_f64().abs() < 0.05 {
-            continue;
+            return;
         }
         let roots_at = |k: f64| {
             quadratic_roots(
@@ -106,15 +102,13 @@ fn eq_142_to_145_root_of_order_two_is_simple() {
         // Corrections are of relative size (background gradients)/(k (cos β − sin φ)²), below 1e-4.
         assert!((order(0) - 2.0).abs() < 1e-3, "order {} in k", order(0));
         assert!(order(1) < 1.001, "order {} in k", order(1));
-    }
+    });
 }
 
 /// Eq. (163) claims that ς = 0 is a triple root in a degenerate direction; it is not a root.
 #[test]
 fn eq_163_zero_is_not_a_root() {
-    let mut random = RandomNumbers::new(17);
-    for _ in 0..STATE_COUNT {
-        let system = IncompressibleFlow::new_random(&mut random);
+    for_random_flows(17, |_, system| {
         // The degenerate directions have cos β = sin φ.
         let beta = RIGHT_ANGLE - system.friction_angle();
         for beta in [beta, -beta] {
@@ -127,5 +121,5 @@ fn eq_163_zero_is_not_a_root() {
             let size = exact[2].abs() * large.abs() * large.abs();
             assert!(constant > 1e-8 * size);
         }
-    }
+    });
 }

@@ -1,5 +1,6 @@
 //! Linearised equations of a random incompressible (ν = 0) Harris–Grekova flow, derived from the nonlinear equations.
 
+use crate::comparison::Comparison;
 use crate::support::equations::{SPIN_INDEX, linearise};
 use crate::support::states::{self, DilatancyKind};
 use crate::support::{
@@ -10,7 +11,28 @@ use testkit::flows::FlowParameters;
 use wellposed_models::flow::state::{DeformingFlow, MaterialState};
 use wellposed_models::registry;
 
+/// Number of random flows per test.
 pub const STATE_COUNT: usize = 250;
+
+/// Calls `check` for [`STATE_COUNT`] random flows of the sequence of `seed`.
+pub fn for_random_flows(seed: u64, mut check: impl FnMut(&mut RandomNumbers, IncompressibleFlow)) {
+    let mut random = RandomNumbers::new(seed);
+    for _ in 0..STATE_COUNT {
+        let system = IncompressibleFlow::new_random(&mut random);
+        check(&mut random, system);
+    }
+}
+
+/// Calls `compare` for [`STATE_COUNT`] random flows and asserts that the printed formula is wrong in nearly all of the
+/// comparisons that it adds, and the corrected formula right in all.
+pub fn compare_random_flows(
+    seed: u64,
+    mut compare: impl FnMut(&mut RandomNumbers, IncompressibleFlow, &mut Comparison),
+) {
+    let mut comparison = Comparison::default();
+    for_random_flows(seed, |random, system| compare(random, system, &mut comparison));
+    comparison.assert_mostly_misprinted();
+}
 
 /// An incompressible background and its linearisation, derived from the nonlinear equations.
 pub struct IncompressibleFlow {

@@ -213,8 +213,9 @@ pub fn scale_stress(stress: &Stress, factor: f64) -> Stress {
     Stress { force: scale_stress(stress.force), couple: scale_stress(stress.couple) }
 }
 
-/// Random trial stress: general, with components in some eigenspaces only, near the hydrostatic axis, or near the
-/// boundary of the normal cone of the apex, each of 1e-6 to 1e6 times the strength; or near the yield surface.
+/// Random trial stress. It is general, has components in some eigenspaces only, is near the hydrostatic axis, or is
+/// near the boundary of the normal cone of the apex, each with a magnitude of 1e-6 to 1e6 times the strength; or it is
+/// near the yield surface.
 fn random_mises_trial(random: &mut RandomNumbers, set: &Mises, solid: &Isotropic) -> Stress {
     let mut trial = random_stress(random, set, solid);
     let size = draw_log_uniform(random, -6.0, 6.0);

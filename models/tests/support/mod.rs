@@ -80,12 +80,7 @@ impl Neg for DoubleDouble {
     }
 }
 
-impl Sub for DoubleDouble {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self + -other
-    }
-}
+testkit::impl_subtraction!(DoubleDouble);
 
 impl Mul for DoubleDouble {
     type Output = Self;

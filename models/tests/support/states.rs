@@ -5,7 +5,7 @@ use super::{
     Complex, DifferentiableReal, DoubleDouble, Polynomial, RandomNumbers, dd, permanent,
     polynomial_determinant,
 };
-use testkit::flows::FlowParameters;
+use testkit::flows::{FlowParameters, MODEL_CASES, random_dilatancy_angle};
 use wellposed_models::flow::state::{Background, DeformingFlow, MaterialState};
 use wellposed_models::flow::{FlowKind, Model, RotationKind};
 use wellposed_models::registry;
@@ -22,15 +22,13 @@ pub fn random_parameters(
     let cosserat = kind == registry::HARRIS_GREKOVA;
     FlowParameters {
         friction_angle,
-        dilatancy_angle: match dilatancy {
-            DilatancyKind::Zero => 0.0,
-            DilatancyKind::Associated => friction_angle,
-            // For a plastic potential ν may exceed φ.
-            DilatancyKind::Positive if kind == registry::PLASTIC_POTENTIAL => {
-                random.uniform(0.1, 1.3)
-            }
-            DilatancyKind::Positive => friction_angle * random.uniform(0.1, 0.9),
-        },
+        dilatancy_angle: random_dilatancy_angle(
+            random,
+            kind,
+            dilatancy,
+            friction_angle,
+            [0.1..1.3, 0.1..0.9],
+        ),
         cohesion: random.uniform(50.0, 900.0),
         moment_of_inertia: cosserat.then(|| random.uniform(0.02, 0.3)),
         rotational_strength: cosserat.then(|| random.uniform(20.0, 300.0)),
@@ -87,6 +85,31 @@ pub fn random_case(
     let parameters = random_parameters(random, kind, dilatancy);
     let state = random_state(random, kind, dilatancy);
     (parameters, build_model(kind, &parameters), state)
+}
+
+/// A random state of a model with one of its kinds of dilatancy.
+pub struct RandomCase {
+    pub kind: FlowKind,
+    pub dilatancy: DilatancyKind,
+    pub parameters: FlowParameters,
+    pub model: Model,
+    pub state: MaterialState,
+}
+
+/// Calls `check` for `count` random states of each of the [`MODEL_CASES`]; the sequence of random numbers of the n-th one
+/// has the seed `first_seed` + n.
+pub fn for_random_cases(
+    first_seed: u64,
+    count: usize,
+    mut check: impl FnMut(&mut RandomNumbers, RandomCase),
+) {
+    for (seed, (kind, dilatancy)) in MODEL_CASES.into_iter().enumerate() {
+        let mut random = RandomNumbers::new(first_seed + seed as u64);
+        for _ in 0..count {
+            let (parameters, model, state) = random_case(&mut random, kind, dilatancy);
+            check(&mut random, RandomCase { kind, dilatancy, parameters, model, state });
+        }
+    }
 }
 
 /// The state without gradients (other than the velocity gradient) and without the rate of the moment of inertia.

@@ -17,8 +17,9 @@ mod verify;
 pub use checksums::Damage;
 pub use error::OutputError;
 pub use names::{
-    AppendedFile, CHECK_FILES, DISPERSION_FILES, MAP_FILES, POINT_FILES, RUN_FILES,
-    SNAPSHOT_LIST_FILE, SPEEDS_FILES, is_snapshot, result_names, snapshot_name,
+    AppendedFile, BLOCH_FILES, CHECK_FILES, DISPERSION_FILES, JOINT_ARCHIVE_FILE, JOINT_LIST_FILE,
+    MAP_FILES, POINT_FILES, RUN_FILES, SNAPSHOT_LIST_FILE, SPEEDS_FILES, has_joint_files,
+    is_snapshot, joint_snapshot_name, result_names, snapshot_files, snapshot_name,
 };
 
 pub use publication::Publication;
@@ -56,9 +57,9 @@ impl ResultFolder {
     /// Selects the results folder `out`, by default `out/<case name>`, and checks by a test write that it can be
     /// written to; leaves no file behind and does not create the folder.
     ///
-    /// Allowed are an absent or empty folder, and one with results of the same case by the same program version, which
-    /// are bit-identical. Any other folder requires `force` and no run in progress. If the source file of the case is
-    /// in the folder, it is overwritten only by identical content; input files of the case are never overwritten.
+    /// The folder may be absent, empty, or hold results of the same case by the same program version, which are
+    /// bit-identical. Any other folder requires `force` and no run in progress. If the source file of the case is in
+    /// the folder, it is overwritten only by identical content; input files of the case are never overwritten.
     ///
     /// # Errors
     /// The folder cannot be written or contains other files, a run in it is in progress, the source file or an input

@@ -1,6 +1,7 @@
 //! Names of the result files.
 
 use crate::case::Case;
+use crate::case::dynamics::Blocks;
 use files::checksums::Checksums;
 
 /// File of the resolved case.
@@ -33,6 +34,19 @@ pub const POINT_FILES: [&str; 10] = [
 pub const DISPERSION_FILES: [&str; 5] =
     ["dispersion.png", "dispersion.svg", "dispersion.csv", "dispersion.json", "dispersion.txt"];
 
+/// Files of `dispersion` of a blocky medium besides the common files.
+pub const BLOCH_FILES: [&str; 6] = [
+    "dispersion.png",
+    "dispersion.svg",
+    "dispersion.csv",
+    BLOCH_ARCHIVE_FILE,
+    "dispersion.json",
+    "dispersion.txt",
+];
+
+/// Archive of arrays that `dispersion` writes for blocky media only.
+const BLOCH_ARCHIVE_FILE: &str = "dispersion.npz";
+
 /// Files of `speeds` besides the common files; the last three in three dimensions only.
 pub const SPEEDS_FILES: [&str; 8] = [
     "speeds.png",
@@ -49,10 +63,10 @@ pub const SPEEDS_FILES: [&str; 8] = [
 pub const CHECK_FILES: [&str; 6] =
     ["check.png", "check.svg", "check.json", "check.txt", "refinement.png", "refinement.svg"];
 
-/// Files of `run` besides the common files. Those of receivers, snapshots, animation, dissipation and spectra are
-/// written only if the case has such output. Checkpoint and lock exist only until the run finishes. Snapshot files have
+/// Files of `run` besides the common files. Those of receivers, joints, snapshots, animation, dissipation, fluid and
+/// spectra are written only if the case has such output. Checkpoint and lock exist only until the run finishes. Snapshot files have
 /// their own names, see [`is_snapshot`].
-pub const RUN_FILES: [&str; 21] = [
+pub const RUN_FILES: [&str; 27] = [
     "run.png",
     "run.svg",
     "seismograms.png",
@@ -63,7 +77,13 @@ pub const RUN_FILES: [&str; 21] = [
     "spectrum.svg",
     "dissipation.png",
     "dissipation.svg",
+    "fluid.png",
+    "fluid.svg",
     "animation.gif",
+    JOINT_ARCHIVE_FILE,
+    "joints.csv",
+    "joints.vtp",
+    JOINT_LIST_FILE,
     "receivers.csv",
     "receivers.npz",
     "ledger.csv",
@@ -78,6 +98,12 @@ pub const RUN_FILES: [&str; 21] = [
 
 /// File that lists the snapshots of a run with their times.
 pub const SNAPSHOT_LIST_FILE: &str = "snapshots.pvd";
+
+/// Archive of the final state of joints.
+pub const JOINT_ARCHIVE_FILE: &str = "joints.npz";
+
+/// File that lists the snapshots of joints with their times.
+pub const JOINT_LIST_FILE: &str = "joints.pvd";
 
 /// File of the publication lock, held while files are published or removed.
 pub(super) const PUBLICATION_LOCK_FILE: &str = ".publishing";
@@ -123,11 +149,32 @@ pub fn snapshot_name(case: &Case, index: usize) -> String {
     format!("snapshot-{index:08}.{extension}")
 }
 
-/// Returns whether the name is that of a snapshot: `snapshot-00000012.vti`, for flows `.vts`.
+/// Returns the file name of the joints in a snapshot by its index, from 0.
+pub fn joint_snapshot_name(index: usize) -> String {
+    format!("joints-{index:08}.vtp")
+}
+
+/// Returns whether a run of a case writes files of joints.
+pub fn has_joint_files(case: &Case) -> bool {
+    let blocks = case.solid_run.as_ref().and_then(|run| run.blocks.as_ref());
+    blocks.is_some_and(Blocks::has_joints)
+}
+
+/// Returns the names of all files of a snapshot: the fields, and the joints if there are any.
+pub fn snapshot_files(case: &Case, index: usize) -> Vec<String> {
+    let joints = has_joint_files(case).then(|| joint_snapshot_name(index));
+    std::iter::once(snapshot_name(case, index)).chain(joints).collect()
+}
+
+/// Returns whether the name is that of a file of a snapshot: `snapshot-00000012.vti`, for flows `.vts`, or
+/// `joints-00000012.vtp`.
 pub fn is_snapshot(name: &str) -> bool {
-    let inner = name
-        .strip_prefix("snapshot-")
-        .and_then(|name| name.strip_suffix(".vti").or_else(|| name.strip_suffix(".vts")));
+    let fields = || {
+        let inner = name.strip_prefix("snapshot-")?;
+        inner.strip_suffix(".vti").or_else(|| inner.strip_suffix(".vts"))
+    };
+    let joints = || name.strip_prefix("joints-")?.strip_suffix(".vtp");
+    let inner = fields().or_else(joints);
     inner.is_some_and(|step| !step.is_empty() && step.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
@@ -139,6 +186,7 @@ pub fn result_names() -> impl Iterator<Item = &'static str> {
         .into_iter()
         .chain(POINT_FILES)
         .chain(DISPERSION_FILES)
+        .chain([BLOCH_ARCHIVE_FILE])
         .chain(SPEEDS_FILES)
         .chain(CHECK_FILES)
         .chain(RUN_FILES);

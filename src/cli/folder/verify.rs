@@ -113,8 +113,9 @@ fn check_unfinished_run(path: &Path, all: &mut Vec<Damage>) -> Result<usize, Err
             Err(error) => all.push(Damage::new(file.name(), format!("cannot be read: {error}"))),
         }
     }
-    for (index, written) in checkpoint.snapshots.iter().enumerate() {
-        all.extend(Damage::detect(path, &super::snapshot_name(&case, index), *written));
+    let names = (0..).flat_map(|index| super::snapshot_files(&case, index));
+    for (name, written) in names.zip(&checkpoint.snapshots) {
+        all.extend(Damage::detect(path, &name, *written));
     }
     Ok(2 + tables.len() + checkpoint.snapshots.len())
 }

@@ -2,8 +2,10 @@
 
 use crate::case::Case;
 use crate::cli::Error;
-use crate::cli::folder::{OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot};
-use crate::report::run::{AnimationFrame, FrameConverter};
+use crate::cli::folder::{
+    OutputError, ResultFolder, SNAPSHOT_LIST_FILE, is_snapshot, joint_snapshot_name,
+};
+use crate::report::run::{AnimationFrame, FrameConverter, FrameScale};
 use files::read_regular_file;
 use std::path::Path;
 
@@ -46,18 +48,27 @@ pub(in crate::cli) fn draw_animation(
     }
     // Snapshots are read twice, for the scale and for the frames, to limit memory.
     let all = || {
-        names.iter().map(|name| -> Result<AnimationFrame, Error> {
+        names.iter().enumerate().map(|(index, name)| -> Result<AnimationFrame, Error> {
+            let read =
+                |path: &Path| read_regular_file(path).map_err(|error| unreadable(path, error));
             let path = folder.path().join(name);
-            let bytes = read_regular_file(&path).map_err(|error| unreadable(&path, error))?;
-            Ok(frames
-                .read_frame(&bytes)
-                .map_err(|cause| OutputError::from_invalid_content(&path, cause))?)
+            let mut frame = frames
+                .read_frame(&read(&path)?)
+                .map_err(|cause| OutputError::from_invalid_content(&path, cause))?;
+            if frames.has_joints() {
+                let path = folder.path().join(joint_snapshot_name(index));
+                frames
+                    .read_joints(&mut frame, &read(&path)?)
+                    .map_err(|cause| OutputError::from_invalid_content(&path, cause))?;
+            }
+            Ok(frame)
         })
     };
-    let greatest =
-        all().try_fold(0.0f64, |sum, frame| Ok::<_, Error>(sum.max(frame?.max_magnitude())))?;
-    if greatest == 0.0 {
+    let scale = all().try_fold(FrameScale::default(), |scale, frame| {
+        Ok::<_, Error>(scale.max(frame?.scale()))
+    })?;
+    if scale.max_magnitude == 0.0 {
         return Ok(AnimationOutput::AllZero);
     }
-    Ok(AnimationOutput::Gif(frames.draw_animation(greatest, all())?))
+    Ok(AnimationOutput::Gif(frames.draw_animation(scale, all())?))
 }

@@ -13,7 +13,7 @@ use std::io::ErrorKind;
 pub(in crate::cli) struct Checkpoint {
     /// Lengths and checksums of the tables: receivers if any, ledger, for flows spectrum.
     pub(in crate::cli) tables: Vec<FileDigest>,
-    /// Lengths and checksums of all snapshots so far, by index.
+    /// Lengths and checksums of the files of all snapshots so far, by index.
     pub(in crate::cli) snapshots: Vec<FileDigest>,
     /// State of the solver.
     pub(in crate::cli) state: SimulationState,

@@ -1,9 +1,13 @@
 //! Names of the files that a run will write.
 
 use crate::case::{Case, TimeDomainRun};
-use crate::cli::folder::{AppendedFile, SNAPSHOT_LIST_FILE, snapshot_name};
+use crate::cli::folder::{
+    AppendedFile, JOINT_LIST_FILE, SNAPSHOT_LIST_FILE, has_joint_files, joint_snapshot_name,
+    snapshot_name,
+};
 use crate::{Error, case::dynamics::PlottedQuantity};
 use dynamics::simulation::RegularTimes;
+use models::interface::parameters::LayerMaterial;
 
 /// Returns the names of the files of a complete run besides those of every results folder; more than two snapshots are
 /// abbreviated to the first and the last. The animation is listed although none is drawn if the plotted quantity is
@@ -21,10 +25,10 @@ pub(super) fn planned_file_names(case: &Case) -> Result<Vec<String>, Error> {
         }
     };
     let shows_dissipation = case.solid_run.as_ref().is_some_and(|own| {
-        let in_regions = || own.regions.iter().any(|region| region.material.yield_set.is_some());
-        let yields = match own.regions.is_empty() {
+        let materials = own.materials();
+        let yields = match materials.is_empty() {
             true => case.material.yield_set.is_some(),
-            false => in_regions(),
+            false => materials.iter().any(|material| material.yield_set.is_some()),
         };
         yields && own.output.plotted_quantity != PlottedQuantity::Dissipation
     });
@@ -40,11 +44,18 @@ pub(super) fn planned_file_names(case: &Case) -> Result<Vec<String>, Error> {
     if shows_dissipation {
         add("dissipation", &["png", "svg"]);
     }
+    if has_saturated_joints(case) {
+        add("fluid", &["png", "svg"]);
+    }
     if case.flow_run.is_some() {
         add("spectrum", &["png", "svg", "csv"]);
     }
     if has_receivers {
         add("receivers", &["csv", "npz"]);
+    }
+    let has_joints = has_joint_files(case);
+    if has_joints {
+        add("joints", &["csv", "npz", "vtp"]);
     }
     add("ledger", &["csv"]);
     add("fields", &["npz"]);
@@ -52,14 +63,31 @@ pub(super) fn planned_file_names(case: &Case) -> Result<Vec<String>, Error> {
     names.push(AppendedFile::Log.name().to_owned());
     if interval > 0.0 {
         let last = RegularTimes::new(interval, duration).count_until(duration).saturating_sub(1);
-        let name = |index| snapshot_name(case, index);
         names.push("animation.gif".to_owned());
-        names.push(SNAPSHOT_LIST_FILE.to_owned());
-        match last {
-            0 => names.push(name(0)),
-            1 => names.extend([name(0), name(1)]),
-            _ => names.push(format!("{} to {}", name(0), name(last))),
+        let mut add_series = |list: &str, name: &dyn Fn(usize) -> String| {
+            names.push(list.to_owned());
+            match last {
+                0 => names.push(name(0)),
+                1 => names.extend([name(0), name(1)]),
+                _ => names.push(format!("{} to {}", name(0), name(last))),
+            }
+        };
+        add_series(SNAPSHOT_LIST_FILE, &|index| snapshot_name(case, index));
+        if has_joints {
+            add_series(JOINT_LIST_FILE, &joint_snapshot_name);
         }
     }
     Ok(names)
+}
+
+/// Returns whether a joint between two blocks of the case is saturated.
+fn has_saturated_joints(case: &Case) -> bool {
+    let Some(blocks) = case.solid_run.as_ref().and_then(|run| run.blocks.as_ref()) else {
+        return false;
+    };
+    let mut joints = blocks.contacts.iter().filter_map(|contact| contact.joint);
+    joints.any(|joint| {
+        let entry = blocks.joints.get(usize::from(joint));
+        entry.is_some_and(|own| matches!(own.law.material, LayerMaterial::Saturated(_)))
+    })
 }

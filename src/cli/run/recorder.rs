@@ -5,11 +5,11 @@ use super::checkpoint::Checkpoint;
 use super::checkpoint_timer::CheckpointTimer;
 use super::run_files::{RunFiles, read_records};
 use crate::Error;
-use crate::cli::folder::{RunFolder, snapshot_name};
+use crate::cli::folder::{RunFolder, has_joint_files, snapshot_files};
 use crate::cli::progress::{DelayedProgressBar, PROGRESS_LINE_INTERVAL};
 use crate::cli::signals::{self, ProgramStage};
 use crate::report::format::format_short;
-use crate::report::run::{DisplayTime, create_image};
+use crate::report::run::{DisplayTime, create_image, create_joint_lines};
 use crate::study::simulate::{
     OutputFields, Recorder, RunProgress, RunRecords, StepStatistics, TableHeader, TableKind,
 };
@@ -109,11 +109,6 @@ impl<'a> FileRecorder<'a> {
         let RunStart { clock, steps, .. } = self.start;
         (progress.steps - steps, clock.elapsed().as_secs_f64())
     }
-
-    /// Returns the file name of the snapshot of index `index`, from 0.
-    fn snapshot_name(&self, index: usize) -> String {
-        snapshot_name(self.context.case, index)
-    }
 }
 
 impl Recorder for FileRecorder<'_> {
@@ -128,11 +123,14 @@ impl Recorder for FileRecorder<'_> {
         restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
     ) -> Result<(), Error> {
         match self.checkpoint.take() {
-            None => self.files.create(tables, snapshots.is_some())?,
+            None => {
+                let has_joints = has_joint_files(self.context.case);
+                self.files.create(tables, snapshots.is_some(), has_joints)?;
+            }
             Some(checkpoint) => {
                 let case = self.context.case;
                 let snapshot =
-                    |index| Some((snapshots.as_ref()?.time(index)?, snapshot_name(case, index)));
+                    |index| Some((snapshots.as_ref()?.time(index)?, snapshot_files(case, index)));
                 self.files.resume(tables, &checkpoint, restore, snapshot)?;
                 (self.start.steps, self.start.time) =
                     (checkpoint.state.steps, checkpoint.state.time);
@@ -150,11 +148,15 @@ impl Recorder for FileRecorder<'_> {
 
     fn record_snapshot(&mut self, index: usize, fields: OutputFields) -> Result<(), Error> {
         let Some(times) = self.snapshot_times else { return Ok(()) };
-        let image = create_image(self.context.case, &fields)?;
+        let case = self.context.case;
+        let image = create_image(case, &fields)?;
+        let joints = has_joint_files(case)
+            .then(|| create_joint_lines(&fields.joints, fields.time))
+            .transpose()?;
         drop(fields);
-        let name = |index| Some((times.time(index)?, self.snapshot_name(index)));
-        let list: Vec<(f64, String)> = (0..=index).map_while(name).collect();
-        Ok(self.files.write_snapshot(&image, &list)?)
+        let names = |index| Some((times.time(index)?, snapshot_files(case, index)));
+        let list: Vec<(f64, Vec<String>)> = (0..=index).map_while(names).collect();
+        Ok(self.files.write_snapshot(&image, joints.as_ref(), &list)?)
     }
 
     fn handle_progress(&mut self, progress: &RunProgress) -> Result<(), Error> {

@@ -3,14 +3,16 @@
 use super::checkpoint::Checkpoint;
 use crate::case::{Case, TimeDomainRun};
 use crate::cli::Error;
-use crate::cli::folder::{AppendedFile, OutputError, ResultFolder, RunFolder, SNAPSHOT_LIST_FILE};
+use crate::cli::folder::{
+    AppendedFile, JOINT_LIST_FILE, OutputError, ResultFolder, RunFolder, SNAPSHOT_LIST_FILE,
+};
 use crate::study::simulate::{
     RecordColumn, RecordTable, RunRecords, TableHeader, TableKind, column_unit,
 };
 use dynamics::simulation::SimulationState;
 use files::lock::Lock;
 use files::table_appender::{Appender, InterruptedTable};
-use files::vti::{ImageData, format_collection};
+use files::vti::{ImageData, LineData, format_collection};
 use files::{FileDigest, read_regular_file};
 use std::io::Write as _;
 
@@ -22,7 +24,7 @@ pub(super) struct RunFiles<'a> {
     /// Folder of the run; `None` before the run begins.
     run_folder: Option<RunFolder<'a>>,
     tables: Vec<(AppendedFile, Appender)>,
-    /// Lengths and checksums of all snapshots so far, by index.
+    /// Lengths and checksums of the files of all snapshots so far, by index.
     snapshots: Vec<FileDigest>,
 }
 
@@ -42,11 +44,13 @@ impl<'a> RunFiles<'a> {
         Self { folder, lock, run_folder: None, tables: Vec::new(), snapshots: Vec::new() }
     }
 
-    /// Prepares the folder for a run from its beginning and creates its tables.
+    /// Prepares the folder for a run from its beginning and creates its tables; `has_joints`: whether snapshots have files
+    /// of joints.
     pub(super) fn create(
         &mut self,
         tables: &[TableHeader],
         has_snapshots: bool,
+        has_joints: bool,
     ) -> Result<(), Error> {
         let folder = self.folder;
         let mut run = match self.lock.take() {
@@ -60,30 +64,32 @@ impl<'a> RunFiles<'a> {
             self.tables.push((file, own.map_err(OutputError::from_append_error)?));
         }
         if has_snapshots {
-            run.write_result(SNAPSHOT_LIST_FILE, &serialise_snapshot_list(&[] as &[(f64, &str)])?)?;
+            write_snapshot_lists(&mut run, &[], has_joints)?;
         }
         self.run_folder = Some(run);
         Ok(())
     }
 
     /// Prepares the folder for a run resumed from a checkpoint. `restore` restores the solver state and returns the
-    /// number of snapshots due, or `None` if the state does not match the case; `snapshot` returns time, s, and name of
-    /// a snapshot by its index. Nothing is changed before all files are found to match the checkpoint.
+    /// number of snapshots due, or `None` if the state does not match the case; `snapshot` returns time, s, and file
+    /// names of a snapshot by its index. Nothing is changed before all files are found to match the checkpoint.
     pub(super) fn resume(
         &mut self,
         tables: &[TableHeader],
         from: &Checkpoint,
         restore: &mut dyn FnMut(&SimulationState) -> Option<usize>,
-        snapshot: impl Fn(usize) -> Option<(f64, String)>,
+        snapshot: impl Fn(usize) -> Option<(f64, Vec<String>)>,
     ) -> Result<(), Error> {
         let folder = self.folder;
-        let is_own =
-            |due: &usize| from.tables.len() == tables.len() && from.snapshots.len() == *due;
-        let due = restore(&from.state)
-            .filter(is_own)
-            .ok_or_else(|| Checkpoint::mismatch_error(folder))?;
-        let list: Vec<(f64, String)> = (0..due).map_while(snapshot).collect();
-        for ((_, name), written) in list.iter().zip(&from.snapshots) {
+        let snapshots_due = restore(&from.state).filter(|_| from.tables.len() == tables.len());
+        let list = snapshots_due.map(|due| (0..due).map_while(snapshot).collect());
+        let list: Vec<(f64, Vec<String>)> =
+            list.ok_or_else(|| Checkpoint::mismatch_error(folder))?;
+        let names: Vec<&String> = list.iter().flat_map(|(_, names)| names).collect();
+        if names.len() != from.snapshots.len() {
+            return Err(Checkpoint::mismatch_error(folder).into());
+        }
+        for (name, written) in names.iter().zip(&from.snapshots) {
             folder.check_file(name, *written)?;
         }
         let mut found = Vec::new();
@@ -99,11 +105,9 @@ impl<'a> RunFiles<'a> {
         }
         if !list.is_empty() {
             // The list on disk may contain snapshots of steps that will be repeated.
-            run.write_result(SNAPSHOT_LIST_FILE, &serialise_snapshot_list(&list)?)?;
+            write_snapshot_lists(&mut run, &list, list[0].1.len() > 1)?;
         }
-        list.iter()
-            .zip(&from.snapshots)
-            .for_each(|((_, name), own)| run.insert_checksum(name, *own));
+        names.iter().zip(&from.snapshots).for_each(|(name, own)| run.insert_checksum(name, *own));
         self.snapshots.clone_from(&from.snapshots);
         self.run_folder = Some(run);
         Ok(())
@@ -117,19 +121,22 @@ impl<'a> RunFiles<'a> {
         }
     }
 
-    /// Writes a snapshot for ParaView under the last name in `list`, which holds times and names of all snapshots so
-    /// far.
+    /// Writes the files of a snapshot for ParaView, fields and joints if any, under the last names in `list`, which holds
+    /// times and names of all snapshots so far.
     pub(super) fn write_snapshot(
         &mut self,
         image: &ImageData,
-        list: &[(f64, String)],
+        joints: Option<&LineData>,
+        list: &[(f64, Vec<String>)],
     ) -> Result<(), Error> {
         let Some(run) = &mut self.run_folder else { return Ok(()) };
-        if let Some((_, name)) = list.last() {
-            self.snapshots.push(run.write_result(name, &image.to_bytes())?);
+        if let Some((_, names)) = list.last() {
+            let files = std::iter::once(image.to_bytes()).chain(joints.map(LineData::to_bytes));
+            for (name, bytes) in names.iter().zip(files) {
+                self.snapshots.push(run.write_result(name, &bytes)?);
+            }
         }
-        run.write_result(SNAPSHOT_LIST_FILE, &serialise_snapshot_list(list)?)?;
-        Ok(())
+        write_snapshot_lists(run, list, joints.is_some())
     }
 
     /// Syncs the tables to disk and creates a checkpoint of `state`.
@@ -170,9 +177,19 @@ impl<'a> RunFiles<'a> {
     }
 }
 
-/// Serialises the list of snapshots, which holds their times, s, and file names.
-fn serialise_snapshot_list<S: AsRef<str>>(list: &[(f64, S)]) -> Result<Vec<u8>, Error> {
-    Ok(format_collection(list).map_err(crate::Error::from)?)
+/// Writes the list of snapshots, whose times, s, and file names are in `list`, and that of their joints if any.
+fn write_snapshot_lists(
+    run: &mut RunFolder,
+    list: &[(f64, Vec<String>)],
+    has_joints: bool,
+) -> Result<(), Error> {
+    let lists = [(SNAPSHOT_LIST_FILE, true), (JOINT_LIST_FILE, has_joints)];
+    for (index, (file, _)) in lists.into_iter().enumerate().filter(|(_, (_, is_due))| *is_due) {
+        let entries: Vec<(f64, &String)> =
+            list.iter().filter_map(|(time, names)| Some((*time, names.get(index)?))).collect();
+        run.write_result(file, &format_collection(&entries).map_err(crate::Error::from)?)?;
+    }
+    Ok(())
 }
 
 /// Reads the tables of a results folder.

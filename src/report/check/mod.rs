@@ -1,5 +1,6 @@
 //! Report on the comparison of measured with predicted waves.
 
+mod blocks;
 mod flow;
 mod solid;
 

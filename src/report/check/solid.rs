@@ -25,6 +25,9 @@ impl SolidCheck {
         for medium in &self.media {
             medium.write_table(&mut text);
         }
+        for blocks in &self.blocks {
+            blocks.write_table(&mut text);
+        }
         text
     }
 }
@@ -38,20 +41,7 @@ impl MediumCheck {
         };
         let _ = writeln!(text, "{place}{}", self.medium_title);
         self.write_table_head(text);
-        let mut last: Option<WaveVector> = None;
-        for row in &self.rows {
-            let wave = row.wave;
-            if last != Some(wave) {
-                let up = match wave.elevation_deg {
-                    0.0 => String::new(),
-                    up => format!(", {}° above the plane", format_short(up)),
-                };
-                let (k, along) = (format_short(wave.wave_number), format_short(wave.direction_deg));
-                let _ = writeln!(text, "k = {k} 1/m at {along}°{up}");
-                last = Some(wave);
-            }
-            row.write_row(text);
-        }
+        write_rows(&self.rows, text);
         for band in &self.forbidden_bands {
             let at = |own: Option<f64>| own.map_or("none".to_owned(), format_significant);
             let _ = writeln!(
@@ -69,7 +59,7 @@ impl MediumCheck {
         let verdict = match (failed, self.agrees) {
             (_, None) => String::new(),
             (0, Some(true)) => ": all agree".to_owned(),
-            (0, Some(false)) => ": forbidden bands DISAGREE".to_owned(),
+            (0, Some(false)) => ": band gaps DISAGREE".to_owned(),
             (some, _) => format!(": {some} DISAGREE"),
         };
         let _ = writeln!(
@@ -93,19 +83,7 @@ impl MediumCheck {
              each axis\n",
             cells.join(", ")
         );
-        let _ = writeln!(
-            text,
-            "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>11}{:>16}{:>6}",
-            "",
-            "predicted",
-            "measured",
-            "error",
-            "expected",
-            "growth",
-            "tolerance",
-            format!("error (N = {coarse})"),
-            "order",
-        );
+        write_column_heads(&format!("error (N = {coarse})"), text);
     }
 
     /// Creates the figure of measured frequencies on predicted curves. Measurements in all directions are drawn for the
@@ -113,10 +91,8 @@ impl MediumCheck {
     pub(super) fn create_figure(&self, case: &Case) -> DispersionFigure {
         let greatest = self.rows.iter().map(|row| row.wave.wave_number).fold(0.0, f64::max);
         let bands = self.branches.iter().flat_map(|(_, groups)| groups).flat_map(|group| {
-            let inner = group
-                .forbidden_bands
-                .iter()
-                .filter(|band| band.lower > 0.0 && band.upper.is_finite());
+            let inner =
+                group.band_gaps.iter().filter(|band| band.lower > 0.0 && band.upper.is_finite());
             inner.map(|band| FrequencyBand {
                 label: format!("no {} waves", group.family.polarisation.name()),
                 low: band.lower,
@@ -206,8 +182,35 @@ fn wave_direction(wave: &WaveVector) -> [f64; 2] {
     [wave.direction_deg, wave.elevation_deg]
 }
 
+/// Writes rows under the wave vectors that they belong to.
+pub(super) fn write_rows(rows: &[BranchCheck], text: &mut String) {
+    let mut last: Option<WaveVector> = None;
+    for row in rows {
+        let wave = row.wave;
+        if last != Some(wave) {
+            let up = match wave.elevation_deg {
+                0.0 => String::new(),
+                up => format!(", {}° above the plane", format_short(up)),
+            };
+            let (k, along) = (format_short(wave.wave_number), format_short(wave.direction_deg));
+            let _ = writeln!(text, "k = {k} 1/m at {along}°{up}");
+            last = Some(wave);
+        }
+        row.write_row(text);
+    }
+}
+
+/// Writes the heads of the columns; `coarse`: that of the error on the coarsest grid.
+pub(super) fn write_column_heads(coarse: &str, text: &mut String) {
+    let _ = writeln!(
+        text,
+        "{:<42}{:>12}{:>12}{:>10}{:>10}{:>10}{:>11}{:>16}{:>6}",
+        "", "predicted", "measured", "error", "expected", "growth", "tolerance", coarse, "order",
+    );
+}
+
 impl BranchCheck {
-    fn write_row(&self, text: &mut String) {
+    pub(super) fn write_row(&self, text: &mut String) {
         let name = match self.response {
             WaveResponse::Elastic => self.branch.clone(),
             other => format!("{}: {}", other.name(), self.branch),
@@ -218,7 +221,12 @@ impl BranchCheck {
         else {
             let reason = self.unmeasured_reason.as_deref().unwrap_or_default();
             let predicted = format_significant(predicted);
-            let _ = writeln!(text, "  {name:<40}{predicted:>12}  not measurable: {reason}");
+            let verdict = match self.agrees {
+                Some(agrees) => format!("  {}", format_agreement(agrees)),
+                None => String::new(),
+            };
+            let _ =
+                writeln!(text, "  {name:<40}{predicted:>12}  not measurable: {reason}{verdict}");
             return;
         };
         let _ = writeln!(

@@ -39,7 +39,7 @@ impl<'a> PlottedModel<'a> {
         Some(Self { title: analysis.kind.title(), state: analysis.yielding_state()? })
     }
 
-    /// Returns the legend: name of the model, fitted order of growth and exact order by the verdict.
+    /// Returns the legend: name of the model, order of growth from the fit, and exact order of growth from the verdict.
     fn format_legend(&self) -> String {
         let Self { title, state } = self;
         let exact = match (state.verdict, state.order) {

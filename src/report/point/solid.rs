@@ -15,12 +15,19 @@ use num_complex::Complex64;
 use std::fmt::Write as _;
 
 pub(super) fn format_text(case: &Case, found: &SolidPoint) -> String {
+    let case = &case.with_block_material();
     let mut text = format!(
         "{}\nmodel: {}, {}\n",
         case_title(case),
         case.medium().title(),
         if found.dimensions == 2 { "plane strain" } else { "in space" }
     );
+    if found.analysed_part.is_some() {
+        text.push_str(
+            "part: the solid of the blocks, without joints; wellposed dispersion computes the waves of \
+             blocks with joints\n",
+        );
+    }
     write_yielding(found, &mut text);
     write_speeds(case, found, &mut text);
     write_extremes(found, &mut text);
@@ -183,7 +190,7 @@ fn write_verdict(found: &SolidPoint, text: &mut String) {
 
 /// Creates the figure of the growth rate against direction and wave number.
 pub(super) fn create_pictures(case: &Case, found: &SolidPoint) -> Vec<ReportPicture> {
-    let figure = create_figure(case, found);
+    let figure = create_figure(&case.with_block_material(), found);
     vec![ReportPicture::new("growth", move |format| figure.draw(format))]
 }
 

@@ -1,8 +1,11 @@
 //! Animation of the snapshots of a run.
 
+use super::joints::{JointScale, create_line_sets, read_joint_lines};
 use super::{flow, solid};
 use crate::Error;
+use crate::case::dynamics::Blocks;
 use crate::case::{Case, TimeDomainRun};
+use crate::study::simulate::JointFace;
 use figures::{FieldFigure, GifAnimation};
 
 /// Function that reads the values to be drawn from the bytes of a snapshot, or returns an error message.
@@ -15,6 +18,28 @@ type FigureBuilder<'a> = Box<dyn Fn(f64, Vec<f64>) -> FieldFigure + 'a>;
 pub struct FrameConverter<'a> {
     read_values: SnapshotReader<'a>,
     build_figure: FigureBuilder<'a>,
+    /// Blocky medium with joints.
+    blocks: Option<&'a Blocks>,
+}
+
+/// Scale common to all frames of an animation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameScale {
+    /// Largest magnitude of the plotted quantity, the end of the colour scale.
+    pub max_magnitude: f64,
+    /// Largest slip and opening of joints.
+    pub joints: JointScale,
+}
+
+impl FrameScale {
+    /// Returns the scale of both the frames of `self` and of `other`.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            max_magnitude: self.max_magnitude.max(other.max_magnitude),
+            joints: self.joints.max(other.joints),
+        }
+    }
 }
 
 /// Time and values of a snapshot to be drawn.
@@ -23,12 +48,17 @@ pub struct AnimationFrame {
     time: f64,
     /// Values to be drawn, in display units, first axis of the picture fastest.
     values: Vec<f64>,
+    /// Faces of joints.
+    joints: Vec<JointFace>,
 }
 
 impl AnimationFrame {
-    /// Returns the largest absolute value in the frame.
-    pub fn max_magnitude(&self) -> f64 {
-        self.values.iter().fold(0.0, |sum, value| sum.max(value.abs()))
+    /// Returns the largest absolute value in the frame, and the largest slip and opening.
+    pub fn scale(&self) -> FrameScale {
+        FrameScale {
+            max_magnitude: self.values.iter().fold(0.0, |sum, value| sum.max(value.abs())),
+            joints: JointScale::new(&self.joints),
+        }
     }
 }
 
@@ -50,14 +80,21 @@ impl<'a> FrameConverter<'a> {
                     build_figure: Box::new(move |time, values| {
                         drawn.create_figure(case, picture, time, values)
                     }),
+                    blocks: dynamics.blocks.as_ref().filter(|blocks| blocks.has_joints()),
                 })
             }
             TimeDomainRun::Flow(run) if run.output.snapshot_interval > 0.0 => Some(Self {
                 read_values: Box::new(|bytes| flow::read_snapshot_values(bytes, run)),
                 build_figure: Box::new(|time, values| flow::create_figure(case, run, time, values)),
+                blocks: None,
             }),
             _ => None,
         })
+    }
+
+    /// Returns whether the snapshots of the case have files of joints.
+    pub fn has_joints(&self) -> bool {
+        self.blocks.is_some()
     }
 
     /// Reads time and values from the bytes of a snapshot.
@@ -66,16 +103,25 @@ impl<'a> FrameConverter<'a> {
     /// The bytes are not a snapshot of this case; the error is a message.
     pub fn read_frame(&self, snapshot: &[u8]) -> Result<AnimationFrame, String> {
         let time = files::vti::read_plain_time(snapshot).ok_or("has no time")?;
-        Ok(AnimationFrame { time, values: (self.read_values)(snapshot)? })
+        Ok(AnimationFrame { time, values: (self.read_values)(snapshot)?, joints: Vec::new() })
     }
 
-    /// Draws the frames as a GIF with a common colour scale, which ends at the magnitude `max_magnitude`.
+    /// Reads the faces of joints of a frame from the bytes of their file.
+    ///
+    /// # Errors
+    /// The bytes are not a file of joints; the error is a message.
+    pub fn read_joints(&self, frame: &mut AnimationFrame, joints: &[u8]) -> Result<(), String> {
+        frame.joints = read_joint_lines(joints)?;
+        Ok(())
+    }
+
+    /// Draws the frames as a GIF with a common scale.
     ///
     /// # Errors
     /// A frame is an error or cannot be drawn.
     pub fn draw_animation<E: From<Error>>(
         &self,
-        max_magnitude: f64,
+        scale: FrameScale,
         frames: impl Iterator<Item = Result<AnimationFrame, E>>,
     ) -> Result<Vec<u8>, E> {
         const SECONDS_PER_FRAME: f64 = 0.1;
@@ -83,9 +129,12 @@ impl<'a> FrameConverter<'a> {
         let animation = GifAnimation::new(Vec::new(), SECONDS_PER_FRAME, WIDTH_PIXELS);
         let mut animation = animation.map_err(Error::from)?;
         for frame in frames {
-            let AnimationFrame { time, values } = frame?;
+            let AnimationFrame { time, values, joints } = frame?;
             let mut figure = (self.build_figure)(time, values);
-            figure.fixed_limit = Some(max_magnitude);
+            figure.fixed_limit = Some(scale.max_magnitude);
+            if let Some(blocks) = self.blocks {
+                figure.line_sets = create_line_sets(blocks, &joints, scale.joints);
+            }
             animation.add_frame(&figure).map_err(Error::from)?;
         }
         Ok(animation.finish().map_err(Error::from)?)

@@ -103,6 +103,8 @@ pub(super) fn create_figure(
         contour_levels: run.output.contour_levels.clone(),
         material_indices: Vec::new(),
         has_yielded: Vec::new(),
+        line_sets: Vec::new(),
+        arrows: None,
         marks: run
             .receivers
             .iter()

@@ -1,6 +1,8 @@
 //! Pictures of the simulation of a solid.
 
 use super::display::axis_label;
+use super::fluid::FluidState;
+use super::joints::{JointScale, create_line_sets};
 use super::records::{create_ledger_picture, create_seismograms, evenly_spaced_indices};
 use super::snapshot::read_array;
 use crate::case::Case;
@@ -34,6 +36,15 @@ pub(super) fn create_pictures(
         "source_work" | "sources" => "work of sources and gravity",
         "initial_stress_work" | "initial_stress" => "work of the initial stress",
         "plastic_dissipation" | "plastic" => "plastic dissipation",
+        "joint_kinetic" => "kinetic energy of joints",
+        "joint_stored" => "stored energy of joints",
+        "fluid_kinetic" => "kinetic energy of the fluid",
+        "fluid_stored" => "energy of the fluid pressure",
+        "joint_plastic_dissipation" => "plastic dissipation of joints",
+        "joint_viscous_dissipation" => "viscous dissipation of joints",
+        "joint_released_energy" => "energy released by open cracks",
+        "joint_fracture_energy" => "energy lost at fracture",
+        "fluid_dissipation" => "numerical dissipation of the fluid",
         "numerical_dissipation" | "numerical" => "numerical dissipation",
         "residual" => "residual",
         _ => "balance: numerical dissipation",
@@ -42,7 +53,30 @@ pub(super) fn create_pictures(
     if !fields.dissipation.is_empty() && dynamics.output.plotted_quantity != Shown::Dissipation {
         pictures.push(final_state("dissipation", Shown::Dissipation));
     }
+    if let Some(figure) = create_fluid_figure(case, dynamics, fields) {
+        pictures.push(ReportPicture::new("fluid", move |format| figure.draw(format)));
+    }
     pictures
+}
+
+/// Creates the figure of the circulation of the fluid in saturated joints; `None` without such joints.
+fn create_fluid_figure(
+    case: &Case,
+    dynamics: &SolidRun,
+    fields: &OutputFields,
+) -> Option<FieldFigure> {
+    let blocks = dynamics.blocks.as_ref()?;
+    let FluidState { pressures, arrows } = FluidState::new(blocks, &dynamics.grid, &fields.joints)?;
+    let figure =
+        PlaneSection::new(dynamics).create_figure(case, Shown::Speed, fields.time, pressures);
+    Some(FieldFigure {
+        label: "pressure of fluid p, Pa".to_owned(),
+        is_signed: true,
+        contour_levels: None,
+        arrows: Some(arrows),
+        line_sets: create_line_sets(blocks, &[], JointScale::default()),
+        ..figure
+    })
 }
 
 /// Creates the figure of the quantity `shown` in the final state; in three dimensions, of the section normal to x₂
@@ -73,7 +107,7 @@ fn create_figure(
         }
     };
     let mut figure = section.create_figure(case, shown, fields.time, values);
-    if dynamics.regions.len() > 1 {
+    if fields.regions.iter().any(|region| *region != fields.regions[0]) {
         let region = |cell: usize| fields.regions.get(cell).copied().unwrap_or(0);
         figure.material_indices = section.cell_indices().map(region).collect();
     }
@@ -82,6 +116,10 @@ fn create_figure(
             .cell_indices()
             .map(|cell| cell_value(&fields.dissipation, cell) > 0.0)
             .collect();
+    }
+    if let Some(blocks) = &dynamics.blocks {
+        figure.line_sets =
+            create_line_sets(blocks, &fields.joints, JointScale::new(&fields.joints));
     }
     figure
 }
@@ -207,6 +245,8 @@ impl<'a> PlaneSection<'a> {
                 .filter(|_| picture == dynamics.output.plotted_quantity),
             material_indices: Vec::new(),
             has_yielded: Vec::new(),
+            line_sets: Vec::new(),
+            arrows: None,
             marks: receivers
                 .filter_map(|(index, own)| {
                     mark(&own.position, name(index), FieldMarkKind::Receiver)

@@ -1,11 +1,13 @@
 //! Plans of checks from a case: waves, grids and solver settings.
 
+pub mod blocks;
 pub mod flow;
 pub mod solid;
 
 use crate::case::{Case, CaseError, Material, ModelKind, SweepParameter};
 use crate::{Error, setup};
 use agreement::AgreementError;
+use blocks::BlocksPlan;
 use flow::FlowPlan;
 use models::InputError;
 use solid::MediumPlan;
@@ -22,8 +24,13 @@ pub enum CheckExtent {
 /// Plan of the checks of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CheckPlan {
-    /// Checks of the distinct media of a solid, in the order of the regions.
-    Solid(Vec<MediumPlan>),
+    /// Checks of a solid.
+    Solid {
+        /// Distinct media, in the order of the regions or blocks.
+        media: Vec<MediumPlan>,
+        /// Media of blocks and joints; empty without joints.
+        blocks: Vec<BlocksPlan>,
+    },
     /// Check of the waves of a flow, and of a perturbation on refined grids.
     Flow(FlowPlan),
     /// No check, since no solver supports the case; contains the reason.
@@ -38,12 +45,14 @@ impl CheckPlan {
     pub fn new(case: &Case, extent: CheckExtent) -> Result<Self, Error> {
         check_magnitudes(case)?;
         if let ModelKind::Solid(_) = case.material.kind {
-            return Ok(
-                match solid::plan_media(case, extent).map_err(|error| case.locate_error(error))? {
-                    Ok(media) => Self::Solid(media),
-                    Err(error) => Self::NotMeasurable(format_reason(case.locate_error(error))),
-                },
-            );
+            let media =
+                solid::plan_media(case, extent).map_err(|error| case.locate_error(error))?;
+            let blocks =
+                blocks::plan_blocks(case, extent).map_err(|error| case.locate_error(error))?;
+            return Ok(match media {
+                Ok(media) => Self::Solid { media, blocks },
+                Err(error) => Self::NotMeasurable(format_reason(case.locate_error(error))),
+            });
         }
         case.build_located_model()?
             .background(&case.to_flow_state())
@@ -115,6 +124,9 @@ pub fn locate_agreement_error(material: &Material, error: AgreementError) -> Err
         | AgreementError::Flow(_)
         | AgreementError::SolverStopped(_) => {
             ("background", "a state further from the border of the fully deforming region")
+        }
+        AgreementError::Bloch(_) | AgreementError::NotLinear(_) => {
+            ("joint", "layers and blocks for which the analysis finds waves")
         }
         AgreementError::NoVelocity => {
             ("initial", "noise of v, say, up to the greatest mode number of the finest")

@@ -36,15 +36,15 @@ pub(super) fn plan_media(
     case: &Case,
     extent: CheckExtent,
 ) -> Result<Result<Vec<MediumPlan>, InputError>, InputError> {
-    let regions = case.solid_run.iter().flat_map(|dynamics| &dynamics.regions);
     let mut media: Vec<(String, Material)> = Vec::new();
-    for (index, region) in regions.enumerate() {
-        let own = &region.material;
+    let materials = case.solid_run.iter().flat_map(|own| own.materials().into_iter().enumerate());
+    for (index, own) in materials {
         let is_same = |(_, other): &(String, Material)| {
             (own.medium(), &own.numbers) == (other.medium(), &other.numbers)
         };
         if !media.iter().any(is_same) {
-            media.push((format!("region[{index}]"), own.clone()));
+            let section = case.solid_run.as_ref().map(|own| own.material_section(index));
+            media.push((section.unwrap_or_default(), own.clone()));
         }
     }
     if media.is_empty() {

@@ -61,6 +61,23 @@ impl GridConverter<'_> {
                 InitialStateTerm::Rotation { shape, angle_deg, axis } => {
                     self.add_rotation(&mut sums, case, shape, *angle_deg, *axis)?;
                 }
+                InitialStateTerm::RigidRotation { shape, center, rate, axis } => {
+                    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+                    let coordinate =
+                        |x: &[f64], axis: usize| x.get(axis).map_or(0.0, |x| x - center[axis]);
+                    let inside = |x: &[f64], value: f64| {
+                        if shape.contains(x) { value } else { 0.0 }
+                    };
+                    for (own, other, sign) in [(i, j, -1.0), (j, i, 1.0)] {
+                        sums.add_field(SolidField::Velocity(own), |x| {
+                            inside(x, sign * rate * coordinate(x, other))
+                        });
+                    }
+                    let spin = SolidField::Spin(*axis);
+                    if self.medium.fields.contains(&spin) {
+                        sums.add_field(spin, |x| inside(x, *rate));
+                    }
+                }
                 InitialStateTerm::PlanePulse(pulse) => {
                     let of_cell = self.dynamics.compute_cell_media()?;
                     let key = format!("initial[{index}]");
@@ -140,9 +157,9 @@ impl GridConverter<'_> {
                 create_elastic_law_and_set(own).map_err(|error| own.locate_error(error))?;
             Ok(elastic.antisymmetric_modulus())
         };
-        match self.dynamics.regions.as_slice() {
+        match self.dynamics.materials().as_slice() {
             [] => Ok(vec![alpha(&case.material)?]),
-            regions => regions.iter().map(|region| alpha(&region.material)).collect(),
+            materials => materials.iter().map(|own| alpha(own)).collect(),
         }
     }
 
@@ -155,8 +172,8 @@ impl GridConverter<'_> {
         branch: usize,
         key: &str,
     ) -> Result<Vec<(SolidField, Complex64)>, Error> {
-        let own = match self.dynamics.regions.as_slice() {
-            [region] => &region.material,
+        let own = match self.dynamics.materials().as_slice() {
+            [own] => *own,
             _ => &case.material,
         };
         let (elastic, _) =

@@ -35,8 +35,7 @@ impl<'a> IncidentPulse<'a> {
         key: &str,
     ) -> Result<Self, Error> {
         let medium = of_cell[containing_cell(dynamics, &case_pulse.reference_point)];
-        let region = dynamics.regions.get(usize::from(medium));
-        let own = region.map_or(&case.material, |region| &region.material);
+        let own = dynamics.materials().get(usize::from(medium)).copied().unwrap_or(&case.material);
         let (elastic, _) =
             create_elastic_law_and_set(own).map_err(|error| own.locate_error(error))?;
         let classical = elastic.downcast::<Isotropic>().filter(|own| own.microrotation.is_none());

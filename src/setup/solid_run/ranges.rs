@@ -42,8 +42,9 @@ impl PrecisionRange {
 /// A constant is out of range.
 pub(super) fn check_constants(case: &Case, dynamics: &SolidRun) -> Result<(), Error> {
     let range = PrecisionRange::from_precision(dynamics.scheme.precision);
-    let own = dynamics.regions.is_empty().then_some(&case.material);
-    for material in own.into_iter().chain(dynamics.regions.iter().map(|region| &region.material)) {
+    let materials = dynamics.materials();
+    let own = materials.is_empty().then_some(&case.material);
+    for material in own.into_iter().chain(materials) {
         let constants =
             solid::constants_by_name(material).map_err(|error| material.locate_error(error))?;
         if let Some((input, value)) = constants.into_iter().find(|own| !range.contains(own.1)) {
@@ -110,7 +111,7 @@ pub(super) fn check_amplitudes(dynamics: &SolidRun, media: &[Medium]) -> Result<
             | InitialStateTerm::PlanePulse(PlanePulseInput { amplitude, .. }) => {
                 check(format!("initial[{index}]"), SolidField::Velocity(0), *amplitude)?;
             }
-            InitialStateTerm::Rotation { .. } => {}
+            InitialStateTerm::Rotation { .. } | InitialStateTerm::RigidRotation { .. } => {}
         }
     }
     Ok(())

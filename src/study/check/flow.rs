@@ -6,7 +6,7 @@ use crate::Error;
 use crate::case::Case;
 use crate::setup::check::flow::{FlowPlan, FlowWave, compute_verdict, create_uniform_flow};
 use crate::setup::check::locate_agreement_error;
-use crate::study::{ProgressCallback, report_progress};
+use crate::study::ProgressCallback;
 use agreement::fit::Rate;
 use agreement::flows::{ModeResult, UniformFlow, compare_waves};
 use agreement::{AgreementError, PlaneWave};
@@ -104,6 +104,9 @@ pub struct RateCurve {
     pub measured: Vec<[f64; 2]>,
 }
 
+/// Number of increments of the progress of one wave, or of one grid in one model.
+const TASK_INCREMENTS: usize = 1000;
+
 /// Checks the waves of a flow, and a perturbation on refined grids if requested.
 pub(super) fn check_flow(
     case: &Case,
@@ -113,20 +116,22 @@ pub(super) fn check_flow(
     let FlowPlan { waves, kinds, grids } = plan;
     let problem = create_uniform_flow(case)?;
     compute_verdict(case, &problem)?;
-    let all = waves.len() + kinds.len() * grids.len();
+    // Each wave, and each grid in one model, counts the same number of increments.
+    let all = TASK_INCREMENTS * (waves.len() + kinds.len() * grids.len());
     let plane_waves: Vec<PlaneWave<2>> = waves.iter().map(FlowWave::to_plane_wave).collect();
-    let results = compare_waves(&problem, &plane_waves, &|done, _| on_progress(done, all))
-        .map_err(|error| locate_agreement_error(&case.material, error))?;
+    let results =
+        compare_waves(&problem, &plane_waves, &|done, _| on_progress(TASK_INCREMENTS * done, all))
+            .map_err(|error| locate_agreement_error(&case.material, error))?;
     let noncoaxiality_deg = problem.flow.noncoaxiality.to_degrees();
-    let mut done = waves.len();
     let mut refinements = Vec::new();
-    for kind in kinds {
+    for (index, kind) in kinds.iter().enumerate() {
         let own = case.convert_with_noncoaxiality(*kind, Some(noncoaxiality_deg));
         if let Some(run) = &case.flow_run {
-            refinements.push(check_refinement(own, run, grids, &mut || {
-                done += 1;
-                report_progress(on_progress, done, all)
-            })?);
+            let first = waves.len() + index * grids.len();
+            let on_grid_progress = |grid: usize, [done, total]: [usize; 2]| {
+                on_progress(TASK_INCREMENTS * (first + grid) + TASK_INCREMENTS * done / total, all)
+            };
+            refinements.push(check_refinement(own, run, grids, &on_grid_progress)?);
         }
     }
     let shear_rate = problem.flow.shear_rate;

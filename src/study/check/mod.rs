@@ -2,6 +2,7 @@
 //!
 //! [`agreement`] compares prediction and measurement; this module collects its results for the problems of a case.
 
+pub mod blocks;
 pub mod flow;
 pub mod refinement;
 pub mod solid;
@@ -80,8 +81,8 @@ pub fn check_agreement(
     on_progress: ProgressCallback,
 ) -> Result<CheckResult, Error> {
     let (agrees, outcome) = match CheckPlan::new(case, extent)? {
-        CheckPlan::Solid(media) => {
-            let found = solid::check_solid(media, on_progress)?;
+        CheckPlan::Solid { media, blocks } => {
+            let found = solid::check_solid((media, blocks), &case.material, on_progress)?;
             (found.agrees(), CheckOutcome::Solid(found))
         }
         CheckPlan::Flow(plan) => {
@@ -94,7 +95,7 @@ pub fn check_agreement(
 }
 
 impl CheckResult {
-    /// Returns the number of checked items (branches and forbidden bands of a solid, modes and grid refinements of a
+    /// Returns the number of checked items (branches and forbidden bands of a solid and its blocks, modes and grid refinements of a
     /// flow) and the number of those that disagree.
     pub fn row_counts(&self) -> [usize; 2] {
         match &self.outcome {
@@ -109,7 +110,10 @@ impl CheckResult {
         match &self.outcome {
             CheckOutcome::NotMeasurable { .. } => 0,
             CheckOutcome::Flow(own) => own.unmeasured_count(),
-            CheckOutcome::Solid(own) => own.media.iter().map(|own| own.unmeasured_count()).sum(),
+            CheckOutcome::Solid(own) => {
+                let media: usize = own.media.iter().map(|own| own.unmeasured_count()).sum();
+                media + own.blocks.iter().map(|own| own.unmeasured_count()).sum::<usize>()
+            }
         }
     }
 
@@ -120,7 +124,10 @@ impl CheckResult {
             CheckOutcome::NotMeasurable { .. } => None,
             CheckOutcome::Flow(own) => own.max_relative_difference(),
             CheckOutcome::Solid(own) => {
-                max_or_nan(own.media.iter().flat_map(|own| own.relative_differences()))
+                let media = own.media.iter().flat_map(|own| own.relative_differences());
+                max_or_nan(
+                    media.chain(own.blocks.iter().flat_map(|own| own.relative_differences())),
+                )
             }
         }
     }

@@ -11,6 +11,7 @@ use agreement::flows::{FastestMode, GridRefinement, compare_fastest_mode};
 use analysis::growth::Verdict;
 use analysis::newton_polygon::GrowthOrder;
 use serde::Serialize;
+use std::ops::ControlFlow;
 
 /// Grid refinement of a perturbation in one model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -69,27 +70,29 @@ pub struct FastestModeCheck {
     pub agrees: bool,
 }
 
+/// Progress callback, called with the index of the grid, and the number of done and of all increments of that grid.
+pub(super) type GridProgressCallback<'a> =
+    &'a (dyn Fn(usize, [usize; 2]) -> ControlFlow<()> + Sync);
+
 /// Simulates the perturbation of `run` in the model of a case on each of the `grids`, given as points per axis, and
 /// compares the growth rate of the fastest mode of each grid with the prediction.
 pub(super) fn check_refinement(
     ConvertedCase { case, lost_noncoaxiality_deg }: ConvertedCase,
     run: &FlowRun,
     grids: &[usize],
-    grid_is_done: &mut dyn FnMut() -> Result<(), Error>,
+    on_progress: GridProgressCallback,
 ) -> Result<RefinementCheck, Error> {
     let problem = create_uniform_flow(&case)?;
     let verdict_order = match compute_verdict(&case, &problem)? {
         Verdict::IllPosed { growth: Some(growth), .. } => GrowthOrder::to_f64(growth.order),
         _ => 0.0,
     };
-    let mut fastest = |&points: &usize| {
+    let fastest = |(index, &points): (usize, &usize)| {
         let perturbation = create_perturbation_on_grid(run, &problem, points)?;
-        let found = compare_fastest_mode(&problem, &perturbation)
-            .map_err(|error| locate_agreement_error(&case.material, error))?;
-        grid_is_done()?;
-        Ok(found)
+        compare_fastest_mode(&problem, &perturbation, &|done, all| on_progress(index, [done, all]))
+            .map_err(|error| locate_agreement_error(&case.material, error))
     };
-    let grids = grids.iter().map(&mut fastest).collect::<Result<_, Error>>()?;
+    let grids = grids.iter().enumerate().map(fastest).collect::<Result<_, Error>>()?;
     let own = GridRefinement { verdict_order, grids, shear_rate: problem.flow.shear_rate };
     let grid = |grid: &FastestMode| FastestModeCheck {
         points: grid.points,

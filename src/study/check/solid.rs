@@ -1,7 +1,9 @@
 //! Checks of solids: branches of all waves as predicted by the analysis, expected of the scheme, and measured.
 
+use super::blocks::BlocksCheck;
 use super::max_or_nan;
 use crate::case::{Material, WaveNumbers};
+use crate::setup::check::blocks::BlocksPlan;
 use crate::setup::check::locate_agreement_error;
 use crate::setup::check::solid::{MediumPlan, WavePlan};
 use crate::study::ProgressCallback;
@@ -21,6 +23,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub struct SolidCheck {
     /// Check of each medium.
     pub media: Vec<MediumCheck>,
+    /// Check of each periodic medium of blocks and joints; empty without joints.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub blocks: Vec<BlocksCheck>,
 }
 
 /// Check result of a medium.
@@ -138,26 +143,50 @@ fn serialize_response_name<S: Serializer>(
     serializer.serialize_str(response.name())
 }
 
-/// Checks all media of a solid.
+/// Checks all media of a solid, and its periodic media of blocks and joints; `material`: material of the case.
 pub(super) fn check_solid(
-    media: Vec<MediumPlan>,
+    (media, blocks): (Vec<MediumPlan>, Vec<BlocksPlan>),
+    material: &Material,
     on_progress: ProgressCallback,
 ) -> Result<SolidCheck, Error> {
-    let (mut checked, mut before) = (Vec::new(), 0);
-    let mut left = media.len();
+    let mut progress = SeriesProgress { on_progress, before: 0, left: media.len() + blocks.len() };
+    let mut checked = SolidCheck { media: Vec::new(), blocks: Vec::new() };
     for medium in media {
-        let own = AtomicUsize::new(0);
-        // The number of simulations for the remaining media is not known yet; for each it is assumed to be that of this
-        // medium.
-        let on_progress = |done: usize, all: usize| {
-            own.store(all, Ordering::Relaxed);
-            on_progress(before + done, before + all * left)
-        };
-        checked.push(MediumCheck::new(medium, &on_progress)?);
-        before += own.into_inner();
-        left -= 1;
+        checked.media.push(progress.run(|own| MediumCheck::new(medium, own))?);
     }
-    Ok(SolidCheck { media: checked })
+    for plan in blocks {
+        checked.blocks.push(progress.run(|own| BlocksCheck::new(plan, material, own))?);
+    }
+    Ok(checked)
+}
+
+/// Progress of a series of checks.
+struct SeriesProgress<'a> {
+    on_progress: ProgressCallback<'a>,
+    /// Number of tasks of the checks before.
+    before: usize,
+    /// Number of checks that are left, with the present one.
+    left: usize,
+}
+
+impl SeriesProgress<'_> {
+    /// Runs a check. The number of tasks of the next checks is not known yet; for each it is assumed to be that of this
+    /// one.
+    fn run<T>(
+        &mut self,
+        check: impl FnOnce(ProgressCallback) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let tasks = AtomicUsize::new(0);
+        let (before, left) = (self.before, self.left);
+        let on_progress = |done: usize, all: usize| {
+            tasks.store(all, Ordering::Relaxed);
+            (self.on_progress)(before + done, before + all * left)
+        };
+        let found = check(&on_progress)?;
+        self.before += tasks.into_inner();
+        self.left -= 1;
+        Ok(found)
+    }
 }
 
 /// Compares the branches of the waves of a solid, predicted for the material `predicted` and measured for the material
@@ -182,13 +211,17 @@ pub fn compute_branch_results(
 impl SolidCheck {
     /// Returns whether all measurements agree; `None` without any.
     pub fn agrees(&self) -> Option<bool> {
-        let all: Vec<bool> = self.media.iter().filter_map(|own| own.agrees).collect();
+        let media = self.media.iter().filter_map(|own| own.agrees);
+        let all: Vec<bool> = media.chain(self.blocks.iter().filter_map(|own| own.agrees)).collect();
         (!all.is_empty()).then(|| all.into_iter().all(|own| own))
     }
 
     /// Returns the number of branches and forbidden bands, and the number that disagree.
     pub fn row_counts(&self) -> [usize; 2] {
-        let rows = || self.media.iter().flat_map(|own| &own.rows);
+        let rows = || {
+            let media = self.media.iter().flat_map(|own| &own.rows);
+            media.chain(self.blocks.iter().flat_map(|own| &own.rows))
+        };
         let bands = || self.media.iter().flat_map(|own| &own.forbidden_bands);
         let failed = rows().filter(|row| row.agrees == Some(false)).count()
             + bands().filter(|band| !band.agrees).count();

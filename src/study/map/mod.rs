@@ -57,7 +57,7 @@ impl MapOptions {
 /// does not depend on the number of threads.
 ///
 /// # Errors
-/// The case has no map or is invalid at all of its points, or memory is short; [`Error::Cancelled`].
+/// The case has no map or is invalid at all of its points, or memory is insufficient; [`Error::Cancelled`].
 ///
 /// # Examples
 /// Harris–Grekova without rotational strength is well-posed up to a non-coaxiality of 45°:
@@ -132,7 +132,7 @@ fn is_transposed(case: &Case, map: &MapAxes) -> bool {
 /// counts those that fail.
 ///
 /// # Errors
-/// The case has no map or is invalid at all of its points, or memory is short; [`Error::Cancelled`].
+/// The case has no map or is invalid at all of its points, or memory is insufficient; [`Error::Cancelled`].
 pub fn check_map(case: &Case, on_progress: ProgressCallback) -> Result<(), Error> {
     let map = case.require_map()?;
     check_memory(case, map)?;

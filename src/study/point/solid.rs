@@ -36,6 +36,9 @@ pub struct SolidPoint {
     pub yield_set: Option<&'static str>,
     /// Dimensions: 2 for plane strain, 3 in space.
     pub dimensions: usize,
+    /// Part of the medium that is analysed: `blocks` of a blocky medium without its joints; `None` for other media.
+    #[serde(rename = "part", skip_serializing_if = "Option::is_none")]
+    pub analysed_part: Option<&'static str>,
     /// Name of the verdict.
     pub verdict: &'static str,
     /// Order of growth in the wave number k as k → ∞; `None` unless ill-posed, or if growth is unbounded at finite wave
@@ -86,7 +89,7 @@ pub struct SolidPoint {
     /// Solid with its yield set and stress.
     #[serde(skip)]
     pub solid: Solid,
-    /// Verdict with rounding bounds.
+    /// Verdict with its evidence: wave normal of the fastest growth, extreme waves, hyperbolicity.
     #[serde(skip)]
     pub assessment: SolidAssessment,
     /// Largest Re ς at the wave number of the case by direction: degrees, 1/s.
@@ -158,7 +161,11 @@ const PROGRESS_STEPS: usize = 4;
 /// # Errors
 /// The material is invalid (see [`create_solid`](setup::solid::create_solid)), or the state cannot be analysed;
 /// [`Error::Cancelled`].
+///
+/// In a blocky medium the solid is that of the first block; the joints are not included.
 pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<SolidPoint, Error> {
+    let analysed_part = case.has_joints().then_some("blocks");
+    let case = &case.with_block_material();
     let part_is_done = |part: usize| report_progress(on_progress, part, PROGRESS_STEPS);
     let located = |error: NoResponse| setup::locate_state_error(&case.material, error.into());
     let wave = case.material.numbers.wave;
@@ -208,6 +215,7 @@ pub fn analyse_solid(case: &Case, on_progress: ProgressCallback) -> Result<Solid
         model: case.material.kind.name(),
         yield_set: case.material.yield_set.map(|set| set.name),
         dimensions: solid.dimensions,
+        analysed_part,
         verdict: assessment.verdict.name(),
         order,
         coefficient,

@@ -209,6 +209,7 @@ impl FlowJob<'_> {
             deformation: found.fields.deformation,
             fields: found.fields,
             ledger: FinalLedger { unit: energy_unit(self.case), terms },
+            joints: None,
             receivers: self.run.receivers.iter().map(receiver).collect(),
             stop_report: found.stop_report,
             records: found.records,
@@ -267,6 +268,7 @@ impl OutputConverter<FlowSimulation> for FlowJob<'_> {
                 .collect(),
             dissipation: Vec::new(),
             regions: Vec::new(),
+            joints: Vec::new(),
         }
     }
 

@@ -51,7 +51,7 @@ pub enum ProblemSize {
 pub enum SimulationWarning {
     /// A time function of a load or source changes within fewer than four steps.
     FewSteps {
-        /// Entry in the case: `load[0]`.
+        /// Load or source in the case, such as `load[0]`.
         entry: String,
         /// Number of time steps in the shortest time scale of the time function.
         steps: f64,
@@ -64,7 +64,7 @@ pub enum SimulationWarning {
     },
     /// A load or source acts on one cell at a Courant number of 1, which leaves sawtooth waves undamped.
     Sawtooth {
-        /// Entry in the case: `source[0]`.
+        /// Load or source in the case, such as `source[0]`.
         entry: String,
     },
 }

@@ -8,14 +8,15 @@ use super::observer::{
 use super::plan::snapshot_count;
 use super::record::energy_unit;
 use super::{
-    Bytes, Cost, FieldQuantity, FinalLedger, IllPosedness, OutputFields, ProblemSize, Recorder,
-    RunReceiver, RunResult, SimulationJob, SimulationPlan, SimulationWarning, StepStatistics,
-    StopCause, StopReport, TableHeader, TableKind,
+    Bytes, Cost, FieldQuantity, FinalLedger, IllPosedness, JointFace, JointSummary, OutputFields,
+    ProblemSize, Recorder, RunReceiver, RunResult, SimulationJob, SimulationPlan,
+    SimulationWarning, StepStatistics, StopCause, StopReport, TableHeader, TableKind,
 };
 use crate::Error;
 use crate::case::dynamics::{
-    BoundaryConditionKind, BoundaryFace, DimensionalSplitting, FaceCondition, FaceLoad, Kernel,
-    LedgerDetail as LedgerKind, LoadedArea, Precision, SolidRun, StateComponent, TimeFunction,
+    Blocks, BoundaryConditionKind, BoundaryFace, DimensionalSplitting, FaceCondition, FaceLoad,
+    Kernel, LedgerDetail as LedgerKind, LoadedArea, Precision, SolidRun, StateComponent,
+    TimeFunction,
 };
 use crate::case::{Case, CaseError};
 use crate::setup::solid_run::{
@@ -23,7 +24,6 @@ use crate::setup::solid_run::{
 };
 use dynamics::SolverReal;
 use dynamics::domain::memory_bytes;
-use dynamics::ledger::{Energy, Ledger};
 use dynamics::medium::Medium;
 use dynamics::simulation::{
     Simulation as _, SolidAccount, SolidFault, SolidFields, SolidSimulation, SolverChoice,
@@ -45,6 +45,13 @@ const PADDING_LANES: usize = 10;
 
 /// Copies of a snapshot that are in memory while it is written, by measurement: interpolated, encoded and in buffers.
 const SNAPSHOT_COPIES: f64 = 3.8;
+
+/// Numbers that the output stores per face of a joint: state, position and ends.
+const NUMBERS_PER_JOINT_FACE: f64 = 16.0;
+
+/// Memory of a face of a joint in multiples of its output, by measurement: history variables, their copies for
+/// checkpoints, lists of faces, and copies of the output while files and pictures are created.
+const JOINT_COPIES: f64 = 9.4;
 
 /// Numbers that a ledger with numerical dissipation (`TotalsAndDissipation`) keeps per field and cell, by measurement.
 const FULL_LEDGER_NUMBERS: f64 = 1.0;
@@ -107,7 +114,15 @@ impl<'a> SolidJob<'a> {
             + ledger
             + wide * initial.len() as f64
             + size_of::<u16>() as f64;
-        Bytes(PROGRAM_MEMORY + solver + lines + grid.cell_count() as f64 * copies)
+        let joints = wide * NUMBERS_PER_JOINT_FACE * self.joint_face_count() as f64;
+        let joint_copies = JOINT_COPIES + kept;
+        Bytes(
+            PROGRAM_MEMORY
+                + solver
+                + lines
+                + grid.cell_count() as f64 * copies
+                + joints * joint_copies,
+        )
     }
 
     /// Returns the numbers of cells in the axis order of the solver, as
@@ -143,6 +158,12 @@ impl<'a> SolidJob<'a> {
         cells
     }
 
+    /// Returns the number of faces of joints.
+    fn joint_face_count(&self) -> usize {
+        let contacts = self.dynamics.blocks.iter().flat_map(|blocks| &blocks.contacts);
+        contacts.filter(|own| own.joint.is_some()).map(|own| own.along.len()).sum()
+    }
+
     /// Returns the numbers per cell in a snapshot: velocity vectors have three components, and yielding solids have a
     /// dissipation field.
     fn numbers_per_snapshot_cell(&self) -> usize {
@@ -163,10 +184,13 @@ impl SolidJob<'_> {
         };
         let columns: usize = receivers.iter().map(|own| own.fields.len()).sum();
         let row = if columns > 0 { 1.0 + columns as f64 } else { 0.0 };
+        let joint_faces = self.joint_face_count() as f64;
         let written = OutputVolume {
             snapshots: snapshot_count(output.snapshot_interval, time.duration),
-            numbers_per_snapshot: count * self.numbers_per_snapshot_cell() as f64,
-            table_numbers: lines * 9.0 + steps * row,
+            numbers_per_snapshot: count * self.numbers_per_snapshot_cell() as f64
+                + NUMBERS_PER_JOINT_FACE * joint_faces,
+            // `joints.vtp` and `joints.npz` together are about as large as `joints.csv`.
+            table_numbers: lines * 9.0 + steps * row + 2.0 * NUMBERS_PER_JOINT_FACE * joint_faces,
         };
         Cost::estimate_solid_cost(
             steps,
@@ -312,23 +336,43 @@ impl SolidJob<'_> {
         self.dynamics.error_at("initial", found, allowed)
     }
 
-    fn create_result(&self, steps: TimeSteps, found: SimulationOutput<SolidAccount>) -> RunResult {
-        let dynamics = self.dynamics;
-        let SolidAccount { energy, ledger, initial_energy, .. } = found.final_account;
+    /// Returns the terms of the energy ledger, J, by name.
+    fn ledger_terms(&self, account: &SolidAccount) -> Vec<(&'static str, f64)> {
+        let SolidAccount { energy, ledger, .. } = account;
         let mut terms = vec![
             ("kinetic", energy.kinetic),
             ("stored", energy.stored),
-            ("at_start", initial_energy),
             ("boundary_work", ledger.boundary_work),
             ("source_work", ledger.source_work),
             ("initial_stress_work", ledger.initial_stress_work),
             ("plastic_dissipation", ledger.plastic_dissipation),
         ];
-        let is_full = dynamics.scheme.ledger_detail == LedgerKind::TotalsAndDissipation;
+        if self.dynamics.blocks.as_ref().is_some_and(Blocks::has_joints) {
+            let losses = ledger.interlayer_losses;
+            terms.extend([
+                ("joint_kinetic", energy.interlayer_kinetic),
+                ("joint_stored", energy.interlayer_stored),
+                ("fluid_kinetic", energy.fluid_kinetic),
+                ("fluid_stored", energy.fluid_stored),
+                ("joint_plastic_dissipation", losses.plastic),
+                ("joint_viscous_dissipation", losses.viscous),
+                ("joint_released_energy", losses.released),
+                ("joint_fracture_energy", losses.fracture),
+                ("fluid_dissipation", losses.fluid),
+            ]);
+        }
+        let is_full = self.dynamics.scheme.ledger_detail == LedgerKind::TotalsAndDissipation;
         if is_full {
             terms.push(("numerical_dissipation", ledger.numerical_dissipation));
         }
-        terms.push((if is_full { "residual" } else { "balance" }, found.final_account.balance()));
+        terms.push((if is_full { "residual" } else { "balance" }, account.balance()));
+        terms
+    }
+
+    fn create_result(&self, steps: TimeSteps, found: SimulationOutput<SolidAccount>) -> RunResult {
+        let dynamics = self.dynamics;
+        let mut terms = self.ledger_terms(&found.final_account);
+        terms.insert(2, ("at_start", found.final_account.initial_energy));
         let receiver = |own: &crate::case::dynamics::ReceiverPoint<_>| RunReceiver {
             name: own.name.clone(),
             position: own.position.clone(),
@@ -348,6 +392,7 @@ impl SolidJob<'_> {
             order: Some(dynamics.scheme.reconstruction.name()),
             velocity_gradient: None,
             deformation: None,
+            joints: JointSummary::new(&found.fields.joints),
             fields: found.fields,
             ledger: FinalLedger { unit: energy_unit(self.case), terms },
             receivers: dynamics.receivers.iter().map(receiver).collect(),
@@ -363,39 +408,15 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
     }
 
     fn account_tables(&self) -> Vec<TableHeader> {
-        let mut header = vec![
-            "time",
-            "kinetic",
-            "stored",
-            "boundary_work",
-            "source_work",
-            "initial_stress_work",
-            "plastic_dissipation",
-        ];
-        header.extend(match self.dynamics.scheme.ledger_detail {
-            LedgerKind::TotalsAndDissipation => ["numerical_dissipation", "residual"].as_slice(),
-            LedgerKind::Totals => &["balance"],
-        });
-        let header = header.into_iter().map(str::to_owned).collect();
+        let terms = self.ledger_terms(&SolidAccount::default());
+        let names = std::iter::once("time").chain(terms.into_iter().map(|term| term.0));
+        let header = names.map(str::to_owned).collect();
         vec![TableHeader::new(self.case, TableKind::Ledger, header)]
     }
 
     fn account_rows(&self, account: &SolidAccount) -> Vec<Vec<f64>> {
-        let Ledger {
-            boundary_work: inflow,
-            source_work: sources,
-            initial_stress_work: released,
-            plastic_dissipation: plastic,
-            numerical_dissipation: numerical,
-            ..
-        } = account.ledger;
-        let Energy { kinetic, stored, .. } = account.energy;
-        let mut row = vec![account.time, kinetic, stored, inflow, sources, released, plastic];
-        if self.dynamics.scheme.ledger_detail == LedgerKind::TotalsAndDissipation {
-            row.push(numerical);
-        }
-        row.push(account.balance());
-        vec![row]
+        let terms = self.ledger_terms(account).into_iter();
+        vec![std::iter::once(account.time).chain(terms.map(|term| term.1)).collect()]
     }
 
     fn convert_fields(
@@ -406,7 +427,9 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
     ) -> OutputFields {
         let grid = &self.dynamics.grid;
         let middles = |axis| (0..grid.cells[axis]).map(|i| grid.cell_centre(axis, i)).collect();
-        let has_regions = !self.dynamics.regions.is_empty();
+        let has_regions =
+            self.dynamics.materials().len() > usize::from(self.dynamics.blocks.is_some());
+        let joint = |(face, record)| JointFace::new(grid, &face, record);
         let named = self.quantity_names.iter().zip(fields.values);
         OutputFields {
             time,
@@ -418,6 +441,7 @@ impl<T: SolverReal, const D: usize> OutputConverter<SolidSimulation<T, D>> for S
                 true => simulation.problem().cell_media.clone(),
                 false => Vec::new(),
             },
+            joints: fields.interlayers.into_iter().map(joint).collect(),
         }
     }
 

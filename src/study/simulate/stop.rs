@@ -11,7 +11,8 @@ pub struct StopReport {
     pub cause: StopCause,
     /// Simulated time at which the cause was detected, s.
     pub time: f64,
-    /// Simulated time of the last valid state, s.
+    /// Simulated time of the last valid state, s: of a solid the last one whose energy and ledger are finite, which may be
+    /// outside its yield set if the return mapping overflowed; of a flow the last one in the domain of the solver.
     pub last_valid_time: f64,
 }
 

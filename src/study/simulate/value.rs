@@ -1,6 +1,6 @@
 //! Result of a simulation.
 
-use super::{SimulationWarning, StopReport};
+use super::{JointFace, JointSummary, SimulationWarning, StopReport};
 use serde::{Serialize, Serializer};
 
 /// Result of a simulation of a solid or a flow; members that exist only for the other kind are `None`.
@@ -43,6 +43,9 @@ pub struct RunResult {
     /// Last row of the energy ledger: final energies, work and dissipation since the start, and for flows the internal
     /// power.
     pub ledger: FinalLedger,
+    /// Numbers of slipped, open and broken faces of joints; blocky media with joints only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joints: Option<JointSummary>,
     /// Receivers of the simulation with their positions.
     pub receivers: Vec<RunReceiver>,
     /// Reason why the run was stopped before its duration; `None` if complete.
@@ -80,8 +83,10 @@ pub struct OutputFields {
     pub quantities: Vec<FieldQuantity>,
     /// Plastic dissipation by cell, J/m³; empty for elastic solids and flows.
     pub dissipation: Vec<f64>,
-    /// Index of the region of each cell of a solid, from 0; empty without regions.
+    /// Index of the region of each cell of a solid, or of the material of its block, from 0; empty for a single material.
     pub regions: Vec<u16>,
+    /// Faces of the joints of a blocky medium, by row of cells; empty without joints.
+    pub joints: Vec<JointFace>,
 }
 
 impl OutputFields {
@@ -224,5 +229,60 @@ impl RecordTable {
     /// Returns the values of the column `name`; `None` if there is no such column.
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         Some(&self.columns.iter().find(|column| column.name == name)?.values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Result of a run of a solid with a ledger of these terms, J.
+    fn result_with_ledger(precision: &'static str, terms: &[(&'static str, f64)]) -> RunResult {
+        RunResult {
+            title: String::new(),
+            model: None,
+            cells: vec![1, 1],
+            box_lengths: None,
+            steps: 1,
+            time_step: Some(1.0),
+            time: 1.0,
+            precision: Some(precision),
+            order: None,
+            velocity_gradient: None,
+            deformation: None,
+            fields: OutputFields::default(),
+            ledger: FinalLedger { unit: "J", terms: terms.to_vec() },
+            joints: None,
+            receivers: Vec::new(),
+            stop_report: None,
+            records: RunRecords::default(),
+        }
+    }
+
+    /// Verifies that a residual is reported if it exceeds 10⁻⁶ of the largest term (10⁻² in single precision), whatever
+    /// its sign, and that ledgers with rounding errors, without energy or without a residual give no warning.
+    #[test]
+    fn residual_beyond_rounding_is_reported() {
+        let warning = |precision, residual: f64| {
+            let terms = [("kinetic", 1.0), ("boundary_work", -4.0), ("residual", residual)];
+            result_with_ledger(precision, &terms).residual_warning()
+        };
+        for (precision, residual) in
+            [("f64", 5e-6_f64), ("f64", -5e-6), ("f64", 1.0), ("f32", 5e-2), ("f32", -5e-2)]
+        {
+            let relative_residual = residual.abs() / 4.0;
+            let expected = Some(SimulationWarning::LedgerResidual { relative_residual });
+            assert_eq!(warning(precision, residual), expected, "{precision} {residual}");
+        }
+        for (precision, residual) in
+            [("f64", 3e-6), ("f64", -1e-15), ("f64", 0.0), ("f32", 3e-2), ("f32", -1e-6)]
+        {
+            assert_eq!(warning(precision, residual), None, "{precision} {residual}");
+        }
+        let still = [("kinetic", 0.0), ("residual", 0.0)];
+        assert_eq!(result_with_ledger("f64", &still).residual_warning(), None);
+        // The balance of a ledger without numerical dissipation includes that dissipation.
+        let totals = [("kinetic", 1.0), ("balance", -0.5)];
+        assert_eq!(result_with_ledger("f64", &totals).residual_warning(), None);
     }
 }

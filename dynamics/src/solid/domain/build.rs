@@ -4,6 +4,7 @@ use super::boundaries::Boundaries;
 use super::buffers::{Buffers, allocate_zeros};
 use super::curvilinear::{CurvatureRotations, RowConstants};
 use super::diagnostics::Diagnostics;
+use super::fluid::FluidStage;
 use super::interlayer_faces::LaneInterlayers;
 use super::layout::{Layout, groups_per_row, pitch};
 use super::local_laws::{LocalLaws, has_coupled_fields, rotated_field_offsets};
@@ -144,8 +145,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             _ => TileSizes::PLANE_TILES,
         };
         let pairs = std::array::from_fn(|axis| materials.waves[axis].len());
+        let interfaces = LaneInterlayers::new(problem, &layout, region);
         Ok(Self {
-            interfaces: LaneInterlayers::new(problem, &layout, region),
+            fluid: FluidStage::new(problem, &layout, region, &interfaces),
+            interfaces,
             grid: Grid { cells: region.owned_counts(), spacing: problem.grid.spacing },
             step: problem.step,
             scheme: Scheme { slopes: problem.scheme.sweep_slopes(), ..problem.scheme },

@@ -42,7 +42,7 @@ impl<T: SolverReal> CellMapping<T> {
         let (mut dissipation, mut scalar_lanes) = (vec![0.0; T::Lanes::COUNT], Vec::new());
         let mapping = ProjectionKernel {
             field_data: &mut self.field_values,
-            patterns: &[medium.into()],
+            lane_pattern_indices: &[medium.into()],
             sets: &self.yield_sets,
             has_yield_set: &self.has_yield_set,
             dissipation: &mut dissipation,

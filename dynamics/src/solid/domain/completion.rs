@@ -79,7 +79,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let Some(boundaries) = boundaries.filter(|_| self.schedule.steps > 0) else {
             return values;
         };
-        let pattern = self.materials.patterns[self.layout.lane_index(cell).0.group];
+        let pattern = self.materials.lane_pattern_indices[self.layout.lane_index(cell).0.group];
         let lane = self.layout.lane_index(cell).1;
         for pair in 0..self.materials.quarter_waves.len() {
             let (wave, boundaries, fraction) = match self.is_near_reflecting_boundary(cell, pair) {
@@ -138,7 +138,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         };
         let constants = |x: usize| {
             let (stop, lane) = self.layout.lane_index(row * length + x);
-            let pattern = self.materials.patterns[stop.group];
+            let pattern = self.materials.lane_pattern_indices[stop.group];
             self.materials.table.constants(pattern, wave).lane(lane)
         };
         // State of the ghost at a depth beyond an end, and the cell whose constants this ghost has.

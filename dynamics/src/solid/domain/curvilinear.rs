@@ -75,8 +75,8 @@ impl<T: Real> RowConstants<T> {
     }
 
     /// Fills the table with the constants of a layer, for the lane patterns that occur in the layer.
-    fn fill_table(&mut self, layer: usize, patterns: impl Iterator<Item = u32>) {
-        for pattern in patterns.map(|pattern| pattern as usize) {
+    fn fill_table(&mut self, layer: usize, lane_pattern_indices: impl Iterator<Item = u32>) {
+        for pattern in lane_pattern_indices.map(|pattern| pattern as usize) {
             if std::mem::replace(&mut self.filled_layers[pattern], layer) == layer {
                 continue;
             }
@@ -173,8 +173,13 @@ impl<T: Real> CurvatureRotations<T> {
     }
 
     /// Fills the rotation coefficients of lane patterns for a layer and an interval.
-    fn fill_coefficients(&mut self, layer: usize, interval: Interval, patterns: &[u32]) {
-        for pattern in patterns.iter().map(|pattern| *pattern as usize) {
+    fn fill_coefficients(
+        &mut self,
+        layer: usize,
+        interval: Interval,
+        lane_pattern_indices: &[u32],
+    ) {
+        for pattern in lane_pattern_indices.iter().map(|pattern| *pattern as usize) {
             let filled = Some((layer, interval));
             if std::mem::replace(&mut self.filled_intervals[pattern], filled) == filled {
                 continue;
@@ -196,14 +201,14 @@ impl<T: Real> CurvatureRotations<T> {
 struct CurvatureKernel<'a, T: Real> {
     /// Field values from the first of these groups on.
     field_data: &'a mut [T::Lanes],
-    patterns: &'a [u32],
+    lane_pattern_indices: &'a [u32],
     planes: &'a [RotationPlane<T>],
 }
 
 impl<T: Real> SimdKernel<T> for CurvatureKernel<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        for (index, &pattern) in self.patterns.iter().enumerate() {
+        for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
             let (group, pattern) = (&mut self.field_data[index..], pattern as usize);
             for plane in self.planes {
                 let [cos, a, b, c] = &plane.coefficients[pattern];
@@ -235,11 +240,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let Some(rotation) = &mut self.local_laws.curvature_rotations else { return };
         for layer in layers.clone() {
             let (first, groups) = self.layout.segment_groups(layer, tile);
-            let patterns = &self.materials.patterns[groups];
-            rotation.fill_coefficients(layer, interval, patterns);
+            let lane_pattern_indices = &self.materials.lane_pattern_indices[groups];
+            rotation.fill_coefficients(layer, interval, lane_pattern_indices);
             self.instructions.run_kernel::<T>(CurvatureKernel {
                 field_data: &mut self.field_data[first..],
-                patterns,
+                lane_pattern_indices,
                 planes: &rotation.planes,
             });
         }
@@ -249,10 +254,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub(super) fn fill_row_constants(&mut self, row: usize) {
         let Some(spacing) = &mut self.materials.row_constants else { return };
         let groups = row * self.layout.groups..(row + 1) * self.layout.groups;
-        let own = self.materials.patterns[groups].iter().copied();
-        let ghosts = self.materials.row_patterns.get(row).copied().unwrap_or([0; 2 * GHOSTS]);
-        // With one lane pattern `row_patterns` is empty, and the row has that pattern.
-        let ghosts = ghosts.into_iter().filter(|_| !self.materials.row_patterns.is_empty());
+        let own = self.materials.lane_pattern_indices[groups].iter().copied();
+        let ghosts =
+            self.materials.ghost_pattern_indices.get(row).copied().unwrap_or([0; 2 * GHOSTS]);
+        // With one lane pattern `ghost_pattern_indices` is empty, and the row has that pattern.
+        let ghosts =
+            ghosts.into_iter().filter(|_| !self.materials.ghost_pattern_indices.is_empty());
         spacing.fill_table(row, own.chain(ghosts));
     }
 }

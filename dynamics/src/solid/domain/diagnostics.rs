@@ -15,8 +15,9 @@ pub(super) struct Diagnostics {
     pub(super) work: WorkSums,
     /// Dissipation of the laws of cells, by group and lane.
     pub(super) dissipation: CellDissipation,
-    /// Offsets of velocities and spins, and by cell their sums by the trapezoidal rule (alternating sweeps: midpoint
-    /// rule), without its end correction.
+    /// Offsets of the integrated velocities and spins, and by cell the sums of their time integrals: for two-cyclic sweeps
+    /// by the trapezoidal rule without its end correction −½Δt × last value, which output adds; for alternating sweeps by
+    /// the midpoint rule.
     pub(super) time_integrals: Vec<(usize, Vec<f64>)>,
     /// Owned cells that are recorded after each step, in ascending order.
     pub(super) watched_cells: Vec<usize>,

@@ -75,7 +75,7 @@ pub(crate) struct OneSidedGhostKernel<'a, T: Real> {
     pub(crate) face: usize,
     pub(crate) table: &'a MaterialTable<T>,
     /// By depth, indices of the lane patterns of the groups, from the group of the first line on.
-    pub(crate) patterns: [&'a [u32]; CLOSURE_CELLS],
+    pub(crate) lane_pattern_indices: [&'a [u32]; CLOSURE_CELLS],
 }
 
 impl<T: Real> SimdKernel<T> for OneSidedGhostKernel<'_, T> {
@@ -85,7 +85,7 @@ impl<T: Real> SimdKernel<T> for OneSidedGhostKernel<'_, T> {
         let closure = ghost_rule.closure();
         for (pair, wave) in waves.iter().enumerate() {
             for line in 0..lines {
-                let [first, second, third] = self.patterns;
+                let [first, second, third] = self.lane_pattern_indices;
                 let cells: [CellConstants<V>; CLOSURE_CELLS] = [
                     CellConstants::load(table.constants(first[line], wave)),
                     CellConstants::load(table.constants(second[line], wave)),

@@ -6,7 +6,6 @@
 
 use super::{Domain, SolverReal};
 use crate::simd::{LaneGroup, Number};
-use crate::solid::interlayers::HISTORY_VARIABLES;
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -85,9 +84,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Applies the first x and y sweeps to a block of rows in the owned layers that neighbours along the last axis
-    /// need, then sends the rows whose sweeps are complete. The first step of the pass does not sweep these layers
-    /// again. Nothing is sent by a domain that is periodic in place, whose halo holds copies of its owned layers.
+    /// Applies the first x and y sweeps to a block of rows in those owned layers that the neighbours along the last
+    /// axis need, then sends the rows whose sweeps are complete. The first step of the pass skips these sweeps. A
+    /// domain that is periodic in place sends nothing: its halo holds copies of its owned layers.
     pub(super) fn sweep_and_send<H: HaloExchange<T::Lanes>>(
         &mut self,
         block: &Range<usize>,
@@ -190,7 +189,12 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     fn value_count(&self, cells: &[Range<usize>; D]) -> usize {
         let count: usize = cells.iter().map(ExactSizeIterator::len).product();
         count * self.fields().len()
-            + HISTORY_VARIABLES * self.interfaces.sites_in_box(&self.layout, cells).len()
+            + self
+                .interfaces
+                .sites_in_box(&self.layout, cells)
+                .iter()
+                .map(|site| self.interfaces.variables(site.axis))
+                .sum::<usize>()
     }
 
     /// Packs the values of the cells in a box into a buffer, lane by lane, and passes it to `send_buffer`.
@@ -214,7 +218,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             }
         }
         for site in self.interfaces.sites_in_box(&self.layout, cells) {
-            self.interfaces.history(&site).into_iter().for_each(&mut put);
+            self.interfaces.history(&site).for_each(&mut put);
         }
         send_buffer(&buffer)
     }
@@ -237,8 +241,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             }
         }
         for site in self.interfaces.sites_in_box(&self.layout, cells) {
-            let mut next = || from.next().unwrap_or(T::ZERO);
-            self.interfaces.set_history(&site, [next(), next()]);
+            self.interfaces.set_history(&site, &mut from);
         }
         Ok(())
     }

@@ -1,49 +1,77 @@
-//! Interlayers of a domain: their faces, and their history variables, mean velocity V and mean traction S
-//! ([`ElasticInterlayer`]).
+//! Interlayers of a domain: their faces, and their history variables.
 //!
 //! A sweep evaluates some faces more than once: the face between the last group of a lane and the first group of the
 //! next lane at both ends of a row, the face between both ends of a periodic line twice, faces near the boundary
 //! between two subdomains in both of them. Each evaluation has its own copy of the history variables. All copies are
 //! updated from the same states and thus stay equal bit for bit; in halo layers they are exchanged with the fields.
-//! Energy and output use the copy at the lower face of the cell above the interlayer, in the subdomain that owns the
-//! cell.
-//!
-//! Elastic laws dissipate nothing: a dissipative law would need a term of the ledger, computed from the copies used for
-//! energy only.
+//! Energy, dissipation and output use the copy at the lower face of the cell above the interlayer, in the subdomain
+//! that owns the cell.
 
 use super::layout::Layout;
 use crate::simd::{LaneGroup, Number, Real};
 use crate::solid::boundary::Boundary;
-use crate::solid::interlayers::{HISTORY_VARIABLES, interlayer_energy};
-use crate::solid::ledger::EnergySums;
+use crate::solid::interlayers::{InterlayerLaw, Interlayers, face_energy};
+use crate::solid::ledger::InterlayerSums;
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::region::Region;
-use models::interface::elastic::ElasticInterlayer;
 use std::ops::Range;
 
-/// Lower face of a group on the path of a sweep.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct GroupFace {
+/// Interlayers in the lanes of the lower face of a group.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct FacePattern {
     /// Mask of the lanes with an interlayer: the reconstruction does not use differences across it.
-    pub(super) interlayer_lanes: u16,
+    pub(crate) interlayer_lanes: u16,
     /// Mask of the lanes with an interlayer whose face is not one between two ghosts, and therefore has history
     /// variables.
-    pub(super) history_lanes: u16,
-    /// Offset of the history variables from those of the first face of the line, if `history_lanes` is not 0.
-    pub(super) history_offset: usize,
+    pub(crate) history_lanes: u16,
+    /// Indices of the laws of the lanes with history variables, each with the mask of its lanes.
+    pub(crate) laws: Vec<(u16, u16)>,
+}
+
+impl FacePattern {
+    /// Adds an interlayer with a law in some lanes.
+    fn add(&mut self, law: u16, lanes: u16, has_history: bool) {
+        self.interlayer_lanes |= lanes;
+        if !has_history {
+            return;
+        }
+        self.history_lanes |= lanes;
+        match self.laws.iter_mut().find(|own| own.0 == law) {
+            Some(own) => own.1 |= lanes,
+            None => self.laws.push((law, lanes)),
+        }
+    }
+
+    /// Returns the law of a lane with history variables.
+    fn law(&self, lane: usize) -> Option<usize> {
+        let own = self.laws.iter().find(|own| own.1 >> lane & 1 == 1)?;
+        Some(usize::from(own.0))
+    }
 }
 
 /// Interlayers normal to an axis.
 #[derive(Clone)]
 struct AxisInterlayers<T: Real> {
-    laws: Vec<ElasticInterlayer<T>>,
-    /// By coordinate of a cell, whether its lower face has an interlayer; along the last axis by layer, halo included.
-    has_interlayer: Vec<bool>,
+    laws: Vec<InterlayerLaw<T>>,
+    /// Number of pairs of waves along the axis.
+    pairs: usize,
+    /// Number of history variables of a face.
+    variables: usize,
+    /// By coordinate of a cell, whether some lower faces there have an interlayer; along the last axis by layer, halo
+    /// included.
+    has_plane: Vec<bool>,
     is_periodic: bool,
-    /// Lower faces of the groups of a line, from the farther ghost at the lower end to the farther ghost at the upper
-    /// end.
-    faces: Vec<GroupFace>,
+    /// Patterns that occur.
+    patterns: Vec<FacePattern>,
+    /// Index of the pattern of the lower face of each group of a line, from the farther ghost at the lower end to the
+    /// farther ghost at the upper end: for all lines, or line by line.
+    pattern_indices: Vec<u32>,
+    /// Distance between two lines in `pattern_indices`: 0 if all lines have the same patterns.
+    pattern_stride: usize,
+    /// By the same places, offset of the history variables of the face from those of the first face of the line; the
+    /// places without history variables have any.
+    history_offsets: Vec<usize>,
     /// Index of the first history variable of this axis.
     history_start: usize,
     /// Distance between the history variables of two lines, in groups.
@@ -59,143 +87,194 @@ pub(super) struct LaneInterlayers<T: Real, const D: usize> {
     across: [Option<AxisInterlayers<T>>; D],
     /// History variables; empty in a subdomain without interlayers.
     pub(super) history: Vec<T::Lanes>,
-    /// Buffer: faces on the path of a sweep.
-    pub(super) path_faces: Vec<GroupFace>,
 }
 
-/// Location of the history variables of an owned face for a pair of waves.
+/// Interlayers on the path of a sweep.
+#[derive(Clone, Copy)]
+pub(crate) struct PathFaces<'a, T: Real> {
+    pub(crate) laws: &'a [InterlayerLaw<T>],
+    /// Number of history variables of a face.
+    pub(crate) variables: usize,
+    pub(crate) patterns: &'a [FacePattern],
+    /// Indices of the patterns of the lower faces of the groups of the path, first line first.
+    pub(crate) pattern_indices: &'a [u32],
+    pub(crate) pattern_stride: usize,
+    /// By group of the path, offset of the history variables of its lower face.
+    pub(crate) history_offsets: &'a [usize],
+    /// Index of the history variables of the first line.
+    pub(crate) first_history: usize,
+    /// Distance between the history variables of two lines.
+    pub(crate) history_stride: usize,
+}
+
+/// Location of the history variables of an owned face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HistorySite {
     pub(super) axis: usize,
-    pub(super) pair: usize,
     /// Cell above the face (index among all cells, halo included).
     pub(super) cell: usize,
-    /// Index of the group that holds V; the next group holds S.
+    /// Index of the law among those of the axis.
+    pub(super) law: usize,
+    /// Index of the group that holds the first history variable; the others follow.
     group: usize,
     lane: usize,
 }
 
-impl<T: Real> AxisInterlayers<T> {
-    /// Creates the interlayers normal to an axis, without laws and faces. `has_interlayer`: by cell, whether its lower
-    /// face has an interlayer.
-    fn new(
-        (has_interlayer, is_periodic): (Vec<bool>, bool),
-        [history_stride, groups_per_face]: [usize; 2],
-    ) -> Self {
-        let (laws, faces) = (Vec::new(), Vec::new());
-        Self {
-            laws,
-            has_interlayer,
-            is_periodic,
-            faces,
-            history_start: 0,
-            history_stride,
-            groups_per_face,
-        }
-    }
+/// Coordinates of the cells of a region in the whole grid, by axis.
+struct RegionCoordinates<const D: usize> {
+    grid_cells: [usize; D],
+    coordinates: [Vec<usize>; D],
+}
 
-    /// Returns the coordinate of the face at a place along the axis, wrapped around a periodic axis; `None` if the face
-    /// has no interlayer.
+impl<const D: usize> RegionCoordinates<D> {
+    /// Returns the index of the lower face of a cell in its plane normal to an axis of the whole grid; `None` for a
+    /// padding lane.
+    fn face_in_plane(&self, axis: usize, cell: [usize; D]) -> Option<usize> {
+        let (mut face, mut stride) = (0, 1);
+        for other in (0..D).filter(|other| *other != axis) {
+            face += self.coordinates[other].get(cell[other])? * stride;
+            stride *= self.grid_cells[other];
+        }
+        Some(face)
+    }
+}
+
+impl<T: Real> AxisInterlayers<T> {
+    /// Returns the coordinate of the face at a place along the axis, wrapped around a periodic axis; `None` if no face
+    /// there has an interlayer.
     fn face_coordinate(&self, place: isize) -> Option<usize> {
-        let count = self.has_interlayer.len();
+        let count = self.has_plane.len();
         let around = match self.is_periodic {
             true => place.rem_euclid(count as isize),
             false => place,
         };
         let around = usize::try_from(around).ok()?;
-        (around < count && self.has_interlayer[around]).then_some(around)
+        (around < count && self.has_plane[around]).then_some(around)
+    }
+
+    /// Returns the pattern of the lower face of the group at a place of a line; ghosts at the lower end have negative
+    /// places.
+    fn pattern(&self, line: usize, place: isize) -> &FacePattern {
+        let index = (place + GHOSTS as isize) as usize + line * self.pattern_stride;
+        &self.patterns[self.pattern_indices[index] as usize]
+    }
+
+    /// Returns the index of the first history variable of the face at a place of a line.
+    fn history_index(&self, line: usize, place: usize) -> usize {
+        self.history_start + line * self.history_stride + self.history_offsets[place + GHOSTS]
+    }
+
+    /// Returns the index of an equal pattern, which is added if there is none.
+    fn pattern_index(&mut self, pattern: FacePattern) -> u32 {
+        let found = self.patterns.iter().position(|own| *own == pattern);
+        let index = found.unwrap_or_else(|| {
+            self.patterns.push(pattern);
+            self.patterns.len() - 1
+        });
+        index as u32
     }
 }
 
 impl<T: Real, const D: usize> LaneInterlayers<T, D> {
     /// Creates the interlayers of a region of a problem.
     pub(super) fn new(problem: &Problem<D>, layout: &Layout<D>, region: &Region<D>) -> Self {
+        let coordinates = RegionCoordinates {
+            grid_cells: problem.grid.cells,
+            coordinates: std::array::from_fn(|axis| region.coordinates(axis)),
+        };
         let mut history_count = 0;
         let across = std::array::from_fn(|axis| {
             let own = problem.interlayers_across(axis)?;
-            let coordinates = region.coordinates(axis).into_iter();
-            let has_interlayer = coordinates.map(|place| own.has_interlayer_at(place)).collect();
             let is_periodic =
                 problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0];
-            let (pairs, ends) = (own.laws.len(), (has_interlayer, is_periodic));
-            let across = match axis {
-                0 => Self::new_along_rows(pairs, layout, ends),
-                _ => Self::new_across_rows(axis, pairs, layout, ends),
-            };
-            let laws = own.laws.iter().map(ElasticInterlayer::to_number).collect();
-            let across = AxisInterlayers { laws, history_start: history_count, ..across };
-            let lines = match axis {
+            let pairs = problem.media[0].pairs[axis].len();
+            let mut across = Self::new_across(own, (pairs, is_periodic), layout, &coordinates);
+            across.history_start = history_count;
+            history_count += match axis {
                 0 => layout.layers() * layout.rows * across.history_stride,
-                _ => {
-                    across.faces.iter().filter(|face| face.history_lanes != 0).count()
-                        * across.groups_per_face
-                }
+                _ => across.planes_with_history() * across.groups_per_face,
             };
-            history_count += lines;
             Some(across)
         });
-        Self { across, history: vec![T::Lanes::ZERO; history_count], path_faces: Vec::new() }
+        Self { across, history: vec![T::Lanes::ZERO; history_count] }
     }
 
-    /// Creates the faces across the first axis, where the lanes of a group are different cells of a row. `pairs`:
-    /// number of pairs of waves; `ends`: by cell whether its lower face has an interlayer, and whether rows are
-    /// periodic.
-    fn new_along_rows(
-        pairs: usize,
+    /// Creates the interlayers normal to an axis. `pairs`: number of pairs of waves.
+    fn new_across(
+        own: &Interlayers,
+        (pairs, is_periodic): (usize, bool),
         layout: &Layout<D>,
-        ends: (Vec<bool>, bool),
+        coordinates: &RegionCoordinates<D>,
     ) -> AxisInterlayers<T> {
-        let (count, groups) = (layout.cells[0] as isize, layout.groups as isize);
-        let mut across = AxisInterlayers::new(ends, [0, HISTORY_VARIABLES * pairs]);
-        let beyond = GHOSTS as isize;
-        for place in -beyond..groups + beyond {
-            let mut face =
-                GroupFace { history_offset: across.history_stride, ..GroupFace::default() };
-            for lane in 0..T::Lanes::COUNT {
-                let x = lane as isize * groups + place;
-                if x < -beyond || x > count + beyond || across.face_coordinate(x).is_none() {
-                    continue;
-                }
-                face.interlayer_lanes |= 1 << lane;
-                if (0..=groups).contains(&place) && (0..=count).contains(&x) {
-                    face.history_lanes |= 1 << lane;
-                }
-            }
-            if face.history_lanes != 0 {
-                across.history_stride += across.groups_per_face;
-            }
-            across.faces.push(face);
-        }
-        across
-    }
-
-    /// Creates the faces across another axis, where either all lanes of a group have an interlayer or none; arguments
-    /// as for [`Self::new_along_rows`].
-    fn new_across_rows(
-        axis: usize,
-        pairs: usize,
-        layout: &Layout<D>,
-        ends: (Vec<bool>, bool),
-    ) -> AxisInterlayers<T> {
-        let lines = match axis + 1 == D {
-            true => layout.layer_groups(),
-            false => layout.layers() * layout.groups,
+        let axis = own.axis;
+        let along = &coordinates.coordinates[axis];
+        let variables = own.history_variables(pairs);
+        let lines = match axis {
+            0 => layout.layers() * layout.rows,
+            _ if axis + 1 == D => layout.layer_groups(),
+            _ => layout.layers() * layout.groups,
         };
-        let variables = HISTORY_VARIABLES * pairs;
-        let mut across = AxisInterlayers::new(ends, [variables, variables * lines]);
-        let (count, beyond) = (across.has_interlayer.len() as isize, GHOSTS as isize);
-        let all = ((1_u32 << T::Lanes::COUNT) - 1) as u16;
-        let mut start = 0;
-        for place in -beyond..count + beyond {
-            let mut face = GroupFace { history_offset: start, ..GroupFace::default() };
-            if across.face_coordinate(place).is_some() {
-                face.interlayer_lanes = all;
-                if (0..=count).contains(&place) {
-                    face.history_lanes = all;
-                    start += across.groups_per_face;
+        let mut across = AxisInterlayers {
+            laws: own.laws.iter().map(|law| law.map(T::from_f64)).collect(),
+            pairs,
+            variables,
+            has_plane: along.iter().map(|place| own.plane(*place).is_some()).collect(),
+            is_periodic,
+            patterns: vec![FacePattern::default()],
+            pattern_indices: Vec::new(),
+            pattern_stride: 0,
+            history_offsets: Vec::new(),
+            history_start: 0,
+            history_stride: variables,
+            groups_per_face: if axis == 0 { variables } else { variables * lines },
+        };
+        let places = if axis == 0 { layout.groups } else { along.len() };
+        let (beyond, count) = (GHOSTS as isize, along.len() as isize);
+        let range = -beyond..places as isize + beyond;
+        let is_uniform = own.is_uniform();
+        let mut end = 0;
+        for line in 0..if is_uniform { 1 } else { lines } {
+            for place in range.clone() {
+                let mut pattern = FacePattern::default();
+                let mut has_history = false;
+                for lane in 0..T::Lanes::COUNT {
+                    // Place of the face along the axis.
+                    let face = match axis {
+                        0 => (lane * layout.groups) as isize + place,
+                        _ => place,
+                    };
+                    if face < -beyond || face > count + beyond {
+                        continue;
+                    }
+                    let Some(around) = across.face_coordinate(face) else { continue };
+                    let own_history =
+                        (0..=places as isize).contains(&place) && (0..=count).contains(&face);
+                    has_history |= own_history;
+                    let plane = own.plane(along[around]);
+                    let in_plane = match is_uniform {
+                        true => Some(0),
+                        false => {
+                            coordinates.face_in_plane(axis, local_cell(layout, axis, (line, lane)))
+                        }
+                    };
+                    let law = in_plane.and_then(|face| plane?.law(face));
+                    if let Some(law) = law {
+                        pattern.add(law, 1 << lane, own_history);
+                    }
+                }
+                let index = across.pattern_index(pattern);
+                across.pattern_indices.push(index);
+                if line == 0 {
+                    across.history_offsets.push(end);
+                    end += if has_history { across.groups_per_face } else { 0 };
                 }
             }
-            across.faces.push(face);
+        }
+        if !is_uniform {
+            across.pattern_stride = range.len();
+        }
+        if axis == 0 {
+            across.history_stride = end;
         }
         across
     }
@@ -206,73 +285,50 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         self.across.iter().any(Option::is_some)
     }
 
-    /// Whether there are interlayers normal to an axis.
-    pub(super) fn has_interlayers_across(&self, axis: usize) -> bool {
-        self.across[axis].is_some()
-    }
-
-    /// Returns the laws of the interlayers normal to an axis, by pair of waves; the index of the history variables of a
-    /// line; and the distance between those of two lines. `None` without interlayers.
-    pub(super) fn line_history(
-        &self,
-        axis: usize,
-        line: usize,
-    ) -> Option<(&[ElasticInterlayer<T>], usize, usize)> {
-        let own = self.across[axis].as_ref()?;
-        Some((&own.laws, own.history_start + line * own.history_stride, own.history_stride))
-    }
-
-    /// Returns the lower faces of the groups at consecutive places of a line; ghosts at the lower end have negative
-    /// places.
+    /// Returns the interlayers on a path along an axis: lower faces of the groups at `places`, ghosts at the lower end
+    /// with negative ones, of lines from `line` on. `None` without interlayers.
     pub(super) fn path_faces(
         &self,
         axis: usize,
+        line: usize,
         places: Range<isize>,
-    ) -> impl Iterator<Item = GroupFace> {
-        let own = self.across[axis].as_ref();
-        places.map(move |place| {
-            let face = usize::try_from(place + GHOSTS as isize);
-            let face = face.ok().and_then(|index| own?.faces.get(index));
-            face.copied().unwrap_or_default()
+    ) -> Option<PathFaces<'_, T>> {
+        let own = self.across[axis].as_ref()?;
+        let [start, end] =
+            [places.start, places.end].map(|place| (place + GHOSTS as isize) as usize);
+        Some(PathFaces {
+            laws: &own.laws,
+            variables: own.variables,
+            patterns: &own.patterns,
+            pattern_indices: &own.pattern_indices[line * own.pattern_stride + start..],
+            pattern_stride: own.pattern_stride,
+            history_offsets: &own.history_offsets[start..end],
+            first_history: own.history_start + line * own.history_stride,
+            history_stride: own.history_stride,
         })
     }
 
-    /// Returns group and lane of the history variables of a face for a pair of waves; `None` if it has none. `place`:
-    /// coordinate of the face along the axis; `line` and `lane`: line of groups and lane of the line of cells, along
-    /// rows the row and any lane.
+    /// Returns the site of the history variables of a face; `None` if it has none. `place`: coordinate of the face
+    /// along the axis; `line` and `lane`: line of groups and lane of the line of cells, along rows the row and any
+    /// lane.
     fn find_site(
         &self,
         layout: &Layout<D>,
-        (axis, pair): (usize, usize),
+        axis: usize,
         place: usize,
         (line, lane): (usize, usize),
-    ) -> Option<(usize, usize)> {
+    ) -> Option<(usize, usize, usize)> {
         let own = self.across[axis].as_ref()?;
         let (at, lane) = match axis {
             0 => (place % layout.groups, place / layout.groups),
             _ => (place, lane),
         };
-        let face = own.faces.get(at + GHOSTS)?;
-        let start = own.history_start + line * own.history_stride + face.history_offset;
-        (face.history_lanes >> lane & 1 == 1).then_some((start + HISTORY_VARIABLES * pair, lane))
-    }
-
-    /// Returns the history variables of the face at a place of a line for a pair of waves; `None` if it has none.
-    /// `place` may be that of the upper face of the last cell; `line`: line of groups and lane.
-    fn history_at(
-        &self,
-        layout: &Layout<D>,
-        (axis, pair): (usize, usize),
-        place: isize,
-        line: (usize, usize),
-    ) -> Option<[T; HISTORY_VARIABLES]> {
-        let around = self.across[axis].as_ref()?.face_coordinate(place)?;
-        let (group, lane) = self.find_site(layout, (axis, pair), around, line)?;
-        Some([0, 1].map(|index| self.history[group + index].lanes()[lane]))
+        let law = own.pattern(line, at as isize).law(lane)?;
+        Some((own.history_index(line, at), lane, law))
     }
 
     /// Returns the sites of the history variables at the lower faces of the cells of a layer across the last axis: by
-    /// axis, cell and pair of waves.
+    /// axis and cell.
     fn layer_sites(&self, layout: &Layout<D>, layer: usize) -> Vec<HistorySite> {
         let mut sites = Vec::new();
         let (first, cells) = (layer * layout.layer_cells(), layout.layer_cells());
@@ -285,7 +341,7 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
                     true => layer,
                     false => cell / stride % layout.cells[axis],
                 };
-                if !own.has_interlayer[place] {
+                if !own.has_plane[place] {
                     continue;
                 }
                 let (row, x) = (cell / layout.cells[0], cell % layout.cells[0]);
@@ -295,12 +351,9 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
                     _ if axis + 1 == D => row % layout.rows * layout.groups + group,
                     _ => layer * layout.groups + group,
                 };
-                for pair in 0..own.laws.len() {
-                    if let Some((group, lane)) =
-                        self.find_site(layout, (axis, pair), place, (line, lane))
-                    {
-                        sites.push(HistorySite { axis, pair, cell, group, lane });
-                    }
+                if let Some((group, lane, law)) = self.find_site(layout, axis, place, (line, lane))
+                {
+                    sites.push(HistorySite { axis, cell, law, group, lane });
                 }
             }
         }
@@ -333,64 +386,79 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         sites.filter(is_inside).collect()
     }
 
-    /// Returns the history variables V and S of a site.
-    pub(super) fn history(&self, site: &HistorySite) -> [T; HISTORY_VARIABLES] {
-        [0, 1].map(|index| self.history[site.group + index].lanes()[site.lane])
+    /// Returns the number of history variables of a face normal to an axis.
+    pub(super) fn variables(&self, axis: usize) -> usize {
+        self.across[axis].as_ref().map_or(0, |own| own.variables)
     }
 
-    /// Sets the history variables V and S of a site.
-    pub(super) fn set_history(&mut self, site: &HistorySite, history: [T; HISTORY_VARIABLES]) {
-        for (index, value) in history.into_iter().enumerate() {
-            self.history[site.group + index].lanes_mut()[site.lane] = value;
+    /// Returns the law of a site.
+    pub(super) fn law(&self, site: &HistorySite) -> Option<&InterlayerLaw<T>> {
+        self.across[site.axis].as_ref()?.laws.get(site.law)
+    }
+
+    /// Returns the history variables of a site.
+    pub(super) fn history(&self, site: &HistorySite) -> impl Iterator<Item = T> {
+        let groups = site.group..site.group + self.variables(site.axis);
+        self.history[groups].iter().map(|group| group.lanes()[site.lane])
+    }
+
+    /// Sets the history variables of a site to the next numbers.
+    pub(super) fn set_history(
+        &mut self,
+        site: &HistorySite,
+        history: &mut impl Iterator<Item = T>,
+    ) {
+        let groups = site.group..site.group + self.variables(site.axis);
+        for (group, value) in self.history[groups].iter_mut().zip(history) {
+            group.lanes_mut()[site.lane] = value;
         }
     }
 
-    /// Adds the energy of the interlayers at the lower faces of owned cells; `area`: area of a face by axis, m².
-    pub(super) fn add_energy(&self, layout: &Layout<D>, area: [f64; D], sums: &mut EnergySums) {
+    /// Returns the sums of the energies of the interlayers at the lower faces of owned cells; `area`: area of a face by
+    /// axis, m².
+    pub(super) fn sum_energies(&self, layout: &Layout<D>, area: [f64; D]) -> InterlayerSums {
+        let mut sums = InterlayerSums::default();
+        let laws = self.across.each_ref().map(|own| {
+            let laws = own.as_ref().map_or(&[][..], |own| &own.laws);
+            laws.iter().map(|law| law.map(T::to_f64)).collect::<Vec<_>>()
+        });
+        let mut history = Vec::new();
         for site in self.owned_sites(layout) {
             let Some(own) = &self.across[site.axis] else { continue };
-            let (law, history) = (&own.laws[site.pair], self.history(&site));
-            let [kinetic, stored] = interlayer_energy(law, history, area[site.axis]);
-            sums.interlayer_kinetic.add(kinetic);
-            sums.interlayer_stored.add(stored);
+            history.clear();
+            history.extend(self.history(&site).map(T::to_f64));
+            let energy = face_energy(&laws[site.axis][site.law], own.pairs, &history);
+            sums.add(&energy, area[site.axis]);
         }
+        sums
     }
 
-    /// Copies the history variables at the lower faces of cells to the other copies in this subdomain; copies in the
-    /// halo are overwritten by the exchange.
+    /// Copies the history variables at the lower faces of cells to the other copies in this subdomain.
     pub(super) fn synchronise_copies(&mut self, layout: &Layout<D>) {
-        let owned_layers = layout.owned_layers();
-        if let Some(across) = self.across[0].clone() {
-            let rows = owned_layers.start * layout.rows..owned_layers.end * layout.rows;
-            for (index, face) in across.faces.iter().enumerate() {
-                for lane in (0..T::Lanes::COUNT).filter(|lane| face.history_lanes >> lane & 1 == 1)
-                {
-                    let x = lane * layout.groups + index - GHOSTS;
-                    for row in rows.clone() {
-                        for pair in 0..across.laws.len() {
-                            let found = self.history_at(layout, (0, pair), x as isize, (row, 0));
-                            let start = across.history_start
-                                + row * across.history_stride
-                                + face.history_offset
-                                + HISTORY_VARIABLES * pair;
-                            let Some(history) = found else { continue };
-                            for (index, value) in history.into_iter().enumerate() {
-                                self.history[start + index].lanes_mut()[lane] = value;
-                            }
+        let Self { across, history } = self;
+        if let Some(own) = &across[0] {
+            for row in 0..layout.layers() * layout.rows {
+                for place in 0..=layout.groups {
+                    let lanes = own.pattern(row, place as isize).history_lanes;
+                    for lane in (0..T::Lanes::COUNT).filter(|lane| lanes >> lane & 1 == 1) {
+                        let face = (lane * layout.groups + place) as isize;
+                        let Some(from) = own.face_coordinate(face) else { continue };
+                        let (from_place, from_lane) = (from % layout.groups, from / layout.groups);
+                        let from = own.history_index(row, from_place);
+                        let to = own.history_index(row, place);
+                        for index in 0..own.variables {
+                            let value = history[from + index].lanes()[from_lane];
+                            history[to + index].lanes_mut()[lane] = value;
                         }
                     }
                 }
             }
         }
-        for across in self.across[1..D - 1].iter().flatten() {
-            let count = across.has_interlayer.len();
-            let [front, behind] = [0, count].map(|place| across.faces[place + GHOSTS]);
-            if behind.history_lanes != 0 {
-                let from = across.history_start + front.history_offset;
-                self.history.copy_within(
-                    from..from + across.groups_per_face,
-                    across.history_start + behind.history_offset,
-                );
+        for own in across[1..D - 1].iter().flatten() {
+            let count = own.has_plane.len();
+            if own.has_history_at(count) {
+                let [from, to] = [0, count].map(|place| own.history_index(0, place));
+                history.copy_within(from..from + own.groups_per_face, to);
             }
         }
     }
@@ -411,13 +479,10 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
             );
         }
         for own in self.across[1..D - 1].iter().flatten() {
-            let is_end = rows.end == own.has_interlayer.len();
+            let is_end = rows.end == own.has_plane.len();
             for place in rows.start..rows.end + usize::from(is_end) {
-                let face = own.faces[place + GHOSTS];
-                if face.history_lanes != 0 {
-                    let start = own.history_start
-                        + face.history_offset
-                        + layer * layout.groups * own.history_stride;
+                if own.has_history_at(place) {
+                    let start = own.history_index(layer * layout.groups, place);
                     stored.push(start..start + layout.groups * own.history_stride);
                 }
             }
@@ -425,7 +490,7 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         stored
     }
 
-    /// Returns the range of the history variables of the interlayer below a layer across the last axis, for `rows` of
+    /// Returns the range of the history variables of the interlayers below a layer across the last axis, for `rows` of
     /// the layer; `None` if there is no interlayer.
     fn last_axis_range(
         &self,
@@ -434,10 +499,9 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         rows: &Range<usize>,
     ) -> Option<Range<usize>> {
         let own = self.across[D - 1].as_ref()?;
-        let face = own.faces[layer + GHOSTS];
-        let [from, to] = [rows.start, rows.end].map(|row| row * layout.groups * own.history_stride);
-        let start = own.history_start + face.history_offset;
-        (face.history_lanes != 0).then_some(start + from..start + to)
+        let [from, to] = [rows.start, rows.end].map(|row| row * layout.groups);
+        own.has_history_at(layer)
+            .then(|| own.history_index(from, layer)..own.history_index(to, layer))
     }
 
     /// Returns the ranges of the history variables of rows of a layer that are copied into a halo along the last axis:
@@ -458,4 +522,38 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
         };
         self.last_axis_range(layout, layer, rows).into_iter().chain(in_row)
     }
+}
+
+impl<T: Real> AxisInterlayers<T> {
+    /// Whether some faces at a place, which may be that of the upper face of the last cell, have history variables.
+    fn has_history_at(&self, place: usize) -> bool {
+        self.face_coordinate(place as isize).is_some()
+    }
+
+    /// Returns the number of places with history variables along the axis, both ends of a periodic one included.
+    fn planes_with_history(&self) -> usize {
+        (0..=self.has_plane.len()).filter(|place| self.has_history_at(*place)).count()
+    }
+}
+
+/// Returns the coordinates in the region of a cell in a lane of a line of groups along an axis; the coordinate along
+/// the axis is arbitrary, and that along the first axis may be of a padding lane.
+fn local_cell<const D: usize>(
+    layout: &Layout<D>,
+    axis: usize,
+    (line, lane): (usize, usize),
+) -> [usize; D] {
+    let mut cell = [0; D];
+    if axis == 0 {
+        cell[D - 1] = line / layout.rows;
+        if D == 3 {
+            cell[1] = line % layout.rows;
+        }
+        return cell;
+    }
+    cell[0] = lane * layout.groups + line % layout.groups;
+    if D == 3 {
+        cell[if axis == 1 { 2 } else { 1 }] = line / layout.groups;
+    }
+    cell
 }

@@ -1,40 +1,38 @@
 //! Interlayers of a domain: input and output of their history variables.
 
-use super::interlayer_faces::HistorySite;
 use super::{Domain, SolverReal};
-use crate::solid::interlayers::{
-    HISTORY_VARIABLES, lower_neighbour, non_finite_field, stress_free_history,
-};
-use crate::solid::ledger::EnergySums;
+use crate::solid::interlayers::{initialise_history, lower_neighbour};
+use crate::solid::ledger::InterlayerSums;
 use models::solid::waves::SolidField;
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
-    /// Returns the history variables (mean velocity V, m/s, and mean traction S, Pa) of all interlayers at the lower
-    /// faces of owned cells: by layer across the last axis, axis normal to the face, cell above the face, and pair of
-    /// waves.
-    pub fn interlayer_history(&self) -> Vec<[T; HISTORY_VARIABLES]> {
-        self.located_history().into_iter().map(|own| own.1).collect()
+    /// Returns the history variables of all interlayers at the lower faces of owned cells: by layer across the last
+    /// axis, axis normal to the face, and cell above the face. Their number and meaning is that of the laws of the
+    /// axis.
+    pub fn interlayer_history(&self) -> Vec<T> {
+        let mut history = Vec::new();
+        for site in self.interfaces.owned_sites(&self.layout) {
+            history.extend(self.interfaces.history(&site));
+        }
+        history
     }
 
-    /// Returns the history variables of [`Self::interlayer_history`] with axis normal to the face, index of the owned
-    /// cell above the face, and pair of waves.
-    pub(crate) fn located_history(&self) -> Vec<([usize; 3], [T; HISTORY_VARIABLES])> {
+    /// Returns the faces of [`Self::interlayer_history`]: axis normal to the face, index of the owned cell above the
+    /// face, and number of history variables.
+    pub(crate) fn interlayer_faces(&self) -> Vec<[usize; 3]> {
         let sites = self.interfaces.owned_sites(&self.layout).into_iter();
-        let own = |site: HistorySite| {
+        let face = |site: super::interlayer_faces::HistorySite| {
             let cell = self.layout.owned_index(site.cell)?;
-            Some(([site.axis, cell, site.pair], self.interfaces.history(&site)))
+            Some([site.axis, cell, self.interfaces.variables(site.axis)])
         };
-        sites.filter_map(own).collect()
+        sites.filter_map(face).collect()
     }
 
-    /// Sets the history variables in the order of [`Self::interlayer_history`]; if `memory` is shorter, the remaining
+    /// Sets the history variables in the order of [`Self::interlayer_history`]; if `history` is shorter, the remaining
     /// ones are unchanged.
-    pub fn set_interlayer_history(
-        &mut self,
-        memory: &mut impl Iterator<Item = [T; HISTORY_VARIABLES]>,
-    ) {
-        for (site, own) in self.interfaces.owned_sites(&self.layout).iter().zip(memory) {
-            self.interfaces.set_history(site, own);
+    pub fn set_interlayer_history(&mut self, history: &mut impl Iterator<Item = T>) {
+        for site in self.interfaces.owned_sites(&self.layout) {
+            self.interfaces.set_history(&site, history);
         }
         self.interfaces.synchronise_copies(&self.layout);
     }
@@ -47,8 +45,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let value = |field: SolidField, cell: usize| {
             place(field).map_or(T::ZERO, |place| self.value_at(layout.local_cell(cell), place))
         };
-        let memory = self.initial_interlayer_history(&cells, |cell| cell, value);
-        self.set_interlayer_history(&mut memory.into_iter());
+        let history = self.initial_interlayer_history(&cells, |cell| cell, value);
+        self.set_interlayer_history(&mut history.into_iter());
     }
 
     /// Returns the initial history variables of [`Self::initialise_interlayers`], from the values `value` of fields in
@@ -58,27 +56,36 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         cells: &[usize; D],
         in_grid: impl Fn(usize) -> usize,
         value: impl Fn(SolidField, usize) -> T,
-    ) -> Vec<[T; HISTORY_VARIABLES]> {
-        let at_start = |([axis, cell, pair], _): ([usize; 3], [T; HISTORY_VARIABLES])| {
-            let field = self.materials.media[0].pairs[axis][pair].velocity;
-            let around = [lower_neighbour(cells, axis, in_grid(cell)), in_grid(cell)];
-            stress_free_history(around.map(|cell| value(field, cell)))
-        };
-        self.located_history().into_iter().map(at_start).collect()
+    ) -> Vec<T> {
+        let mut all = Vec::new();
+        for site in self.interfaces.owned_sites(&self.layout) {
+            let start = all.len();
+            all.resize(start + self.interfaces.variables(site.axis), T::ZERO);
+            let cell = self.layout.owned_index(site.cell).map(&in_grid);
+            let (Some(cell), Some(law)) = (cell, self.interfaces.law(&site)) else { continue };
+            let sides = [lower_neighbour(cells, site.axis, cell), cell];
+            let pairs = &self.materials.media[0].pairs[site.axis];
+            let velocity = |pair: usize, side: usize| {
+                pairs.get(pair).map_or(T::ZERO, |pair| value(pair.velocity, sides[side]))
+            };
+            initialise_history(law, pairs.len(), velocity, &mut all[start..]);
+        }
+        all
     }
 
-    /// Returns the first interlayer with a non-finite history variable: the corresponding field of its pair of waves,
-    /// and the owned cell above it.
+    /// Returns the owned cell above the first interlayer with a non-finite history variable, and the velocity normal to
+    /// the face.
     pub(super) fn first_non_finite_interlayer(&self) -> Option<(SolidField, usize)> {
-        self.located_history().into_iter().find_map(|([axis, cell, pair], memory)| {
-            let pair = &self.materials.media[0].pairs[axis][pair];
-            Some((non_finite_field(pair, memory)?, cell))
+        self.interfaces.owned_sites(&self.layout).into_iter().find_map(|site| {
+            let is_finite = self.interfaces.history(&site).all(|own| own.to_f64().is_finite());
+            let cell = self.layout.owned_index(site.cell)?;
+            (!is_finite).then_some((SolidField::Velocity(site.axis), cell))
         })
     }
 
-    /// Adds the energy of interlayers at the lower faces of owned cells.
-    pub(super) fn add_interlayer_energy(&self, sums: &mut EnergySums) {
+    /// Returns the sums of the energies of interlayers at the lower faces of owned cells.
+    pub(super) fn sum_interlayer_energies(&self) -> InterlayerSums {
         let area = self.grid.spacing.map(|spacing| self.grid.volume() / spacing);
-        self.interfaces.add_energy(&self.layout, area, sums);
+        self.interfaces.sum_energies(&self.layout, area)
     }
 }

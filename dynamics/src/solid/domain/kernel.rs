@@ -1,13 +1,15 @@
 //! Sweep kernel: the sweep of [`crate::solid::line`] on many lines at once, in SIMD lanes.
 //!
-//! A group of cells fills a cache line. Along every axis the neighbours of the cells of a group are the cells of
-//! another group in the same lanes: a sweep from group to group advances one line per lane, without shuffles. At the
-//! ends of a row, where the neighbours are in the adjacent lane, shifted copies serve as ghosts. Each cell is updated
-//! by the same operations in the same order as in the sweep of a single line: results are equal bit for bit.
+//! A group holds one cell per SIMD lane and fills a cache line. The neighbours of these cells along an axis are in one
+//! other group, in the same lanes. A sweep from group to group therefore advances all lanes at once, without shuffles.
+//! Beyond the first and the last group of a row the neighbours are in the adjacent lanes; there, copies shifted by one
+//! lane serve as ghosts. Each cell is updated by the same operations in the same order as in the sweep of a single
+//! line: results are equal bit for bit.
 //!
-//! The cells whose fields a reconstruction reads, the stencil, are in `StencilState`. Groups that are needed soon are
-//! prefetched to L1, rows and layers that are needed later to L2; the distances are set in `sweep` and `schedule`.
+//! `StencilState` holds the cells that a reconstruction reads (the stencil). Groups that are needed soon are prefetched
+//! into L1; rows and layers that are needed later are prefetched into L2. `sweep` and `schedule` set the distances.
 
+mod interlayer_law;
 pub(super) mod interlayers;
 
 use super::layout::GroupIndex;
@@ -45,8 +47,8 @@ fn prefetch<N>(from: &[N], distance: usize, into_l1: bool) {
 /// State that a sweep carries from a group to the next group of the line, for one pair of waves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CarriedState<N> {
-    /// Stencil data of the previous groups for the next face; see [`Slopes::face_values`].
-    stencil_data: RiemannInvariants<N>,
+    /// Invariants of the previous groups, for the next face; see [`Slopes::face_values`].
+    carried_invariants: RiemannInvariants<N>,
     /// Interface state at the lower face of the group that is updated next, scaled by the impedance of that group.
     lower_face: InterfaceState<N>,
 }
@@ -55,7 +57,7 @@ impl<V: Number> CarriedState<V> {
     /// Returns the carried state of the first face of a line: zero.
     pub(crate) fn new() -> Self {
         Self {
-            stencil_data: RiemannInvariants::ZERO,
+            carried_invariants: RiemannInvariants::ZERO,
             lower_face: InterfaceState::riemann_equal_impedance([V::ZERO, V::ZERO]),
         }
     }
@@ -66,7 +68,7 @@ impl<V: Number> CarriedState<V> {
         V: Vector<T>,
     {
         Self {
-            stencil_data: RiemannInvariants::load(&from.stencil_data),
+            carried_invariants: RiemannInvariants::load(&from.carried_invariants),
             lower_face: InterfaceState::load(&from.lower_face),
         }
     }
@@ -76,9 +78,18 @@ impl<V: Number> CarriedState<V> {
     where
         V: Vector<T>,
     {
-        self.stencil_data.store(&mut to.stencil_data);
+        self.carried_invariants.store(&mut to.carried_invariants);
         self.lower_face.store(&mut to.lower_face);
     }
+}
+
+/// Groups and fields that a sweep prefetches into L2.
+#[derive(Clone, Debug)]
+pub(crate) struct PrefetchL2 {
+    /// Prefetch distance, in groups.
+    pub(crate) distance: usize,
+    /// Prefetched fields: a subrange of the [`MAX_PREFETCH_FIELDS`] fields of each pair of waves.
+    pub(crate) fields: Range<usize>,
 }
 
 /// Adjacent lines of groups, and the section of their path that is swept now.
@@ -93,7 +104,7 @@ pub(crate) struct SweepLines<'a, T: Real> {
     pub(crate) waves: &'a [WavePair],
     pub(crate) slopes: Slopes,
     /// By group, the index of its lane pattern.
-    pub(crate) patterns: &'a [u32],
+    pub(crate) lane_pattern_indices: &'a [u32],
     /// By group: number of next groups along a line of this axis with the same lane pattern, at most 255. The run may
     /// extend beyond a line that ends inside the halo; the ghosts there have the patterns of the last groups.
     pub(crate) run_lengths: &'a [u8],
@@ -111,15 +122,14 @@ pub(crate) struct SweepLines<'a, T: Real> {
     /// L1 prefetch distance, in groups: that of a few lines in sweeps across rows, that of one row in sweeps along
     /// rows; lines and rows are too far apart for the hardware prefetcher.
     pub(crate) prefetch_l1_distance: usize,
-    /// L2 prefetch distance, in groups, and which of the [`MAX_PREFETCH_FIELDS`] fields of each pair are prefetched.
-    pub(crate) prefetch_l2_fields: (usize, Range<usize>),
+    pub(crate) prefetch_l2: PrefetchL2,
     /// Carried state by line and pair of waves.
     pub(crate) carried: &'a mut [CarriedState<T::Lanes>],
     /// Ends of the lines, if lines are rows.
     pub(crate) rows: Option<Rows<'a, T>>,
 }
 
-/// Kernel: sweep of adjacent lines that all have the same single lane pattern or, if `MIXED`, have several patterns.
+/// Kernel: sweep of adjacent lines. All have the same single lane pattern or, if `MIXED`, each has several patterns.
 /// The two cases are compiled separately to limit register pressure.
 struct SweepKernel<'a, 'b, T: Real, const MIXED: bool> {
     sweep: &'a mut SweepLines<'b, T>,
@@ -177,9 +187,9 @@ impl<T: Real> SweepLines<'_, T> {
     /// Returns the lane pattern of a line that has the same pattern everywhere, ghosts included; else `None`.
     fn uniform_pattern(&self, line: usize) -> Option<u32> {
         let offset = line * self.line_stride.group;
-        let pattern = |place: usize| self.patterns[self.path[place].group + offset];
+        let pattern = |place: usize| self.lane_pattern_indices[self.path[place].group + offset];
         let first_pattern = pattern(0);
-        if self.patterns[self.previous_group.group + offset] != first_pattern {
+        if self.lane_pattern_indices[self.previous_group.group + offset] != first_pattern {
             return None;
         }
         // The last groups may be ghosts, which `run_lengths` does not cover.
@@ -219,10 +229,11 @@ impl<T: Real> SweepLines<'_, T> {
         }
     }
 
-    /// Returns the data range that is prefetched into L2 for a pair of waves, relative to a group of the path.
+    /// Returns the range of data offsets that are prefetched into L2 for a pair of waves, relative to a group of the
+    /// path. The offsets are one pitch apart.
     #[inline(always)]
-    fn prefetch_l2_range(&self, index: usize) -> Range<usize> {
-        let (distance, Range { start, end }) = self.prefetch_l2_fields;
+    fn prefetch_l2_offsets(&self, index: usize) -> Range<usize> {
+        let PrefetchL2 { distance, fields: Range { start, end } } = self.prefetch_l2;
         let first = index * self.field_count.div_ceil(self.waves.len());
         distance + (first + start) * self.pitch..distance + (first + end) * self.pitch
     }
@@ -271,12 +282,13 @@ impl<T: Real> SweepLines<'_, T> {
             stress: wave.stress,
             passive_stresses: std::array::from_fn(|index| wave.passive_stresses[index]),
             extent,
-            prefetch_l2_fields: self.prefetch_l2_range(index),
+            prefetch_l2_offsets: self.prefetch_l2_offsets(index),
         };
         // Checks the offsets once, not in every group.
         assert!(offsets.velocity < extent && offsets.stress < extent);
         assert!(offsets.passive_stresses.iter().all(|place| *place < extent));
-        let (path, patterns, steps) = (self.path, self.patterns, self.path.len() - 2);
+        let (path, lane_pattern_indices, steps) =
+            (self.path, self.lane_pattern_indices, self.path.len() - 2);
         let mut cell: CellConstants<V> = CellConstants::load(self.table.constants(pattern, wave));
         for line in lines {
             let slot = line * self.waves.len() + index;
@@ -291,8 +303,8 @@ impl<T: Real> SweepLines<'_, T> {
             }
             let mut outer_pattern = pattern;
             if MIXED {
-                outer_pattern = patterns[self.previous_group.group + offset.group];
-                pattern = patterns[path[0].group + offset.group];
+                outer_pattern = lane_pattern_indices[self.previous_group.group + offset.group];
+                pattern = lane_pattern_indices[path[0].group + offset.group];
                 cell = CellConstants::load(self.table.constants(pattern, wave));
             }
             let previous: State<V> = self.load_state(&offsets, path[0].start + offset.start);
@@ -308,8 +320,10 @@ impl<T: Real> SweepLines<'_, T> {
                 while place < steps
                     && (!MIXED
                         || (outer_pattern == pattern
-                            && patterns[path[place + 1].group + offset.group] == pattern
-                            && patterns[path[place + 2].group + offset.group] == pattern))
+                            && lane_pattern_indices[path[place + 1].group + offset.group]
+                                == pattern
+                            && lane_pattern_indices[path[place + 2].group + offset.group]
+                                == pattern))
                 {
                     let group_starts =
                         [path[place].start + offset.start, path[place + 2].start + offset.start];
@@ -327,9 +341,9 @@ impl<T: Real> SweepLines<'_, T> {
                     CellConstants::load(self.table.constants(outer_pattern, wave));
                 let (cell_behind, pattern_behind) = (cell, pattern);
                 outer_pattern = pattern;
-                pattern = patterns[path[place + 1].group + offset.group];
+                pattern = lane_pattern_indices[path[place + 1].group + offset.group];
                 cell = CellConstants::load(self.table.constants(pattern, wave));
-                let next = patterns[path[place + 2].group + offset.group];
+                let next = lane_pattern_indices[path[place + 2].group + offset.group];
                 let next: CellConstants<V> = CellConstants::load(self.table.constants(next, wave));
                 let media =
                     StencilMedia::Mixed([&first, &cell_behind, &cell, &next], pattern_behind, wave);
@@ -358,13 +372,13 @@ impl<T: Real> SweepLines<'_, T> {
         media: StencilMedia<'_, V, PASSIVE>,
         slopes: Slopes,
     ) {
-        let &FieldOffsets { velocity, stress, passive_stresses, extent, ref prefetch_l2_fields } =
+        let &FieldOffsets { velocity, stress, passive_stresses, extent, ref prefetch_l2_offsets } =
             offsets;
         let group = &self.field_data[next_data..][..extent];
         prefetch(group, self.prefetch_l1_distance + velocity, true);
         prefetch(group, self.prefetch_l1_distance + stress, true);
-        let mut place = prefetch_l2_fields.start;
-        while place < prefetch_l2_fields.end {
+        let mut place = prefetch_l2_offsets.start;
+        while place < prefetch_l2_offsets.end {
             prefetch(group, place, false);
             place += self.pitch;
         }
@@ -377,15 +391,15 @@ impl<T: Real> SweepLines<'_, T> {
         let StencilState { carried, previous, current, invariants, lower_stencil: waves_behind } =
             *stencil;
         let upper_stencil = slopes.upper_stencil(invariants, waves);
-        let (reach, stencil_data) = match media {
+        let (reach, carried_invariants) = match media {
             StencilMedia::Uniform(..) => slopes.face_values(
-                carried.stencil_data,
+                carried.carried_invariants,
                 invariants,
                 [waves_behind, upper_stencil],
                 cell,
             ),
             StencilMedia::Mixed(cells, ..) => slopes.face_values_in_mixed_media(
-                carried.stencil_data,
+                carried.carried_invariants,
                 [previous, current, next],
                 cells,
             ),
@@ -415,7 +429,7 @@ impl<T: Real> SweepLines<'_, T> {
                 (V::load(&group[place]) + ratio * change).store(&mut group[place]);
             }
         }
-        let carried = CarriedState { stencil_data, lower_face: beyond };
+        let carried = CarriedState { carried_invariants, lower_face: beyond };
         *stencil = match media {
             StencilMedia::Uniform(..) => {
                 let lower_stencil = slopes.lower_stencil(invariants, waves);
@@ -449,12 +463,11 @@ struct FieldOffsets<const PASSIVE: usize> {
     passive_stresses: [usize; PASSIVE],
     /// Upper bound, exclusive, of the offsets of all fields.
     extent: usize,
-    /// Range of the offsets that are prefetched into L2, one group at each multiple of the pitch; the prefetch distance
-    /// is included.
-    prefetch_l2_fields: Range<usize>,
+    /// Range of the offsets that are prefetched into L2, prefetch distance included: one group at each pitch.
+    prefetch_l2_offsets: Range<usize>,
 }
 
-/// State of the stencil: that of the current and the previous group of the path.
+/// Stencil of a sweep: states of the current and the previous group of the path, and the data derived from them.
 #[derive(Clone, Copy)]
 struct StencilState<V> {
     carried: CarriedState<V>,
@@ -462,7 +475,7 @@ struct StencilState<V> {
     current: State<V>,
     /// Invariants of the current group.
     invariants: RiemannInvariants<V>,
-    /// Stencil data of the previous group, see [`Slopes::lower_stencil`].
+    /// Invariants of the previous group or their difference from the current ones; see [`Slopes::lower_stencil`].
     lower_stencil: RiemannInvariants<V>,
 }
 

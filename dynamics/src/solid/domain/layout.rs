@@ -12,6 +12,7 @@
 
 use super::schedule::CHUNK_SIZE;
 use crate::simd::{LaneGroup, Real};
+use crate::solid::interlayers::Interlayers;
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use std::cmp::Ordering;
@@ -269,7 +270,7 @@ fn min_groups<T: Real>(cells: usize) -> usize {
 /// multiple of that distance, so that all lanes of a group have an interlayer or none, unless rows became longer by
 /// more than a quarter.
 pub(super) fn groups_per_row<T: Real, const D: usize>(problem: &Problem<D>, cells: usize) -> usize {
-    let block = problem.interlayers_across(0).map_or(1, |interlayers| interlayers.block_cells);
+    let block = problem.interlayers_across(0).map_or(1, Interlayers::common_distance);
     let groups = min_groups::<T>(cells);
     let multiple = groups.next_multiple_of(block);
     if multiple <= groups + groups / 4 { multiple } else { groups }

@@ -64,7 +64,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let (first, groups) = self.layout.segment_groups(layer, tile);
             self.instructions.run_kernel::<T>(SpinRotationKernel {
                 field_data: &mut self.field_data[first..],
-                patterns: &self.materials.patterns[groups],
+                lane_pattern_indices: &self.materials.lane_pattern_indices[groups],
                 rotations: &self.local_laws.spin_rotations,
                 rotated: &self.local_laws.rotated_offsets,
                 interval,
@@ -93,7 +93,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     /// Returns the sums of the energy in owned cells and faces.
     pub(crate) fn energy_sums(&self) -> EnergySums {
         let mut sums = T::energy_sums(self);
-        self.add_interlayer_energy(&mut sums);
+        sums.interlayers = self.sum_interlayer_energies();
         sums
     }
 
@@ -119,7 +119,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     pub(crate) fn ledger_sums(&self) -> LedgerSums {
         let Diagnostics { work, dissipation, .. } = &self.diagnostics;
         let dissipation = dissipation.lists().map(|values| self.sum_owned_lanes(values));
-        LedgerSums { work: work.clone(), dissipation }
+        let interlayers = self.sum_interlayer_energies();
+        LedgerSums { work: work.clone(), dissipation, interlayers }
     }
 
     /// Returns the sum over owned cells of a list by group and lane; zero for an empty list.
@@ -145,7 +146,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 struct SpinRotationKernel<'a, T: Real> {
     /// Field values from the first of these groups on.
     field_data: &'a mut [T::Lanes],
-    patterns: &'a [u32],
+    lane_pattern_indices: &'a [u32],
     rotations: &'a [[SpinStressRotation<T::Lanes>; 2]],
     rotated: &'a [[usize; 3]],
     interval: Interval,
@@ -154,7 +155,7 @@ struct SpinRotationKernel<'a, T: Real> {
 impl<T: Real> SimdKernel<T> for SpinRotationKernel<'_, T> {
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
-        for (index, &pattern) in self.patterns.iter().enumerate() {
+        for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
             let group = &mut self.field_data[index..];
             let [cos, ratio_sin, sin_over_ratio] =
                 &self.rotations[pattern as usize][self.interval as usize];
@@ -200,10 +201,11 @@ impl<T: SolverReal, const D: usize> SimdKernel<T> for EnergyKernel<'_, T, D> {
     #[inline(always)]
     fn run<V: Vector<T>>(mut self) {
         let Domain { layout, materials, field_data, .. } = self.domain;
-        let (terms, patterns) = (&materials.energy_terms, &materials.patterns);
+        let (terms, lane_pattern_indices) =
+            (&materials.energy_terms, &materials.lane_pattern_indices);
         for (group_index, own) in layout.owned_lanes.iter().enumerate() {
             let index = layout.group_index(self.row, group_index);
-            let factors = &terms.factors[patterns[index.group] as usize];
+            let factors = &terms.factors[lane_pattern_indices[index.group] as usize];
             let group = &field_data[index.start..];
             // Kinetic terms come first. Sums are in double precision.
             let mut lane_energies = [[0.0f64; MAX_LANES]; 2];

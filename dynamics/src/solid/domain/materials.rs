@@ -39,34 +39,35 @@ pub(super) struct Materials<T: Real, const D: usize> {
     /// Wave constants along rows, if the cell length depends on the layer; else `None`.
     pub(super) row_constants: Option<RowConstants<T>>,
     pub(super) energy_terms: EnergyCoefficients<T>,
-    /// By group, the number of its lane pattern: groups of the rows, then ghosts beyond the ends of the swept lines.
-    pub(super) patterns: Vec<u32>,
+    /// By group, the index of its lane pattern: groups of the rows, then ghosts beyond the ends of the swept lines.
+    pub(super) lane_pattern_indices: Vec<u32>,
     /// By axis and group: number of next groups along the axis with the same lane pattern, at most 255; empty if there
     /// is only one pattern.
     pub(super) run_lengths: [Vec<u8>; D],
-    /// By row, the patterns of its ghosts: at the lower, then at the upper end, nearest first; empty if there is only
-    /// one pattern.
-    pub(super) row_patterns: Vec<[u32; 2 * GHOSTS]>,
+    /// By row, the indices of the lane patterns of its ghosts: at the lower, then at the upper end, nearest first;
+    /// empty if there is only one pattern.
+    pub(super) ghost_pattern_indices: Vec<[u32; 2 * GHOSTS]>,
 }
 
-/// Lane patterns: the media in the lanes of a group, numbered in the order of their first use.
+/// Lane patterns (the medium of each lane of a group) in the order of their first use.
 #[derive(Default)]
 struct PatternSet {
-    numbers: HashMap<Vec<u16>, u32>,
+    indices: HashMap<Vec<u16>, u32>,
     patterns: Vec<Vec<u16>>,
 }
 
 impl PatternSet {
     fn insert(&mut self, lanes: Vec<u16>) -> u32 {
-        let (all, next) = (&mut self.patterns, self.numbers.len() as u32);
-        *self.numbers.entry(lanes).or_insert_with_key(|lanes| {
+        let (all, next) = (&mut self.patterns, self.indices.len() as u32);
+        *self.indices.entry(lanes).or_insert_with_key(|lanes| {
             all.push(lanes.clone());
             next
         })
     }
 
-    /// Returns the patterns of the groups of a row, and of its ghosts at the lower and the upper end.
-    fn row_patterns<T: Real>(
+    /// Inserts the lane patterns of a row. Returns the indices of the patterns of its groups, and of its ghosts at the
+    /// lower and the upper end.
+    fn insert_row<T: Real>(
         &mut self,
         media: &[u16],
         groups: usize,
@@ -100,10 +101,17 @@ fn insert_unique<N: PartialEq>(all: &mut Vec<N>, value: N) -> usize {
 
 /// Returns by group the number of next groups with the same pattern, at most 255, along lines of `count` groups that
 /// are `stride` apart; then zeros for `ghosts` ghosts.
-fn compute_run_lengths(patterns: &[u32], stride: usize, count: usize, ghosts: usize) -> Vec<u8> {
-    let mut lengths = vec![0_u8; patterns.len() + ghosts];
-    for group in (0..patterns.len()).rev() {
-        if group / stride % count + 1 < count && patterns[group] == patterns[group + stride] {
+fn compute_run_lengths(
+    lane_pattern_indices: &[u32],
+    stride: usize,
+    count: usize,
+    ghosts: usize,
+) -> Vec<u8> {
+    let mut lengths = vec![0_u8; lane_pattern_indices.len() + ghosts];
+    for group in (0..lane_pattern_indices.len()).rev() {
+        if group / stride % count + 1 < count
+            && lane_pattern_indices[group] == lane_pattern_indices[group + stride]
+        {
             lengths[group] = lengths[group + stride].saturating_add(1);
         }
     }
@@ -223,9 +231,10 @@ impl<T: Real, const D: usize> Materials<T, D> {
         let cell_media = problem.cell_media.clone();
         let rows: Vec<_> = cell_media
             .chunks(layout.cells[0])
-            .map(|row| pattern_set.row_patterns::<T>(row, layout.groups, is_periodic))
+            .map(|row| pattern_set.insert_row::<T>(row, layout.groups, is_periodic))
             .collect();
-        let mut patterns: Vec<u32> = rows.iter().flat_map(|row| row.0.iter().copied()).collect();
+        let mut lane_pattern_indices: Vec<u32> =
+            rows.iter().flat_map(|row| row.0.iter().copied()).collect();
         // By axis: distance to the next group of a line, and number of groups of a line.
         let lines: [[usize; 2]; D] = std::array::from_fn(|axis| match axis {
             0 => [1, layout.groups],
@@ -236,10 +245,11 @@ impl<T: Real, const D: usize> Materials<T, D> {
         let is_one = pattern_set.patterns.len() == 1;
         let run_lengths = lines.map(|[stride, count]| match is_one {
             true => Vec::new(),
-            false => compute_run_lengths(&patterns, stride, count, ghosts),
+            false => compute_run_lengths(&lane_pattern_indices, stride, count, ghosts),
         });
-        patterns.extend(vec![0; ghosts]);
-        let row_patterns = if is_one { Vec::new() } else { rows.iter().map(|row| row.1).collect() };
+        lane_pattern_indices.extend(vec![0; ghosts]);
+        let ghost_pattern_indices =
+            if is_one { Vec::new() } else { rows.iter().map(|row| row.1).collect() };
         let materials = Self {
             cell_media,
             waves,
@@ -252,9 +262,9 @@ impl<T: Real, const D: usize> Materials<T, D> {
                 &pattern_set.patterns,
                 layout.pitch,
             ),
-            patterns,
+            lane_pattern_indices,
             run_lengths,
-            row_patterns,
+            ghost_pattern_indices,
             media,
             fields,
         };

@@ -16,6 +16,7 @@
 //! | `curvilinear` | cell length along rows by layer, rotation by the curvature of rows |
 //! | `sources`, `boundaries` | sources and gravity; boundary conditions |
 //! | `interlayer_faces`, `interlayers` | interlayers: faces and history variables; their input and output |
+//! | `fluid` | flow of the fluid along saturated interlayers |
 //! | `halo` | halo exchange with neighbouring subdomains |
 //! | `completion`, `output`, `diagnostics` | state at the time of the domain, output and records, energy ledger |
 //! | `build` | construction of a domain from a [`Problem`] |
@@ -49,6 +50,7 @@ mod cell_mapping;
 mod completion;
 mod curvilinear;
 mod diagnostics;
+mod fluid;
 mod ghost_kernels;
 mod halo;
 mod interlayer_faces;
@@ -86,6 +88,7 @@ use crate::solid::problem::{DomainError, Grid, Problem, Scheme};
 use boundaries::Boundaries;
 use buffers::Buffers;
 use diagnostics::Diagnostics;
+use fluid::FluidStage;
 use interlayer_faces::LaneInterlayers;
 use layout::Layout;
 use local_laws::LocalLaws;
@@ -111,6 +114,7 @@ pub struct Domain<T: SolverReal, const D: usize> {
     /// Values by row, field and group; after all rows, ghosts of the lines that are swept.
     field_data: Vec<T::Lanes>,
     interfaces: LaneInterlayers<T, D>,
+    fluid: Option<FluidStage<T>>,
     diagnostics: Diagnostics,
     buffers: Buffers<T>,
 }

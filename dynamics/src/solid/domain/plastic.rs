@@ -260,7 +260,7 @@ impl<T: Real> MisesSets<T> {
 pub(super) struct ProjectionKernel<'a, T: Real> {
     /// Field values from the first of these groups on.
     pub(super) field_data: &'a mut [T::Lanes],
-    pub(super) patterns: &'a [u32],
+    pub(super) lane_pattern_indices: &'a [u32],
     pub(super) sets: &'a YieldSets<T>,
     /// By lane pattern, whether any lane has a yield set.
     pub(super) has_yield_set: &'a [bool],
@@ -275,7 +275,7 @@ impl<T: Real> SimdKernel<T> for ProjectionKernel<'_, T> {
     fn run<V: Vector<T>>(self) {
         match self.sets {
             YieldSets::HalfSpaces(all) => {
-                for (index, &pattern) in self.patterns.iter().enumerate() {
+                for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
                     let (group, pattern) = (&self.field_data[index..], pattern as usize);
                     if !self.has_yield_set[pattern] {
                         continue;
@@ -300,7 +300,7 @@ impl<T: Real> ProjectionKernel<'_, T> {
     #[inline(always)]
     fn map_groups<V: Vector<T>, const DEVIATOR: bool>(self, strengths: &MisesSets<T>) {
         let lanes = T::Lanes::COUNT;
-        for (index, &pattern) in self.patterns.iter().enumerate() {
+        for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
             let group = &mut self.field_data[index..];
             if !self.has_yield_set[pattern as usize] {
                 continue;

@@ -72,7 +72,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             let of_tile = groups.start * lanes..groups.end * lanes;
             self.instructions.run_kernel::<T>(RelaxationKernel {
                 field_data: &mut self.field_data[first..],
-                patterns: &self.materials.patterns[groups],
+                lane_pattern_indices: &self.materials.lane_pattern_indices[groups],
                 relaxations,
                 interval,
                 dissipation: &mut self.diagnostics.dissipation.viscous_dissipation[of_tile],
@@ -85,7 +85,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 struct RelaxationKernel<'a, T: Real> {
     /// Field values from the first of these groups on.
     field_data: &'a mut [T::Lanes],
-    patterns: &'a [u32],
+    lane_pattern_indices: &'a [u32],
     relaxations: &'a LaneRelaxations<T>,
     interval: Interval,
     /// Accumulated viscous dissipation by group and lane, J/m³.
@@ -108,7 +108,7 @@ impl<T: Real> RelaxationKernel<'_, T> {
     fn relax_groups<V: Vector<T>, const SHEARS: usize>(self, shear_places: [[usize; 3]; SHEARS]) {
         let LaneRelaxations { fields: (normal_places, _), by_pattern } = self.relaxations;
         let count = T::Lanes::COUNT;
-        for (index, &pattern) in self.patterns.iter().enumerate() {
+        for (index, &pattern) in self.lane_pattern_indices.iter().enumerate() {
             let Some((lanes, constants)) = &by_pattern[pattern as usize] else { continue };
             let constants = load_relaxation::<T, V>(&constants[self.interval as usize]);
             let group = &mut self.field_data[index..];

@@ -36,8 +36,8 @@ pub(super) struct TotalStressKernel<'a> {
     pub(super) field_data: &'a mut [DoubleLanes],
     /// Distance between two fields in `field_data`, in blocks.
     pub(super) pitch: usize,
-    /// Lane patterns by group.
-    pub(super) patterns: &'a [u32],
+    /// By group, the index of its lane pattern.
+    pub(super) lane_pattern_indices: &'a [u32],
     /// By lane pattern, whether any lane has a yield set.
     pub(super) has_yield_set: &'a [bool],
     /// Blocks per group: 1 in double, 2 in single precision.
@@ -91,8 +91,8 @@ impl<'a> TotalStressKernel<'a> {
         shape: StressShape,
         active: &[bool; EIGENSPACE_COUNT],
     ) {
-        let count = self.patterns.len() * self.blocks_per_group;
-        // Stored energy of the initial stress, and the number of the block constants for which it was computed;
+        let count = self.lane_pattern_indices.len() * self.blocks_per_group;
+        // Stored energy of the initial stress, and the index of the block constants for which it was computed;
         // `usize::MAX` before the first.
         let mut initial_energy = (V::ZERO, usize::MAX);
         let mut batch =
@@ -101,8 +101,9 @@ impl<'a> TotalStressKernel<'a> {
             batch.count = 0;
             let mut pending = PendingBlocks { count: 0, indices: [0; BATCH_SIZE] };
             for block_index in first..count.min(first + BATCH_SIZE) {
-                if self.has_yield_set
-                    [self.patterns[block_index >> self.log2_blocks_per_group()] as usize]
+                if self.has_yield_set[self.lane_pattern_indices
+                    [block_index >> self.log2_blocks_per_group()]
+                    as usize]
                 {
                     self.collect_yielding_block(
                         (shape, active),
@@ -128,10 +129,11 @@ impl<'a> TotalStressKernel<'a> {
         self.blocks_per_group.trailing_zeros()
     }
 
-    /// Returns the constants of the block at a place of the row, and their number.
+    /// Returns the constants of the block at a place of the row, and the index of these constants.
     #[inline(always)]
     fn block_constants(&self, block_index: usize) -> (usize, &'a BlockConstants) {
-        let pattern = self.patterns[block_index >> self.log2_blocks_per_group()] as usize;
+        let pattern =
+            self.lane_pattern_indices[block_index >> self.log2_blocks_per_group()] as usize;
         let number = pattern * self.blocks_per_group + (block_index & (self.blocks_per_group - 1));
         (number, &self.yield_sets.blocks[number])
     }

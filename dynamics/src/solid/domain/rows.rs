@@ -81,8 +81,8 @@ pub(crate) struct Rows<'a, T: Real> {
     /// Index of the first group of the first row.
     pub(crate) first_group: usize,
     pub(crate) table: &'a MaterialTable<T>,
-    /// Lane patterns of all groups.
-    pub(crate) patterns: &'a [u32],
+    /// By group, the index of its lane pattern.
+    pub(crate) lane_pattern_indices: &'a [u32],
 }
 
 impl<T: Real> Rows<'_, T> {
@@ -282,7 +282,7 @@ impl<T: Real> Rows<'_, T> {
         (group, _): LaneIndex,
         wave: &WavePair,
     ) -> &CellConstants<T::Lanes> {
-        let pattern = self.patterns[self.first_group + row * self.ends.groups + group];
+        let pattern = self.lane_pattern_indices[self.first_group + row * self.ends.groups + group];
         self.table.constants(pattern, wave)
     }
 

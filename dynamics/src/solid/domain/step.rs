@@ -12,6 +12,8 @@
 //! follows them; alone, it is applied once over a whole step. Laws of interlayers act in the sweeps, at the faces of
 //! the interlayers.
 //!
+//! The flow of the fluid along saturated interlayers is a stage of Δt before K Q K ([`super::fluid`]).
+//!
 //! The step is of second order in smooth solutions, since the product is symmetric and its factors are of second order
 //! (except with `Slopes::Godunov`). Without sources, gravity and work at boundaries each factor conserves or lowers the
 //! energy at Courant numbers c(Δt/2)/h ≤ 1, and so does the step. Boundary values are those in the middle of each half
@@ -25,9 +27,10 @@
 //! U ← x y z  then  K √Q x √Q K  then  z y  then  P,
 //! ```
 //!
-//! with √x, a quarter of a step, for the very first x: n steps are (√x y z … x … z y √x)ⁿ without the last √x, which
-//! `completion` applies to a copy of each cell for output; near reflecting boundaries output is the mean of the states
-//! before and after x. Each factor conserves or lowers the energy.
+//! where √x is a sweep of a quarter of a step, which replaces the first x of a run, and √Q is Q over half a step.
+//! Without P, n steps are (√x y z … x … z y √x)ⁿ except for the last √x; for output, `completion` applies that √x to a
+//! copy of each cell. Near reflecting boundaries output is the mean of the states before and after x instead. Each
+//! factor conserves or lowers the energy.
 //!
 //! [`Domain::advance_pass`] advances memory by one or two such steps, a block of rows and a few layers at a time, as
 //! [`super::schedule`] states; [`Domain::advance_layers`] is the step above on those layers.
@@ -45,13 +48,13 @@ use std::ops::Range;
 /// Layers in the three stages of a step: x y z (stage 0), K Q K z (stage 1) and y x P (stage 2).
 pub(super) struct StepStages<'a> {
     /// By stage, the layers that pass it now.
-    layers: &'a [Range<usize>; 3],
+    pub(super) layers: &'a [Range<usize>; 3],
     /// By stage, all layers that pass it in this pass.
-    pass_layers: &'a [Range<usize>; 3],
+    pub(super) pass_layers: &'a [Range<usize>; 3],
     /// Rows of these layers that are advanced.
-    block: &'a Range<usize>,
+    pub(super) block: &'a Range<usize>,
     /// Index of the first of the two half steps, counted from the start of the pass.
-    first_half: usize,
+    pub(super) first_half: usize,
 }
 
 impl<T: SolverReal, const D: usize> Domain<T, D> {
@@ -79,6 +82,9 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.schedule.steps += steps;
         self.schedule.pass_steps = steps;
         self.set_times();
+        if self.fluid.is_some() {
+            return self.advance_step_with_fluid(neighbours);
+        }
         let rows = self.layout.rows;
         let mut loaded = 0;
         while loaded < rows {
@@ -140,7 +146,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
     }
 
     /// Accumulates time integrals and records watched cells, in layers that have completed a step.
-    fn record_completed_layers(&mut self, layers: &Range<usize>, step: usize) {
+    pub(super) fn record_completed_layers(&mut self, layers: &Range<usize>, step: usize) {
         if !self.scheme.is_alternating() {
             let layer = self.layout.layer_cells();
             self.accumulate_integrals(layers.start * layer..layers.end * layer, 1.0);

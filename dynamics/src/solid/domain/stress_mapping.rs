@@ -60,7 +60,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let dissipation = &mut self.diagnostics.dissipation.plastic_dissipation;
         let mapping = ProjectionKernel {
             field_data: &mut self.field_data[first..],
-            patterns: &self.materials.patterns[groups.clone()],
+            lane_pattern_indices: &self.materials.lane_pattern_indices[groups.clone()],
             sets,
             has_yield_set: &self.local_laws.has_yield_set,
             dissipation: &mut dissipation[groups.start * lanes..groups.end * lanes],
@@ -119,7 +119,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 media: &self.materials.media,
                 field_data,
                 pitch,
-                patterns: &self.materials.patterns[groups.clone()],
+                lane_pattern_indices: &self.materials.lane_pattern_indices[groups.clone()],
                 has_yield_set: &self.local_laws.has_yield_set,
                 blocks_per_group,
                 initial_stress: initial,
@@ -147,7 +147,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
 
     /// Maps the cells in the masked lanes of a group by the scalar projection.
     fn map_lanes(&mut self, group: usize, lanes: u16, reflects: bool) {
-        if !self.local_laws.has_yield_set[self.materials.patterns[group] as usize] {
+        if !self.local_laws.has_yield_set[self.materials.lane_pattern_indices[group] as usize] {
             return;
         }
         for lane in (0..T::Lanes::COUNT).filter(|lane| lanes >> lane & 1 == 1) {

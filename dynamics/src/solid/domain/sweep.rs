@@ -2,7 +2,7 @@
 
 use super::ghost_kernels::{ImageGhostKernel, OneSidedGhostKernel, RowGhostKernel};
 use super::kernel::interlayers::InterlayerLines;
-use super::kernel::{MAX_PREFETCH_FIELDS, SweepLines};
+use super::kernel::{MAX_PREFETCH_FIELDS, PrefetchL2, SweepLines};
 use super::layout::{GroupIndex, RowSegment};
 use super::material_table::WavePair;
 use super::rows::Rows;
@@ -14,6 +14,7 @@ use crate::solid::ghosts::{BoundaryFaces, CLOSURE_CELLS};
 use crate::solid::line;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
+use models::interface::Interval;
 use std::ops::Range;
 
 /// L1 prefetch distance in lines, by axis; in sweeps along rows the next row is prefetched.
@@ -145,7 +146,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             ghost_stride: CHUNK_SIZE * size,
             first_group: bundle.first.group,
             table: self.materials.axis_table(0),
-            patterns: &self.materials.patterns,
+            lane_pattern_indices: &self.materials.lane_pattern_indices,
         }
     }
 
@@ -221,17 +222,11 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         path.extend((first.max(count)..end).map(|place| self.path_group(bundle, 0, place)));
         let field_count = self.fields().len();
         let prefetch_l1_distance = PREFETCH_LINES[axis].unwrap_or(self.layout.row_size());
-        let prefetch_l2_fields = self.prefetch_l2_fields(bundle);
+        let prefetch_l2 = self.choose_prefetch_l2(bundle);
         let before = bundle.carried * self.materials.waves[axis].len();
         let mut carried = std::mem::take(&mut self.buffers.carried_states[axis][half_step]);
         let mut field_data = std::mem::take(&mut self.field_data);
         let mut history = std::mem::take(&mut self.interfaces.history);
-        let mut faces = std::mem::take(&mut self.interfaces.path_faces);
-        faces.clear();
-        if self.interfaces.has_interlayers_across(axis) {
-            let origin = self.axis_origin(bundle) as isize;
-            faces.extend(self.interfaces.path_faces(axis, origin + first..origin + end));
-        }
         let waves = self.sweep_waves(axis, half_step);
         let lines = SweepLines {
             field_data: &mut field_data,
@@ -240,46 +235,43 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             table: self.materials.axis_table(axis),
             waves,
             slopes: self.scheme.slopes,
-            patterns: &self.materials.patterns,
+            lane_pattern_indices: &self.materials.lane_pattern_indices,
             run_lengths: &self.materials.run_lengths[axis],
             path: &path,
             previous_group,
             line_stride: bundle.line_stride,
             is_line_start: places.start < 0,
             prefetch_l1_distance,
-            prefetch_l2_fields,
+            prefetch_l2,
             carried: &mut carried[before..before + lines * waves.len()],
             rows: (axis == 0).then(|| self.bundle_rows(bundle)),
         };
-        match self.interfaces.line_history(axis, bundle.face) {
+        let origin = self.axis_origin(bundle) as isize;
+        match self.interfaces.path_faces(axis, bundle.face, origin + first..origin + end) {
             None => lines.sweep_path(self.instructions),
-            Some((laws, first_history, history_stride)) => {
-                let step = T::from_f64(self.sweep_duration());
-                let lines = InterlayerLines {
+            Some(faces) => {
+                let [end, step] = self.sweep_interval(half_step).map(T::from_f64);
+                self.instructions.run_kernel::<T>(InterlayerLines {
                     lines,
-                    faces: &faces,
+                    faces,
                     history: &mut history,
-                    first_history,
-                    history_stride,
-                    laws,
-                    step,
-                };
-                self.instructions.run_kernel::<T>(lines);
+                    interval: Interval { end, step },
+                    instructions: self.instructions,
+                });
             }
         }
-        (self.interfaces.history, self.interfaces.path_faces) = (history, faces);
+        self.interfaces.history = history;
         self.field_data = field_data;
         self.buffers.carried_states[axis][half_step] = carried;
         self.buffers.path = path;
     }
 
-    /// Returns the L2 prefetch distance, in groups, to the rows that are loaded next, and which of the
-    /// [`MAX_PREFETCH_FIELDS`] fields of each pair this sweep prefetches. The sweeps across rows share the fields, to
-    /// spread the requests.
-    fn prefetch_l2_fields(&self, bundle: LineBundle) -> (usize, Range<usize>) {
+    /// Chooses the L2 prefetch distance to the rows that are loaded next, and the fields that this sweep prefetches.
+    /// The sweeps across rows and layers share the fields among them, so that the requests are spread over time.
+    fn choose_prefetch_l2(&self, bundle: LineBundle) -> PrefetchL2 {
         let LineBundle { axis, half_step, face, .. } = bundle;
-        // Distance of this sweep behind the rows loaded last, in units of GHOSTS rows and of GHOSTS layers; in the
-        // plane layers are rows.
+        // `rows` and `layers`: distance of this sweep behind the rows loaded last, in units of GHOSTS rows and of
+        // GHOSTS layers; in the plane, layers are rows.
         let (part, parts, rows, layers) = match (D, axis, half_step) {
             // In the plane, prefetch only in the last step of a pass: earlier requests would be evicted.
             (2, 1, half_step) if half_step + 2 >= 2 * self.schedule.pass_steps => {
@@ -291,11 +283,14 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             (3, 2, 0) => (1, 4, 1, 0),
             (3, 2, 1) => (2, 4, 1, 1),
             (3, 1, 1) => (3, 4, 1, 2),
-            _ => return (0, 0..0),
+            _ => return PrefetchL2 { distance: 0, fields: 0..0 },
         };
         let behind = self.schedule.prefetch_rows + GHOSTS * (rows + layers * self.layout.rows);
         let share = MAX_PREFETCH_FIELDS / parts;
-        (behind * self.layout.row_size(), part * share..(part + 1) * share)
+        PrefetchL2 {
+            distance: behind * self.layout.row_size(),
+            fields: part * share..(part + 1) * share,
+        }
     }
 
     /// Returns the group at a place of a line, ghosts included: the ghosts of all lines at one end and depth are
@@ -323,16 +318,19 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         }
     }
 
-    /// Sets the patterns of the ghosts of rows.
+    /// Sets the lane patterns of the ghosts of rows.
     fn set_ghost_patterns(&mut self, bundle: LineBundle) {
         for line in 0..bundle.lines {
-            let Some(&patterns) = self.materials.row_patterns.get(bundle.face + line) else {
+            let Some(&ghost_patterns) =
+                self.materials.ghost_pattern_indices.get(bundle.face + line)
+            else {
                 return;
             };
             for depth in 0..GHOSTS {
                 for (end, place) in bundle.ghost_positions(depth).into_iter().enumerate() {
                     let ghost = self.path_group(bundle, line, place).group;
-                    self.materials.patterns[ghost] = patterns[end * GHOSTS + depth];
+                    self.materials.lane_pattern_indices[ghost] =
+                        ghost_patterns[end * GHOSTS + depth];
                 }
             }
         }
@@ -356,7 +354,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                 for line in 0..lines {
                     let [source, ghost] =
                         [source, ghost].map(|stop| stop.shift_to_line(line, bundle.line_stride));
-                    self.materials.patterns[ghost.group] = self.materials.patterns[source.group];
+                    self.materials.lane_pattern_indices[ghost.group] =
+                        self.materials.lane_pattern_indices[source.group];
                 }
             }
         }
@@ -376,7 +375,8 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
                     lines,
                     face,
                     table: &self.materials.table,
-                    patterns: outer_cells.map(|stop| &self.materials.patterns[stop.group..]),
+                    lane_pattern_indices: outer_cells
+                        .map(|stop| &self.materials.lane_pattern_indices[stop.group..]),
                 };
                 self.instructions.run_kernel::<T>(fill);
             }
@@ -448,7 +448,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         };
         let state = self.lane_state((stop, lane), wave);
         let table = self.materials.axis_table(bundle.axis);
-        let cell = table.constants(self.materials.patterns[stop.group], wave);
+        let cell = table.constants(self.materials.lane_pattern_indices[stop.group], wave);
         (state, cell.lane(lane))
     }
 
@@ -465,10 +465,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         self.grid.volume() / spacing * if is_quarter { 0.25 } else { 0.5 } * self.step
     }
 
-    /// Returns the duration of a sweep with interlayers, s, which is half a step: interlayers exclude alternating
-    /// sweeps.
-    fn sweep_duration(&self) -> f64 {
-        0.5 * self.step
+    /// Returns the time at the end of a sweep and its duration, s, in a problem with interlayers, which exclude
+    /// alternating sweeps.
+    fn sweep_interval(&self, half_step: usize) -> [f64; 2] {
+        let before = self.schedule.steps - self.schedule.pass_steps + half_step / 2;
+        let end = match half_step % 2 {
+            0 => before as f64 * self.step + 0.5 * self.step,
+            _ => (before + 1) as f64 * self.step,
+        };
+        [end, 0.5 * self.step]
     }
 
     /// Returns the coordinate of the first place of a line along its axis; along the last axis this is the index of the

@@ -1,128 +1,173 @@
-//! Faces with interlayers: history variables for each face and wave pair.
+//! Faces with interlayers, with their history variables.
 
 use super::sweep::GridLine;
 use crate::simd::Real;
 use crate::solid::boundary::Boundary;
+use crate::solid::fluid_network::{FluidNetwork, NetworkGrid};
 use crate::solid::interface::Interlayer;
 use crate::solid::interlayers::{
-    HISTORY_VARIABLES, interlayer_energy, lower_neighbour, non_finite_field, stress_free_history,
+    InterlayerFace, InterlayerLaw, face_energy, initialise_history, lower_neighbour,
 };
-use crate::solid::ledger::EnergySums;
+use crate::solid::ledger::InterlayerSums;
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
-use models::interface::elastic::ElasticInterlayer;
-use models::solid::waves::{SolidField, VelocityStressPair};
+use models::solid::waves::SolidField;
 
-/// A face with an interlayer, for one wave pair.
-#[derive(Clone)]
-struct InterlayerFace<T> {
-    axis: usize,
-    pair: usize,
-    /// Cell above the face.
-    cell: usize,
-    law: ElasticInterlayer<T>,
-    history: [T; HISTORY_VARIABLES],
-}
-
-/// All interlayers, ordered by layer across the last axis, axis of the face, cell above it, and wave pair.
+/// All interlayers, in the order of [`Problem::interlayer_faces`].
 #[derive(Clone)]
 pub(super) struct InterlayerFaces<T, const D: usize> {
-    faces: Vec<InterlayerFace<T>>,
-    /// By axis and cell above the face, index in `faces` of the first wave pair of the face, `None` at faces without
-    /// interlayer; empty if the axis has no interlayers.
-    first_pair: [Vec<Option<usize>>; D],
+    faces: Vec<InterlayerFace>,
+    history: Vec<T>,
+    /// Laws by axis.
+    laws: [Vec<InterlayerLaw<T>>; D],
+    /// By axis and cell, index in `faces` of its lower face, `None` at faces without interlayer; empty if the axis has
+    /// no interlayers.
+    face_of_cell: [Vec<Option<usize>>; D],
     is_periodic: [bool; D],
+    /// Network of the saturated faces, and their indices in `faces`; `None` if there are none.
+    fluid: Option<(FluidNetwork<T>, Vec<usize>)>,
 }
 
 impl<T: Real, const D: usize> InterlayerFaces<T, D> {
     /// Creates the interlayers of a problem, at rest.
     pub(super) fn new(problem: &Problem<D>) -> Self {
-        let (grid, layer) = (&problem.grid, problem.grid.faces(D - 1));
         let across: [_; D] = std::array::from_fn(|axis| problem.interlayers_across(axis));
-        let mut all = Vec::new();
-        let mut first = across.map(|own| vec![None; if own.is_some() { grid.count() } else { 0 }]);
-        for start in (0..grid.count()).step_by(layer) {
-            for (axis, own) in across.iter().enumerate() {
-                let Some(own) = own else { continue };
-                let stride: usize = grid.cells[..axis].iter().product();
-                for (index, number) in first[axis][start..start + layer].iter_mut().enumerate() {
-                    let cell = start + index;
-                    if !own.has_interlayer_at(cell / stride % grid.cells[axis]) {
-                        continue;
-                    }
-                    *number = Some(all.len());
-                    all.extend(own.laws.iter().enumerate().map(|(pair, law)| InterlayerFace {
-                        axis,
-                        pair,
-                        cell,
-                        law: law.to_number(),
-                        history: [T::ZERO; HISTORY_VARIABLES],
-                    }));
-                }
-            }
+        let faces = problem.interlayer_faces();
+        let count = problem.grid.count();
+        let mut face_of_cell = across.map(|own| vec![None; if own.is_some() { count } else { 0 }]);
+        for (index, face) in faces.iter().enumerate() {
+            face_of_cell[face.axis][face.cell] = Some(index);
         }
+        let end = faces.last().map_or(0, |face| face.history.end);
+        let laws = across.map(|own| {
+            own.map_or(Vec::new(), |own| own.laws.iter().map(|law| law.map(T::from_f64)).collect())
+        });
         let is_periodic = problem.boundaries.each_ref().map(|own| own[0] == Boundary::Periodic);
-        Self { faces: all, first_pair: first, is_periodic }
+        let mut interlayers = Self {
+            faces,
+            history: vec![T::ZERO; end],
+            laws,
+            face_of_cell,
+            is_periodic,
+            fluid: None,
+        };
+        interlayers.fluid = interlayers.fluid_network(problem);
+        interlayers
     }
 
-    /// Returns the history variables of all interlayers: mean velocity V and mean traction S.
-    pub(super) fn history(&self) -> Vec<[T; HISTORY_VARIABLES]> {
-        self.faces.iter().map(|own| own.history).collect()
+    /// Returns the network of the saturated faces; `None` if there are none.
+    fn fluid_network(&self, problem: &Problem<D>) -> Option<(FluidNetwork<T>, Vec<usize>)> {
+        if !problem.has_fluid() {
+            return None;
+        }
+        let grid = NetworkGrid {
+            cells: [problem.grid.cells[0], problem.grid.cells[1]],
+            spacing: [problem.grid.spacing[0], problem.grid.spacing[1]],
+            is_periodic: [self.is_periodic[0], self.is_periodic[1]],
+            is_open: [0, 1].map(|axis| {
+                let is_open = !self.is_periodic[axis] && problem.has_open_layers_along(axis);
+                [is_open; 2]
+            }),
+        };
+        let law = |face: &InterlayerFace| match self.laws[face.axis][face.law] {
+            InterlayerLaw::Plane(law, _) if law.fluid().is_some() => Some(law),
+            _ => None,
+        };
+        let saturated = (0..self.faces.len()).filter(|index| law(&self.faces[*index]).is_some());
+        let saturated: Vec<usize> = saturated.collect();
+        let faces = saturated.iter().filter_map(|index| {
+            let face = &self.faces[*index];
+            let place = [face.cell % grid.cells[0], face.cell / grid.cells[0]];
+            Some(((face.axis, place), law(face)?))
+        });
+        Some((FluidNetwork::new(faces, &grid, problem.step), saturated))
     }
 
-    /// Sets the history variables of all interlayers: mean velocity V and mean traction S.
-    pub(super) fn set_history(&mut self, history: &[[T; HISTORY_VARIABLES]]) {
-        self.faces.iter_mut().zip(history).for_each(|(face, own)| face.history = *own);
+    /// Advances the flow along saturated layers by `step`, s.
+    pub(super) fn advance_fluid(&mut self, step: f64) {
+        let Some((network, saturated)) = &mut self.fluid else { return };
+        for (history, index) in network.history_mut().iter_mut().zip(&*saturated) {
+            let range = self.faces[*index].history.clone();
+            history[..range.len()].copy_from_slice(&self.history[range]);
+        }
+        network.advance(step);
+        for (history, index) in network.history_mut().iter().zip(&*saturated) {
+            let range = self.faces[*index].history.clone();
+            self.history[range.clone()].copy_from_slice(&history[..range.len()]);
+        }
     }
 
-    /// Computes the initial history variables of all interlayers from the field values of the adjacent cells.
-    pub(super) fn initial_history(
-        &self,
+    /// Returns the history variables of all interlayers.
+    pub(super) fn history(&self) -> &[T] {
+        &self.history
+    }
+
+    /// Sets the history variables of all interlayers.
+    pub(super) fn set_history(&mut self, history: &[T]) {
+        self.history.copy_from_slice(history);
+    }
+
+    /// Sets the history variables of all interlayers to zero.
+    pub(super) fn clear(&mut self) {
+        self.history.fill(T::ZERO);
+    }
+
+    /// Initialises all interlayers without stress, from the field values of the adjacent cells.
+    pub(super) fn initialise(
+        &mut self,
         problem: &Problem<D>,
         value: impl Fn(SolidField, usize) -> T,
-    ) -> Vec<[T; HISTORY_VARIABLES]> {
-        let history = |face: &InterlayerFace<T>| {
-            let field = wave_pair(face, problem).velocity;
-            let front = lower_neighbour(&problem.grid.cells, face.axis, face.cell);
-            stress_free_history([front, face.cell].map(|cell| value(field, cell)))
-        };
-        self.faces.iter().map(history).collect()
+    ) {
+        for face in &self.faces {
+            let pairs = &problem.media[0].pairs[face.axis];
+            let sides = [lower_neighbour(&problem.grid.cells, face.axis, face.cell), face.cell];
+            let velocity = |pair: usize, side: usize| {
+                pairs.get(pair).map_or(T::ZERO, |pair| value(pair.velocity, sides[side]))
+            };
+            let law = &self.laws[face.axis][face.law];
+            let history = &mut self.history[face.history.clone()];
+            initialise_history(law, pairs.len(), velocity, history);
+        }
     }
 
     /// Sets history variables of magnitude below `limit` to zero.
     pub(super) fn flush_below(&mut self, limit: T) {
-        for value in self.faces.iter_mut().flat_map(|face| &mut face.history) {
+        for value in &mut self.history {
             *value = value.flush_below(limit);
         }
     }
 
-    /// Adds the energy of all interlayers to `sums`.
-    pub(super) fn add_energy(&self, problem: &Problem<D>, sums: &mut EnergySums) {
+    /// Returns the sums of the energies of all interlayers.
+    pub(super) fn sum_energies(&self, problem: &Problem<D>) -> InterlayerSums {
+        let mut sums = InterlayerSums::default();
         for face in &self.faces {
             let area = problem.grid.volume() / problem.grid.spacing[face.axis];
-            let [kinetic, stored] = interlayer_energy(&face.law, face.history, area);
-            sums.interlayer_kinetic.add(kinetic);
-            sums.interlayer_stored.add(stored);
+            let law = self.laws[face.axis][face.law].map(T::to_f64);
+            let history: Vec<f64> =
+                self.history[face.history.clone()].iter().map(|own| own.to_f64()).collect();
+            let pairs = problem.media[0].pairs[face.axis].len();
+            sums.add(&face_energy(&law, pairs, &history), area);
         }
+        sums
     }
 
-    /// Returns the first interlayer with a non-finite history variable: the corresponding field and the cell above the
+    /// Returns the cell above the first interlayer with a non-finite history variable, and the velocity normal to the
     /// face.
-    pub(super) fn non_finite_field(&self, problem: &Problem<D>) -> Option<(SolidField, usize)> {
+    pub(super) fn first_non_finite(&self) -> Option<(SolidField, usize)> {
         self.faces.iter().find_map(|face| {
-            Some((non_finite_field(wave_pair(face, problem), face.history)?, face.cell))
+            let history = &self.history[face.history.clone()];
+            let is_finite = history.iter().all(|own| own.to_f64().is_finite());
+            (!is_finite).then_some((SolidField::Velocity(face.axis), face.cell))
         })
     }
 
+    /// Whether there are interlayers normal to an axis.
+    pub(super) fn has_interlayers_across(&self, axis: usize) -> bool {
+        !self.face_of_cell[axis].is_empty()
+    }
+
     /// Returns the interlayers of a line, ghosts included.
-    pub(super) fn line_interlayers(
-        &self,
-        pair: usize,
-        line: GridLine,
-    ) -> Vec<Interlayer<T, ElasticInterlayer<T>>> {
-        if self.first_pair[line.axis].is_empty() {
-            return Vec::new();
-        }
+    pub(super) fn line_interlayers(&self, line: GridLine) -> Vec<Interlayer<T, InterlayerLaw<T>>> {
         let (count, ghosts) = (line.count as isize, GHOSTS as isize);
         let at = |place: isize| {
             let around = match self.is_periodic[line.axis] {
@@ -130,9 +175,10 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
                 false => place,
             };
             let around = usize::try_from(around).ok().filter(|own| *own < line.count)?;
-            let face = &self.faces[self.first_pair[line.axis][line.cell(around)]? + pair];
-            let upper_cell = (place + ghosts) as usize;
-            Some(Interlayer { upper_cell, law: face.law, history: face.history })
+            let face = &self.faces[self.face_of_cell[line.axis][line.cell(around)]?];
+            let law = self.laws[line.axis][face.law];
+            let history = self.history[face.history.clone()].to_vec();
+            Some(Interlayer { upper_cell: (place + ghosts) as usize, law, history })
         };
         (-ghosts..count + ghosts).filter_map(at).collect()
     }
@@ -140,24 +186,17 @@ impl<T: Real, const D: usize> InterlayerFaces<T, D> {
     /// Stores the history variables of the interlayers of a line after its sweep.
     pub(super) fn store_line(
         &mut self,
-        pair: usize,
         line: GridLine,
-        interlayers: &[Interlayer<T, ElasticInterlayer<T>>],
+        interlayers: &[Interlayer<T, InterlayerLaw<T>>],
     ) {
         // Interlayers among the ghosts are copies.
         let own = GHOSTS..GHOSTS + line.count;
         for interlayer in interlayers.iter().filter(|other| own.contains(&other.upper_cell)) {
             let cell = line.cell(interlayer.upper_cell - GHOSTS);
-            if let Some(first) = self.first_pair[line.axis][cell] {
-                self.faces[first + pair].history = interlayer.history;
+            if let Some(face) = self.face_of_cell[line.axis][cell] {
+                let history = self.faces[face].history.clone();
+                self.history[history].copy_from_slice(&interlayer.history);
             }
         }
     }
-}
-
-fn wave_pair<'a, T, const D: usize>(
-    face: &InterlayerFace<T>,
-    problem: &'a Problem<D>,
-) -> &'a VelocityStressPair {
-    &problem.media[0].pairs[face.axis][face.pair]
 }

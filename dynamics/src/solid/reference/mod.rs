@@ -162,22 +162,26 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
     /// Initialises interlayers with the mean velocity of the adjacent cells and without stress, see
     /// [`Domain::initialise_interlayers`](crate::solid::domain::Domain::initialise_interlayers).
     pub fn initialise_interlayers(&mut self) {
-        let place = |field| self.field_index(field);
-        let value = |field, cell: usize| place(field).map_or(T::ZERO, |own| self.fields[own][cell]);
-        let memory = self.interlayers.initial_history(&self.problem, value);
-        self.interlayers.set_history(&memory);
+        let Self { field_list, fields, interlayers, problem, .. } = self;
+        let value = |field, cell: usize| {
+            let place = field_list.iter().position(|own| *own == field);
+            place.map_or(T::ZERO, |own| fields[own][cell])
+        };
+        interlayers.initialise(problem, value);
     }
 
-    /// Returns the history variables of all interlayers (mean velocity V, m/s, and mean traction S, Pa), in the order
-    /// of [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
-    pub fn interlayer_history(&self) -> Vec<[T; 2]> {
-        self.interlayers.history()
+    /// Returns the history variables of all interlayers, in the order of
+    /// [`Domain::interlayer_history`](crate::solid::domain::Domain::interlayer_history).
+    pub fn interlayer_history(&self) -> Vec<T> {
+        self.interlayers.history().to_vec()
     }
 
     /// Returns work and dissipation of the steps so far, J.
     pub fn ledger(&self) -> Ledger {
         let dissipation = self.dissipation.lists().map(|values| values.iter().copied().collect());
-        LedgerSums { work: self.work.clone(), dissipation }.to_ledger(self.problem.grid.volume())
+        let interlayers = self.interlayers.sum_energies(&self.problem);
+        LedgerSums { work: self.work.clone(), dissipation, interlayers }
+            .to_ledger(self.problem.grid.volume())
     }
 
     /// Returns the energy of the deviation from the initial stress, J.

@@ -45,7 +45,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let first = (0..self.problem.grid.count()).find(|cell| non_finite_field(cell).is_some());
         let (field, cell) = match first {
             Some(cell) => (non_finite_field(&cell)?, cell),
-            None => self.interlayers.non_finite_field(&self.problem)?,
+            None => self.interlayers.first_non_finite()?,
         };
         Some((field, self.permutation.original_cell(cell)))
     }
@@ -86,7 +86,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
 
     /// Returns the output quantities by cell (first axis fastest) at the time of the solver: all fields, with total
     /// stresses projected onto their yield sets, then the time integrals.
-    pub fn output_fields(&self) -> Vec<Vec<f64>> {
+    pub fn output_values(&self) -> Vec<Vec<f64>> {
         let mut fields = vec![Vec::new(); self.quantity_count()];
         let (mut state, boundaries) = (Vec::new(), self.closing_boundaries());
         let length = self.problem.grid.cells[0];
@@ -206,7 +206,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             sums.kinetic.add(of_cell[0]);
             sums.stored.add(of_cell[1]);
         }
-        self.interlayers.add_energy(&self.problem, &mut sums);
+        sums.interlayers = self.interlayers.sum_energies(&self.problem);
         sums
     }
 
@@ -222,7 +222,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
             fields: self.fields.clone(),
             work_sums: self.work.to_partial_sums(),
             cell_sums: self.cell_sums(),
-            interlayer_history: self.interlayers.history(),
+            interlayer_history: self.interlayers.history().to_vec(),
         }
     }
 
@@ -233,7 +233,7 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.work = WorkSums::default();
         self.dissipation.lists_mut().into_iter().for_each(|sums| sums.fill(0.0));
         self.time_integrals.iter_mut().for_each(|(_, sums)| sums.fill(0.0));
-        self.interlayers.set_history(&vec![[T::ZERO; 2]; self.interlayers.history().len()]);
+        self.interlayers.clear();
     }
 
     /// Restores a snapshot; returns `false`, without any change, if the sizes of its lists are not those of this

@@ -35,15 +35,16 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         }
 
         for axis in 0..D {
-            self.sweep(axis, start + 0.25 * step);
+            self.sweep(axis, [start + 0.25 * step, middle]);
         }
 
+        self.interlayers.advance_fluid(step);
         let sources =
             [self.integrate_signals([start, middle]), self.integrate_signals([middle, end])];
         self.apply_local_operators(&sources);
 
         for axis in (0..D).rev() {
-            self.sweep(axis, start + 0.75 * step);
+            self.sweep(axis, [start + 0.75 * step, end]);
         }
         if self.problem.scheme.plastic_step == PlasticStep::ReturnMapping {
             self.map_stresses();
@@ -84,11 +85,11 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         let middle = start + 0.5 * step;
 
         match self.steps {
-            0 => self.sweep_quarter_step(start + 0.125 * step),
-            _ => self.sweep(0, start),
+            0 => self.sweep_quarter_step([start + 0.125 * step, middle]),
+            _ => self.sweep(0, [start, middle]),
         }
         for axis in 1..D {
-            self.sweep(axis, start + 0.25 * step);
+            self.sweep(axis, [start + 0.25 * step, middle]);
         }
 
         let sources =
@@ -98,14 +99,14 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         self.relax(Interval::HalfStep);
         // Time integrals use the mean of the states before and after the sweep, which is second order at mid-step.
         self.accumulate_integrals(0.5);
-        self.sweep(0, middle);
+        self.sweep(0, [middle, end]);
         self.accumulate_integrals(0.5);
         self.relax(Interval::HalfStep);
         self.rotate_spins(Interval::HalfStep);
         self.apply_sources(&sources[1]);
 
         for axis in (1..D).rev() {
-            self.sweep(axis, start + 0.75 * step);
+            self.sweep(axis, [start + 0.75 * step, end]);
         }
         self.map_stresses();
     }

@@ -7,11 +7,13 @@ use crate::solid::domain::SolverReal;
 use crate::solid::ghosts::{
     BoundaryFaces, CLOSURE_CELLS, GhostCoefficients, compute_ghosts, image, set_time,
 };
-use crate::solid::interface::sweep_with_interlayers;
+use crate::solid::interface::{LineState, sweep_with_interlayers};
+use crate::solid::interlayers::with_pair_count;
 use crate::solid::line::{self, SweepAccount};
 use crate::solid::problem::Problem;
 use crate::solid::reconstruction::GHOSTS;
 use crate::solid::riemann::State;
+use models::interface::Interval;
 use models::solid::waves::SolidField;
 
 /// A wave pair along an axis.
@@ -113,36 +115,50 @@ impl<T: Real> LineFields<T> {
     }
 }
 
+/// Returns the states of a line by wave pair; `None` if there are not `P` pairs.
+fn line_states<T: Real, const P: usize>(
+    line_fields: &mut [LineFields<T>],
+) -> Option<[LineState<'_, T>; P]> {
+    let states = line_fields.iter_mut().map(|own| LineState {
+        velocity: &mut own.velocity,
+        stress: &mut own.stress,
+        cells: &own.cells,
+        accounts: Some(&mut own.accounts),
+    });
+    states.collect::<Vec<_>>().try_into().ok()
+}
+
 impl<T: SolverReal, const D: usize> Reference<T, D> {
-    /// Sweeps by half a step along an axis, with boundary values at `time`, s.
-    pub(super) fn sweep(&mut self, axis: usize, time: f64) {
+    /// Sweeps by half a step along an axis; `times`: time at which boundary values are taken, and time at the end of
+    /// the sweep, s.
+    pub(super) fn sweep(&mut self, axis: usize, times: [f64; 2]) {
         let waves = std::mem::take(&mut self.waves[axis]);
         let row_waves = std::mem::take(&mut self.row_waves);
         self.sweep_axis(
             axis,
             |row| row_waves.get(row).filter(|_| axis == 0).unwrap_or(&waves),
-            time,
+            times,
         );
         (self.waves[axis], self.row_waves) = (waves, row_waves);
     }
 
-    /// Sweeps by a quarter of a step along the first axis, with boundary values at `time`, s.
-    pub(super) fn sweep_quarter_step(&mut self, time: f64) {
+    /// Sweeps by a quarter of a step along the first axis; `times` as for [`Self::sweep`].
+    pub(super) fn sweep_quarter_step(&mut self, times: [f64; 2]) {
         let waves = std::mem::take(&mut self.quarter_waves);
-        self.sweep_axis(0, |_| &waves, time);
+        self.sweep_axis(0, |_| &waves, times);
         self.quarter_waves = waves;
     }
 
-    /// Sweeps along an axis, with boundary values at `time`, s; `waves` returns the wave pairs of a line, given its
-    /// face index.
+    /// Sweeps along an axis; `times` as for [`Self::sweep`]; `waves` returns the wave pairs of a line, given its face
+    /// index.
     fn sweep_axis<'a>(
         &mut self,
         axis: usize,
         waves: impl Fn(usize) -> &'a Vec<ReferenceWavePair<T>>,
-        time: f64,
+        [time, end]: [f64; 2],
     ) {
         set_time(&mut self.boundaries[axis], time);
-        let mut line_fields = LineFields::new();
+        let mut line_fields = Vec::new();
         let [length, layer] = [self.problem.grid.cells[0], self.problem.grid.faces(D - 1)];
         let count = self.problem.grid.cells[axis];
         let faces = self.problem.grid.faces(axis);
@@ -155,33 +171,49 @@ impl<T: SolverReal, const D: usize> Reference<T, D> {
         for face in 0..faces {
             let first = face / lines * next + face % lines;
             let line = GridLine { axis, first, stride, count, face };
-            self.sweep_line(line, waves(face), &mut line_fields);
+            let waves = waves(face);
+            line_fields.resize_with(waves.len(), LineFields::new);
+            self.sweep_line(line, waves, &mut line_fields, end);
         }
     }
 
+    /// Sweeps a line; `end`: time at the end of the sweep, s.
     fn sweep_line(
         &mut self,
         line: GridLine,
         waves: &[ReferenceWavePair<T>],
-        line_fields: &mut LineFields<T>,
+        line_fields: &mut [LineFields<T>],
+        end: f64,
     ) {
+        let boundaries = &self.boundaries[line.axis];
+        let mut powers = vec![[0.0; 2]; waves.len()];
         for (pair, wave) in waves.iter().enumerate() {
+            let line_fields = &mut line_fields[pair];
+            self.fill_line(line_fields, line, (pair, wave), boundaries);
+            powers[pair] = [0, 1].map(|end| self.boundary_power(line_fields, line, pair, end));
+            line_fields.accounts.clear();
+            line_fields.accounts.resize(line.count, SweepAccount::default());
+        }
+        if self.interlayers.has_interlayers_across(line.axis) {
+            let mut interlayers = self.interlayers.line_interlayers(line);
+            let step = waves[0].step_fraction * self.problem.step;
+            let interval = Interval { end: T::from_f64(end), step: T::from_f64(step) };
+            with_pair_count!(waves.len(), P => {
+                if let Some(lines) = line_states::<T, P>(line_fields) {
+                    sweep_with_interlayers(lines, self.slopes, &mut interlayers, &interval);
+                }
+            });
+            self.interlayers.store_line(line, &interlayers);
+        } else {
+            for own in line_fields.iter_mut() {
+                let LineFields { velocity, stress, cells, accounts } = own;
+                line::sweep(velocity, stress, cells, self.slopes, Some(accounts));
+            }
+        }
+        for ((wave, line_fields), powers) in waves.iter().zip(line_fields).zip(powers) {
             let time = wave.step_fraction * self.problem.step;
             // Accounts are powers per area: the factor is area times duration, m² s.
             let face_time = self.problem.grid.volume() / wave.spacing * time;
-            let boundaries = &self.boundaries[line.axis];
-            self.fill_line(line_fields, line, (pair, wave), boundaries);
-            let powers = [0, 1].map(|end| self.boundary_power(line_fields, line, pair, end));
-            line_fields.accounts.clear();
-            line_fields.accounts.resize(line.count, SweepAccount::default());
-            let LineFields { velocity, stress, cells, accounts } = line_fields;
-            let mut interlayers = self.interlayers.line_interlayers(pair, line);
-            let (own, time) = (&mut interlayers, T::from_f64(time));
-            let accounts = Some(accounts.as_mut_slice());
-            let energy_loss =
-                sweep_with_interlayers(velocity, stress, cells, self.slopes, own, time, accounts);
-            debug_assert_eq!(energy_loss, 0.0, "elastic ones dissipate nothing");
-            self.interlayers.store_line(pair, line, &interlayers);
             for place in 0..line.count {
                 let cell = line.cell(place);
                 let medium = usize::from(self.problem.cell_media[cell]);

@@ -1,5 +1,8 @@
 //! Functions and types shared by several tests.
 
+pub mod blocky;
+pub mod chain;
+pub mod interlayers;
 pub mod media;
 mod noise;
 pub mod random;

@@ -2,25 +2,15 @@
 
 use crate::common::elementary::Elementary;
 use crate::common::input::InputError;
-use crate::common::parameter::{Parameter, to_constant_array};
-use crate::common::range::AllowedRange;
+use crate::common::parameter::{define_parameters, to_constant_array};
 use crate::flow::state::{FlowRule, MohrCoulomb, check_dilatancy};
 
-/// Parameter: moment of inertia per unit mass I, m².
-pub(super) const MOMENT_OF_INERTIA: Parameter = Parameter::new_required(
-    ["moment_of_inertia", "moment of inertia I", "m²"],
-    "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8",
-    1.25e-7,
-)
-.with_range(AllowedRange::Positive);
-
-/// Parameter: rotational yield strength m, Pa.
-pub(super) const ROTATIONAL_STRENGTH: Parameter = Parameter::new_required(
-    ["rotational_strength", "rotational strength m", "Pa"],
-    "rotational yield strength m; ≥ 0",
-    0.0,
-)
-.with_range(AllowedRange::NotNegative);
+define_parameters! {
+    pub(super) MOMENT_OF_INERTIA = "moment_of_inertia": "moment of inertia I" ["m²"], Required(1.25e-7), Positive,
+        "moment of inertia per unit mass I; > 0, for discs of diameter d it is d²/8";
+    pub(super) ROTATIONAL_STRENGTH = "rotational_strength": "rotational strength m" ["Pa"], Required(0.0), NotNegative,
+        "rotational yield strength m; ≥ 0";
+}
 
 /// Harris–Grekova model with checked constants (Harris & Grekova 2005, section 2).
 #[derive(Clone, Copy, Debug, PartialEq)]

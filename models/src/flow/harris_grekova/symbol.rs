@@ -7,9 +7,7 @@
 use super::parameters::HarrisGrekova;
 use crate::common::rounding::Rounded;
 use crate::common::system::LinearisedSystem;
-use crate::flow::balance::{
-    SPIN_COLUMN, UnknownColumns, write_flow_rule, write_mass, write_momentum,
-};
+use crate::flow::balance::{SPIN_COLUMN, write_shared_equations};
 use crate::flow::state::DeformingFlow;
 
 const EQUATIONS: [&str; 6] =
@@ -20,12 +18,8 @@ const SPIN_ROW: usize = 2;
 /// Writes the linearised system about `flow`.
 pub fn write_symbol(model: &HarrisGrekova, flow: &DeformingFlow, system: &mut LinearisedSystem<2>) {
     let rule = model.flow_rule();
-    let columns = UnknownColumns::reset_system(system, true, &EQUATIONS, &rule, flow);
-
-    write_momentum(system, &columns, &model.coulomb, flow);
-    write_flow_rule(system, 3, &columns, &rule, flow);
+    let columns = write_shared_equations(system, &EQUATIONS, true, &model.coulomb, &rule, flow);
     system.c[(4, SPIN_COLUMN)] = 2.0 * rule.rotation_coefficient;
-    write_mass(system, 5, &columns, flow);
 
     // Balance of spin (eq. 9): ρ I Dω/Dt + ρ (DI/Dt) ω − 2r − ρG = 0. The velocity perturbation advects the background
     // gradients of spin and moment of inertia. The density perturbation is multiplied by I DΩ/Dt + Ω DI/Dt − G, which

@@ -3,7 +3,7 @@
 
 use super::parameters::PlasticPotential;
 use crate::common::system::LinearisedSystem;
-use crate::flow::balance::{UnknownColumns, write_flow_rule, write_mass, write_momentum};
+use crate::flow::balance::write_shared_equations;
 use crate::flow::state::DeformingFlow;
 
 const EQUATIONS: [&str; 5] =
@@ -15,10 +15,5 @@ pub fn write_symbol(
     flow: &DeformingFlow,
     system: &mut LinearisedSystem<2>,
 ) {
-    let rule = model.flow_rule();
-    let columns = UnknownColumns::reset_system(system, false, &EQUATIONS, &rule, flow);
-
-    write_momentum(system, &columns, &model.coulomb, flow);
-    write_flow_rule(system, 2, &columns, &rule, flow);
-    write_mass(system, 4, &columns, flow);
+    write_shared_equations(system, &EQUATIONS, false, &model.coulomb, &model.flow_rule(), flow);
 }

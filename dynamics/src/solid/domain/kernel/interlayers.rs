@@ -1,135 +1,173 @@
 //! Sweep kernel of lines with interlayers, separate from the kernel of other lines, which thus has no overhead.
+//!
+//! The law of a face relates all wave pairs: they are swept together.
+#![allow(clippy::needless_range_loop, reason = "closures would lose the SIMD instructions")]
 
-use super::super::interlayer_faces::GroupFace;
+use super::super::interlayer_faces::{FacePattern, PathFaces};
 use super::super::layout::GroupIndex;
 use super::super::material_table::WavePair;
+use super::interlayer_law::{FaceValues, LawLanes, apply_law};
 use super::{CarriedState, SweepLines};
-use crate::simd::{Number, Real, SimdKernel, Vector};
+use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
-use crate::solid::interface::advance_interlayer;
-use crate::solid::interlayers::HISTORY_VARIABLES;
 use crate::solid::reconstruction::Slopes;
 use crate::solid::riemann::{InterfaceState, State, update_cell};
-use models::interface::elastic::ElasticInterlayer;
+use models::interface::Interval;
 
 /// Adjacent lines of groups with interlayers.
 pub(crate) struct InterlayerLines<'a, T: Real> {
     pub(crate) lines: SweepLines<'a, T>,
-    /// Lower faces of the groups of the path.
-    pub(crate) faces: &'a [GroupFace],
+    /// Interlayers on the path.
+    pub(crate) faces: PathFaces<'a, T>,
     pub(crate) history: &'a mut [T::Lanes],
-    /// Index of the history variables of the first line.
-    pub(crate) first_history: usize,
-    /// Distance between the history variables of two lines.
-    pub(crate) history_stride: usize,
-    /// Interlayer laws by pair of waves.
-    pub(crate) laws: &'a [ElasticInterlayer<T>],
-    /// Duration of the sweep, s.
-    pub(crate) step: T,
+    /// Time at the end of the sweep and its duration, s.
+    pub(crate) interval: Interval<T>,
+    pub(crate) instructions: InstructionSet,
 }
 
 impl<T: Real> SimdKernel<T> for InterlayerLines<'_, T> {
-    /// Selects the loop that is compiled for the reconstruction.
+    /// Selects the loop that is compiled for the number of wave pairs. The reconstruction is chosen at run time, to limit
+    /// the number of loops.
     #[inline(always)]
     fn run<V: Vector<T>>(mut self) {
-        match self.lines.slopes {
-            Slopes::Limited => self.sweep_lines::<V>(Slopes::Limited),
-            Slopes::Godunov | Slopes::FourthOrder => self.sweep_lines::<V>(Slopes::FourthOrder),
+        let slopes = self.lines.slopes;
+        match self.lines.waves.len() {
+            2 => self.sweep_lines::<V, 2>(slopes),
+            3 => self.sweep_lines::<V, 3>(slopes),
+            _ => self.sweep_lines::<V, 6>(slopes),
         }
     }
+}
+
+/// States and constants of a wave pair around the lower face of the current group of a line.
+#[derive(Clone, Copy)]
+struct PairTrack<V> {
+    cells: [CellConstants<V>; 4],
+    previous: State<V>,
+    current: State<V>,
+    next: State<V>,
+    carried: CarriedState<V>,
 }
 
 impl<T: Real> InterlayerLines<'_, T> {
     #[inline(always)]
-    fn sweep_lines<V: Vector<T>>(&mut self, slopes: Slopes) {
+    fn sweep_lines<V: Vector<T>, const P: usize>(&mut self, slopes: Slopes) {
         let waves = self.lines.waves;
-        let count = self.lines.carried.len() / waves.len().max(1);
+        let count = self.lines.carried.len() / P;
         for (index, wave) in waves.iter().enumerate() {
             if let Some(rows) = &self.lines.rows {
                 rows.fill_ghosts::<V>(self.lines.field_data, wave, index, 0..count);
             }
-            for line in 0..count {
-                self.sweep_line::<V>(line, index, wave, slopes);
-            }
+        }
+        for line in 0..count {
+            self.sweep_line::<V, P>(line, slopes);
         }
     }
 
-    /// Sweeps a pair of waves along a line of groups.
+    /// Sweeps all `P` pairs of waves along a line of groups.
     #[inline(always)]
-    fn sweep_line<V: Vector<T>>(
-        &mut self,
-        line: usize,
-        index: usize,
-        wave: &WavePair,
-        slopes: Slopes,
-    ) {
-        let law = self.laws[index];
-        let law = ElasticInterlayer {
-            mass: <V as Vector<T>>::splat(law.mass),
-            compliance: <V as Vector<T>>::splat(law.compliance),
-        };
-        let step = <V as Vector<T>>::splat(self.step);
-        let (path, slot) = (self.lines.path, line * self.lines.waves.len() + index);
-        let history_start =
-            self.first_history + line * self.history_stride + HISTORY_VARIABLES * index;
-        let mut cells: [CellConstants<V>; 4] = [
-            self.load_cell(self.lines.previous_group, line, wave),
-            self.load_cell(path[0], line, wave),
-            self.load_cell(path[1], line, wave),
-            self.load_cell(path[1], line, wave),
-        ];
-        let mut previous: State<V> = self.load_state(path[0], line, wave);
-        let mut current: State<V> = self.load_state(path[1], line, wave);
-        let mut carried: CarriedState<V> = match self.lines.is_line_start {
-            true => CarriedState::new(),
-            false => CarriedState::load(&self.lines.carried[slot]),
-        };
-        for place in 0..path.len() - 2 {
-            let next: State<V> = self.load_state(path[place + 2], line, wave);
-            cells[3] = self.load_cell(path[place + 2], line, wave);
-            let around = [&cells[0], &cells[1], &cells[2], &cells[3]];
-            let face = self.faces[place + 1];
-            let continuity = [
-                continuity(self.faces[place]),
-                continuity(face),
-                continuity(self.faces[place + 2]),
-            ];
-            let states = [previous, current, next];
-            let (reach, stencil_data) = slopes.face_values_with_interlayers(
-                carried.stencil_data,
-                states,
-                around,
-                continuity,
-            );
-            let impedance = [cells[1].impedance, cells[2].impedance];
-            let mut interface_states = InterfaceState::riemann(impedance, reach);
-            if face.history_lanes != 0 {
-                let at = history_start + face.history_offset;
-                let old = [V::load(&self.history[at]), V::load(&self.history[at + 1])];
-                let mut new = old;
-                let (layered, _) = advance_interlayer(&law, impedance, reach, step, &mut new);
-                old[0].blend_lanes(face.history_lanes, new[0]).store(&mut self.history[at]);
-                old[1].blend_lanes(face.history_lanes, new[1]).store(&mut self.history[at + 1]);
-                interface_states = [
-                    blend_states(face.history_lanes, interface_states[0], layered[0]),
-                    blend_states(face.history_lanes, interface_states[1], layered[1]),
-                ];
+    fn sweep_line<V: Vector<T>, const P: usize>(&mut self, line: usize, slopes: Slopes) {
+        let (waves, path, faces) = (self.lines.waves, self.lines.path, self.faces);
+        let history_start = faces.first_history + line * faces.history_stride;
+        let indices = &faces.pattern_indices[line * faces.pattern_stride..];
+        let mut values = FaceValues::<T>::new();
+        let first_cell: CellConstants<V> = self.load_cell(path[0], line, &waves[0]);
+        let first_state: State<V> = self.load_state(path[0], line, &waves[0]);
+        let mut tracks = [PairTrack {
+            cells: [first_cell; 4],
+            previous: first_state,
+            current: first_state,
+            next: first_state,
+            carried: CarriedState::new(),
+        }; P];
+        for pair in 0..P {
+            let (wave, track) = (&waves[pair], &mut tracks[pair]);
+            track.cells[0] = self.load_cell(self.lines.previous_group, line, wave);
+            track.cells[1] = self.load_cell(path[0], line, wave);
+            track.cells[2] = self.load_cell(path[1], line, wave);
+            track.previous = self.load_state(path[0], line, wave);
+            track.current = self.load_state(path[1], line, wave);
+            if !self.lines.is_line_start {
+                track.carried = CarriedState::load(&self.lines.carried[line * P + pair]);
             }
-            let moved = update_cell(previous, [carried.lower_face, interface_states[0]], &cells[1]);
-            self.store_group(path[place], line, wave, (previous, moved));
-            carried = CarriedState { stencil_data, lower_face: interface_states[1] };
-            (previous, current) = (current, next);
-            cells = [cells[1], cells[2], cells[3], cells[3]];
         }
-        match &self.lines.rows {
-            Some(rows) => {
-                rows.clear_padding(self.lines.field_data, wave.velocity, line);
-                rows.clear_padding(self.lines.field_data, wave.stress, line);
-                for &place in &wave.passive_stresses {
-                    rows.clear_padding(self.lines.field_data, place, line);
+        let first = &faces.patterns[indices[0] as usize];
+        let mut patterns = [first, first, &faces.patterns[indices[1] as usize]];
+        for place in 0..path.len() - 2 {
+            patterns = [patterns[1], patterns[2], &faces.patterns[indices[place + 2] as usize]];
+            let continuity = [
+                continuity::<T, V>(patterns[0]),
+                continuity::<T, V>(patterns[1]),
+                continuity::<T, V>(patterns[2]),
+            ];
+            let mut incident = [[V::ZERO; 2]; P];
+            let mut impedance = [[V::ZERO; 2]; P];
+            let mut states = [[InterfaceState { difference: V::ZERO, sum: V::ZERO }; 2]; P];
+            for pair in 0..P {
+                let (wave, track) = (&waves[pair], &mut tracks[pair]);
+                track.next = self.load_state(path[place + 2], line, wave);
+                track.cells[3] = self.load_cell(path[place + 2], line, wave);
+                let around = [&track.cells[0], &track.cells[1], &track.cells[2], &track.cells[3]];
+                let (reach, invariants) = slopes.face_values_with_interlayers(
+                    track.carried.carried_invariants,
+                    [track.previous, track.current, track.next],
+                    around,
+                    continuity,
+                );
+                track.carried.carried_invariants = invariants;
+                incident[pair] = reach;
+                impedance[pair] = [track.cells[1].impedance, track.cells[2].impedance];
+                states[pair] = InterfaceState::riemann(impedance[pair], reach);
+            }
+            if patterns[1].history_lanes != 0 {
+                let start = history_start + faces.history_offsets[place + 1];
+                for pair in 0..P {
+                    for side in 0..2 {
+                        impedance[pair][side].store(&mut values.impedance[pair][side]);
+                        incident[pair][side].store(&mut values.incident[pair][side]);
+                        states[pair][side].store(&mut values.states[pair][side]);
+                    }
+                }
+                for &(law, lanes) in &patterns[1].laws {
+                    let face = LawLanes {
+                        law: &faces.laws[usize::from(law)],
+                        lanes,
+                        interval: self.interval,
+                        history: &mut self.history[start..start + faces.variables],
+                        values: &mut values,
+                    };
+                    apply_law::<T, P>(self.instructions, face);
+                }
+                for pair in 0..P {
+                    for side in 0..2 {
+                        states[pair][side] = InterfaceState::load(&values.states[pair][side]);
+                    }
                 }
             }
-            None => carried.store(&mut self.lines.carried[slot]),
+            for pair in 0..P {
+                let (wave, track) = (&waves[pair], &mut tracks[pair]);
+                let lower_face = track.carried.lower_face;
+                let moved =
+                    update_cell(track.previous, [lower_face, states[pair][0]], &track.cells[1]);
+                let before = track.previous;
+                track.carried.lower_face = states[pair][1];
+                (track.previous, track.current) = (track.current, track.next);
+                track.cells = [track.cells[1], track.cells[2], track.cells[3], track.cells[3]];
+                self.store_group(path[place], line, wave, (before, moved));
+            }
+        }
+        for pair in 0..P {
+            let wave = &waves[pair];
+            match &self.lines.rows {
+                Some(rows) => {
+                    rows.clear_padding(self.lines.field_data, wave.velocity, line);
+                    rows.clear_padding(self.lines.field_data, wave.stress, line);
+                    for &place in &wave.passive_stresses {
+                        rows.clear_padding(self.lines.field_data, place, line);
+                    }
+                }
+                None => tracks[pair].carried.store(&mut self.lines.carried[line * P + pair]),
+            }
         }
     }
 
@@ -141,7 +179,8 @@ impl<T: Real> InterlayerLines<'_, T> {
         line: usize,
         wave: &WavePair,
     ) -> CellConstants<V> {
-        let pattern = self.lines.patterns[stop.shift_to_line(line, self.lines.line_stride).group];
+        let pattern =
+            self.lines.lane_pattern_indices[stop.shift_to_line(line, self.lines.line_stride).group];
         CellConstants::load(self.lines.table.constants(pattern, wave))
     }
 
@@ -162,7 +201,7 @@ impl<T: Real> InterlayerLines<'_, T> {
         (before, moved): (State<V>, State<V>),
     ) {
         let stop = stop.shift_to_line(line, self.lines.line_stride);
-        let pattern = self.lines.patterns[stop.group];
+        let pattern = self.lines.lane_pattern_indices[stop.group];
         let group = &mut self.lines.field_data[stop.start..];
         moved.velocity.store(&mut group[wave.velocity]);
         moved.stress.store(&mut group[wave.stress]);
@@ -176,19 +215,6 @@ impl<T: Real> InterlayerLines<'_, T> {
 
 /// Returns 0 in lanes with an interlayer, 1 in all other lanes.
 #[inline(always)]
-fn continuity<T: Real, V: Vector<T>>(face: GroupFace) -> V {
+fn continuity<T: Real, V: Vector<T>>(face: &FacePattern) -> V {
     <V as Number>::ONE.blend_lanes(face.interlayer_lanes, <V as Number>::ZERO)
-}
-
-/// Blends interface states: `other` in the given lanes, `one` elsewhere.
-#[inline(always)]
-fn blend_states<T: Real, V: Vector<T>>(
-    lanes: u16,
-    one: InterfaceState<V>,
-    other: InterfaceState<V>,
-) -> InterfaceState<V> {
-    InterfaceState {
-        difference: one.difference.blend_lanes(lanes, other.difference),
-        sum: one.sum.blend_lanes(lanes, other.sum),
-    }
 }

@@ -1,4 +1,5 @@
-//! Batch of blocks of trial stresses beyond their yield sets, in which Newton's method runs together.
+//! Batch of blocks with trial stresses outside their yield sets; Newton's method iterates on all blocks of a batch
+//! together.
 #![allow(clippy::needless_range_loop, reason = "indices are those of parts")]
 
 use super::super::total_stress::StressTensors;

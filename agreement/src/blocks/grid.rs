@@ -1,0 +1,266 @@
+//! Periodic grid of blocks in the solver, complex states on it, and their time integration.
+
+use super::layer::LinearLayer;
+use crate::MeasurementError;
+use dynamics::domain::Domain;
+use dynamics::problem::Problem;
+use dynamics::solid::interlayers::{
+    InterlayerFace, InterlayerLaw, InterlayerPlane, Interlayers, PlaneLaws,
+};
+use models::interface::history;
+use models::interface::layer::LayerLaw;
+use models::solid::waves::SolidField;
+use num_complex::Complex64;
+
+/// Fields of a classical solid in the plane.
+pub(super) const FIELDS: [SolidField; 5] = [
+    SolidField::Velocity(0),
+    SolidField::Velocity(1),
+    SolidField::Stress(0, 0),
+    SolidField::Stress(1, 1),
+    SolidField::Stress(0, 1),
+];
+
+/// Largest number of cell updates of a simulation.
+const MAX_UPDATES: f64 = 5e8;
+/// Share of the linear range of layers that the initial state of a wave uses.
+const RANGE_USAGE: f64 = 1e-6;
+
+/// Rectangular arrangement of equal blocks in a periodic grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BlockGrid {
+    /// Cells of a block along each axis.
+    pub block_cells: [usize; 2],
+    /// Blocks along each axis.
+    pub blocks: [usize; 2],
+    /// Cells by which every second row is shifted along x₁.
+    pub row_shift: usize,
+}
+
+/// Place of a cell: column and row of its block, and cell in the block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct CellPlace {
+    /// Column and row; the column is −1 where a shifted row continues a block of the period before.
+    pub block: [i64; 2],
+    /// Indices of the cell in the block.
+    pub cell: [usize; 2],
+}
+
+impl BlockGrid {
+    pub(super) fn cells(&self) -> [usize; 2] {
+        [0, 1].map(|axis| self.block_cells[axis] * self.blocks[axis])
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.cells().into_iter().product()
+    }
+
+    /// Place of the cell with an index, first axis fastest.
+    pub(super) fn place(&self, index: usize) -> CellPlace {
+        let [width, _] = self.cells();
+        let [n1, n2] = self.block_cells.map(|count| count as i64);
+        let (i, j) = ((index % width) as i64, (index / width) as i64);
+        let row = j / n2;
+        let i = i - if row % 2 == 1 { self.row_shift as i64 } else { 0 };
+        CellPlace {
+            block: [i.div_euclid(n1), row],
+            cell: [i.rem_euclid(n1) as usize, (j % n2) as usize],
+        }
+    }
+
+    /// Index of the lower neighbour of a cell along an axis in the periodic grid, and whether it is in the period
+    /// before.
+    pub(super) fn lower_neighbour(&self, index: usize, axis: usize) -> (usize, bool) {
+        let [width, height] = self.cells();
+        match axis {
+            0 if index.is_multiple_of(width) => (index + width - 1, true),
+            0 => (index - 1, false),
+            _ if index < width => (index + width * (height - 1), true),
+            _ => (index - width, false),
+        }
+    }
+
+    /// Interlayers between the blocks with a law across each axis that has layers.
+    pub(super) fn interlayers(&self, laws: &[Option<LayerLaw<f64>>; 2]) -> Vec<Interlayers> {
+        let [width, height] = self.cells();
+        let across = |axis: usize| {
+            let law = laws[axis]?;
+            let lines = if axis == 0 { width } else { height };
+            let faces = if axis == 0 { height } else { width };
+            let has_layer = |line: usize, face: usize| {
+                let index = if axis == 0 { line + width * face } else { face + width * line };
+                self.place(index).cell[axis] == 0
+            };
+            let plane = |cell: usize| {
+                let own: Vec<Option<u16>> =
+                    (0..faces).map(|face| has_layer(cell, face).then_some(0)).collect();
+                match own.iter().filter(|law| law.is_some()).count() {
+                    0 => None,
+                    count if count == faces => {
+                        Some(InterlayerPlane { cell, laws: PlaneLaws::Uniform(0) })
+                    }
+                    _ => Some(InterlayerPlane { cell, laws: PlaneLaws::ByFace(own) }),
+                }
+            };
+            Some(Interlayers {
+                axis,
+                laws: vec![InterlayerLaw::Plane(law, axis)],
+                planes: (0..lines).filter_map(plane).collect(),
+                has_open_ends: false,
+            })
+        };
+        [0, 1].into_iter().filter_map(across).collect()
+    }
+}
+
+/// Velocity, opening rate, traction and delayed traction of a component of a layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct FaceMode {
+    pub velocity: Complex64,
+    pub opening_rate: Complex64,
+    pub stress: Complex64,
+    pub delayed_stress: Complex64,
+}
+
+impl FaceMode {
+    pub(super) fn scaled(self, factor: Complex64) -> Self {
+        Self {
+            velocity: self.velocity * factor,
+            opening_rate: self.opening_rate * factor,
+            stress: self.stress * factor,
+            delayed_stress: self.delayed_stress * factor,
+        }
+    }
+}
+
+/// Linear combination of the fields of all cells and of the history variables of all faces.
+#[derive(Clone, Debug)]
+struct ComplexState {
+    fields: Vec<Vec<Complex64>>,
+    history: Vec<Complex64>,
+}
+
+/// Wave on a grid: a state, and the conjugate of its derivative of the energy, with which states are multiplied to
+/// measure its amplitude.
+pub(super) struct WaveState {
+    state: ComplexState,
+    dual: ComplexState,
+}
+
+/// Values of a wave in a cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CellMode {
+    /// Values of [`FIELDS`].
+    pub values: [Complex64; 5],
+    /// Momenta and strains conjugate to them.
+    pub dual: [Complex64; 5],
+}
+
+impl WaveState {
+    /// Assembles a wave from its values in each cell and the normal and tangential component at each face, scaled so
+    /// that the layers remain in their linear range.
+    pub(super) fn new(
+        problem: &Problem<2>,
+        layers: &[Option<LinearLayer>; 2],
+        cell: impl Fn(usize) -> CellMode,
+        face: impl Fn(&InterlayerFace) -> [FaceMode; 2],
+    ) -> Self {
+        let grid = problem.grid;
+        let cells: Vec<CellMode> = (0..grid.count()).map(cell).collect();
+        let fields = |value: &dyn Fn(&CellMode) -> [Complex64; 5]| -> Vec<Vec<Complex64>> {
+            (0..5).map(|field| cells.iter().map(|own| value(own)[field]).collect()).collect()
+        };
+        let volume = grid.volume();
+        let mut state = ComplexState { fields: fields(&|own| own.values), history: Vec::new() };
+        let mut dual = ComplexState {
+            fields: fields(&|own| own.dual.map(|value| value.conj() * volume)),
+            history: Vec::new(),
+        };
+        let mut usage: f64 = 0.0;
+        for own in problem.interlayer_faces() {
+            let Some(layer) = &layers[own.axis] else { continue };
+            let modes = face(&own);
+            let area = volume / grid.spacing[own.axis];
+            state.history.resize(own.history.end, Complex64::ZERO);
+            dual.history.resize(own.history.end, Complex64::ZERO);
+            usage = usage.max(layer.range.usage(modes[0].stress.norm(), modes[1].stress.norm()));
+            let starts = [history::NORMAL_INERTIA, history::SHEAR_INERTIA];
+            for (index, (component, mode)) in layer.components.iter().zip(modes).enumerate() {
+                let mut set =
+                    |place: usize, value: Complex64, weight: f64, conjugate: Complex64| {
+                        state.history[own.history.start + place] = value;
+                        dual.history[own.history.start + place] =
+                            conjugate.conj() * (weight * area);
+                    };
+                let (velocity, rate) = (mode.velocity, mode.opening_rate);
+                let mass = component.mass;
+                set(starts[index], velocity, mass.mass, velocity);
+                set(starts[index] + 1, rate, mass.opening_mass, rate);
+                let compliance = component.compliance;
+                // Normal traction, or strain of a porous layer.
+                let strain = layer.strain_per_stress.filter(|_| index == 0).unwrap_or(1.0);
+                let weight = compliance.elastic / strain;
+                set(starts[index] + 2, mode.stress * strain, weight, mode.stress);
+                if component.is_viscous() {
+                    let delayed = mode.delayed_stress;
+                    set(history::DELAYED_STRESS, delayed, compliance.delayed, delayed);
+                }
+            }
+        }
+        if usage > 0.0 {
+            let scale = RANGE_USAGE / usage;
+            let all = state.fields.iter_mut().flatten().chain(&mut state.history);
+            all.for_each(|value| *value *= scale);
+        }
+        Self { state, dual }
+    }
+
+    /// Amplitudes of the wave initially and after every `per_sample` steps, `samples` times, relative to the first. The
+    /// real and the imaginary part are two simulations, since the solver has real fields.
+    pub(super) fn measure(
+        &self,
+        problem: &Problem<2>,
+        samples: usize,
+        per_sample: usize,
+    ) -> Result<Vec<Complex64>, MeasurementError> {
+        let updates = (samples * per_sample) as f64 * problem.grid.count() as f64;
+        if updates > MAX_UPDATES {
+            return Err(MeasurementError::TooManyUpdates { updates, max_updates: MAX_UPDATES });
+        }
+        let mut sums = vec![Complex64::ZERO; samples + 1];
+        #[allow(clippy::type_complexity, reason = "two pairs")]
+        let parts: [(fn(&Complex64) -> f64, Complex64); 2] =
+            [(|value| value.re, Complex64::ONE), (|value| value.im, Complex64::I)];
+        for (part, factor) in parts {
+            let mut domain = Domain::<f64, 2>::new(problem)?;
+            for (field, values) in FIELDS.into_iter().zip(&self.state.fields) {
+                domain.set(field, &values.iter().map(part).collect::<Vec<f64>>());
+            }
+            let history: Vec<f64> = self.state.history.iter().map(part).collect();
+            domain.set_interlayer_history(&mut history.into_iter());
+            for (index, sum) in sums.iter_mut().enumerate() {
+                if index > 0 {
+                    (0..per_sample).for_each(|_| domain.advance());
+                }
+                *sum += factor * self.amplitude(&domain);
+            }
+        }
+        let first = sums[0];
+        let amplitudes: Vec<Complex64> = sums.into_iter().map(|sum| sum / first).collect();
+        match amplitudes.iter().all(|own| own.is_finite() && own.norm() > 0.0) {
+            true => Ok(amplitudes),
+            false => Err(MeasurementError::VanishingAmplitude),
+        }
+    }
+
+    fn amplitude(&self, domain: &Domain<f64, 2>) -> Complex64 {
+        let product = |dual: &[Complex64], values: Vec<f64>| -> Complex64 {
+            dual.iter().zip(values).map(|(dual, value)| dual * value).sum()
+        };
+        let fields = FIELDS.into_iter().zip(&self.dual.fields);
+        let of_cells: Complex64 = fields
+            .map(|(field, dual)| product(dual, domain.values(field).unwrap_or_default()))
+            .sum();
+        of_cells + product(&self.dual.history, domain.interlayer_history())
+    }
+}

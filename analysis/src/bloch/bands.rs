@@ -1,0 +1,258 @@
+//! Lowest Bloch waves of a cell at a wave vector, with damping and polarisation, for cells with and without viscosity.
+
+use super::cell::{Cell, CellModel, DegreeControl, Joint};
+use super::zone::ZonePoint;
+use super::{BlochError, ensure};
+use models::common::elementary::Elementary;
+use num_complex::Complex64;
+
+/// A Bloch wave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlochWave {
+    /// Angular frequency Re ω, rad/s.
+    pub frequency: f64,
+    /// Decay rate Im ω of e^{iωt}, 1/s; zero without viscosity, negative for waves that grow.
+    pub decay_rate: f64,
+    /// Share of the kinetic energy of the blocks in the displacement along κ: 1 for longitudinal, 0 for transverse waves,
+    /// ½ for rotating blocks; `None` at κ = 0 and with viscosity.
+    pub longitudinal_share: Option<f64>,
+}
+
+/// Waves at a wave vector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WavesAt {
+    /// The lowest waves, ascending in frequency.
+    pub waves: Vec<BlochWave>,
+    /// Least ω² of all waves of the discretisation, rad²/s²; without viscosity.
+    pub least_square: Option<f64>,
+    /// Largest rate −Im ω at which a mode grows, 1/s, those within rounding included; zero if all modes decay.
+    pub largest_growth: f64,
+    /// Bound on the rounding of the growth rate, 1/s.
+    pub growth_rounding: f64,
+}
+
+/// Solver for the lowest waves of a cell at a fixed degree of the polynomials.
+#[derive(Clone, Debug)]
+pub struct BandSolver {
+    model: CellModel,
+    count: usize,
+    is_viscous: bool,
+    /// Largest relative error of a frequency at the vertices, against the extrapolation to infinite degree; of the cell
+    /// without delays.
+    pub achieved: f64,
+}
+
+/// Point of a path of the Brillouin zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Distance along the path, 1/m.
+    pub distance: f64,
+    /// Wave vector κ, 1/m.
+    pub wave_vector: [f64; 2],
+}
+
+/// Points of a path with `samples` steps on each side, and the distances of its vertices, 1/m.
+///
+/// # Errors
+/// `samples` is 0.
+pub fn sample_path(
+    path: &[ZonePoint],
+    samples: usize,
+) -> Result<(Vec<PathPoint>, Vec<f64>), BlochError> {
+    ensure(samples > 0, "samples", samples, "at least 1")?;
+    let (mut points, mut vertices, mut distance) = (Vec::new(), Vec::new(), 0.0);
+    for (i, vertex) in path.iter().enumerate() {
+        if i == 0 {
+            points.push(PathPoint { distance, wave_vector: vertex.wave_vector });
+        } else {
+            let [start, end] = [path[i - 1].wave_vector, vertex.wave_vector];
+            let length = (end[0] - start[0]).root_sum_square(end[1] - start[1]);
+            for step in 1..=samples {
+                let share = step as f64 / samples as f64;
+                let wave_vector =
+                    [0, 1].map(|axis| start[axis] + share * (end[axis] - start[axis]));
+                points.push(PathPoint { distance: distance + share * length, wave_vector });
+            }
+            distance += length;
+        }
+        vertices.push(distance);
+    }
+    Ok((points, vertices))
+}
+
+impl BandSolver {
+    /// Chooses the degree for which the lowest `count` frequencies at the vertices of a path are as accurate as requested.
+    ///
+    /// # Errors
+    /// An iteration for eigenvalues does not converge.
+    pub fn new(
+        cell: &Cell,
+        path: &[ZonePoint],
+        count: usize,
+        control: &DegreeControl,
+    ) -> Result<Self, BlochError> {
+        let elastic = cell.map_joints(Joint::instantaneous);
+        let (mut degree, mut achieved) = (control.first, 0.0f64);
+        for (i, point) in path.iter().enumerate() {
+            if path[..i].contains(point) {
+                continue;
+            }
+            let found = elastic.solve(point.wave_vector, count, control)?;
+            degree = degree.max(found.degree);
+            let floor = 4.0 * found.modes.rounding;
+            let pairs = found.modes.squared_frequencies.iter().zip(&found.squared_frequencies);
+            let errors = pairs
+                .filter(|(raw, _)| raw.abs() > floor)
+                .map(|(raw, best)| 0.5 * (raw - best).abs() / raw.abs());
+            achieved = errors.fold(achieved.max(found.achieved), f64::max);
+        }
+        Ok(Self {
+            model: CellModel::new(cell, degree),
+            count,
+            is_viscous: cell.is_viscous(),
+            achieved,
+        })
+    }
+
+    /// Degree of the polynomials.
+    pub fn degree(&self) -> usize {
+        self.model.degree()
+    }
+
+    /// Galerkin matrices.
+    pub const fn model(&self) -> &CellModel {
+        &self.model
+    }
+
+    /// The waves at the wave vector κ, 1/m.
+    ///
+    /// # Errors
+    /// κ is not finite, or the iteration for eigenvalues does not converge.
+    pub fn solve(&self, wave_vector: [f64; 2]) -> Result<WavesAt, BlochError> {
+        match self.is_viscous {
+            true => self.solve_damped(wave_vector),
+            false => self.solve_elastic(wave_vector),
+        }
+    }
+
+    fn solve_elastic(&self, wave_vector: [f64; 2]) -> Result<WavesAt, BlochError> {
+        let modes = self.model.modes(wave_vector, self.count, true)?;
+        let length = wave_vector[0].root_sum_square(wave_vector[1]);
+        let normal = (length > 0.0).then(|| wave_vector.map(|x| x / length));
+        let waves = modes.frequencies().into_iter().enumerate().map(|(index, frequency)| {
+            let vector: Vec<Complex64> = modes.vectors.column(index).iter().copied().collect();
+            BlochWave {
+                frequency,
+                decay_rate: 0.0,
+                longitudinal_share: normal.map(|n| self.model.longitudinal_share(&vector, n)),
+            }
+        });
+        let least = modes.squared_frequencies.first().copied();
+        Ok(WavesAt {
+            waves: waves.collect(),
+            least_square: least,
+            largest_growth: (-least.unwrap_or(0.0)).max(0.0).sqrt(),
+            growth_rounding: modes.rounding.sqrt(),
+        })
+    }
+
+    fn solve_damped(&self, wave_vector: [f64; 2]) -> Result<WavesAt, BlochError> {
+        let modes = self.model.damped_modes(wave_vector)?;
+        // The double eigenvalue zero of the two translations at κ = 0 is perturbed by the root of the rounding, relative to the largest
+        // frequency.
+        let largest = modes.frequencies.last().map_or(0.0, |omega| omega.norm());
+        let growth_rounding = (modes.rounding * largest).sqrt();
+        let is_zero = |omega: &Complex64| omega.norm() <= growth_rounding;
+        let mut waves = Vec::new();
+        if wave_vector == [0.0; 2] {
+            waves
+                .resize(2, BlochWave { frequency: 0.0, decay_rate: 0.0, longitudinal_share: None });
+        }
+        let is_translation = |omega: &Complex64| wave_vector == [0.0; 2] && is_zero(omega);
+        let own = modes.frequencies.iter().filter(|omega| !is_translation(omega));
+        waves.extend(own.map(|omega| BlochWave {
+            frequency: omega.re,
+            decay_rate: omega.im,
+            longitudinal_share: None,
+        }));
+        waves.truncate(self.count);
+        let rates = modes.frequencies.iter().map(|omega| omega.im);
+        let growth = rates.chain(modes.decay_rates.iter().copied()).map(|rate| -rate);
+        Ok(WavesAt {
+            waves,
+            least_square: None,
+            largest_growth: growth.fold(0.0, f64::max),
+            growth_rounding,
+        })
+    }
+}
+
+impl WavesAt {
+    /// Whether no mode grows, within rounding.
+    pub fn is_stable(&self) -> bool {
+        self.largest_growth <= self.growth_rounding
+    }
+}
+
+impl CellModel {
+    /// Share of the kinetic energy of the blocks, per density, in the displacement along the unit vector `normal`:
+    /// ∫|u·n|²/∫|u|².
+    pub fn longitudinal_share(&self, unknowns: &[Complex64], normal: [f64; 2]) -> f64 {
+        let count = (self.degree() + 1) * (self.degree() + 1);
+        let (mut along, mut total) = (0.0, 0.0);
+        for block in unknowns.chunks_exact(2 * count) {
+            let (first, second) = block.split_at(count);
+            for (x, y) in first.iter().zip(second) {
+                along += (x * normal[0] + y * normal[1]).norm_sqr();
+                total += x.norm_sqr() + y.norm_sqr();
+            }
+        }
+        if total > 0.0 { along / total } else { 0.0 }
+    }
+}
+
+/// Reorders the waves at consecutive points so that each index follows a branch: pairs of nearest complex frequencies,
+/// extrapolated linearly from the two points before; not across the `vertices` (distances), where branches have kinks.
+/// Without damping branches are followed by their order already.
+pub fn follow_branches(points: &[PathPoint], vertices: &[f64], waves: &mut [WavesAt]) {
+    let omega = |wave: &BlochWave| Complex64::new(wave.frequency, wave.decay_rate);
+    for i in 1..waves.len() {
+        let (before, rest) = waves.split_at_mut(i);
+        let Some(last) = before.last() else { continue };
+        let has_slope = i >= 2 && !vertices.contains(&points[i - 1].distance);
+        let predicted: Vec<Complex64> = last
+            .waves
+            .iter()
+            .enumerate()
+            .map(|(branch, wave)| match before.get(i.wrapping_sub(2)) {
+                Some(earlier) if has_slope && branch < earlier.waves.len() => {
+                    omega(wave) * 2.0 - omega(&earlier.waves[branch])
+                }
+                _ => omega(wave),
+            })
+            .collect();
+        let found = &mut rest[0].waves;
+        let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+        for (branch, expected) in predicted.iter().enumerate() {
+            for (index, wave) in found.iter().enumerate() {
+                pairs.push(((omega(wave) - expected).norm(), branch, index));
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut places: Vec<Option<usize>> = vec![None; found.len()];
+        for (_, branch, index) in pairs {
+            let is_taken = places.contains(&Some(branch));
+            if branch < found.len() && !is_taken && places[index].is_none() {
+                places[index] = Some(branch);
+            }
+        }
+        let mut free = (0..found.len()).filter(|branch| !places.contains(&Some(*branch)));
+        let order: Vec<usize> =
+            places.iter().map(|place| place.or_else(|| free.next()).unwrap_or(0)).collect();
+        let mut ordered = found.clone();
+        for (wave, place) in found.iter().zip(order) {
+            ordered[place] = *wave;
+        }
+        *found = ordered;
+    }
+}

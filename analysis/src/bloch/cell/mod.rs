@@ -1,0 +1,200 @@
+//! Bloch waves of a doubly periodic blocky medium in plane strain, by a Galerkin method.
+//!
+//! A cell H₁ × H₂ consists of rows of rectangular elastic blocks. Along every face a joint (interlayer) connects two
+//! blocks; in each direction, normal and tangential, with the velocities v± on its sides, their mean V and difference d,
+//! it has kinetic energy ½mV² + ½nd² and stores ½K times the square of the opening, per area. The displacement of
+//! each block is a sum of products of Legendre polynomials of degree ≤ p in x₁ and x₂ (a spectral element; no continuity
+//! is imposed, joints couple the blocks), and with u(x + a) = e^{−iκ·a}u(x) for lattice vectors a the energies give
+//!
+//! ```text
+//! K(κ) u = ω² M(κ) u,
+//! ```
+//!
+//! Hermitian, M positive definite; with viscous joints a first-order system with complex ω. By the principle of Rayleigh and Ritz every ω² decreases to its exact value as p
+//! grows; [`Cell::solve`] raises p until the frequencies no longer change.
+//!
+//! A joint in a given state of another law is one with the tangent stiffness of that state: zero for an open crack, that
+//! of the branch for porous layers. A negative stiffness is allowed: if some ω² < 0 the state is unstable.
+
+mod assembly;
+mod damped;
+pub mod legendre;
+mod modes;
+
+pub use assembly::CellModel;
+pub use damped::DampedModes;
+pub use modes::{BlochModes, ConvergedModes, DegreeControl};
+
+use super::{BlochError, ensure};
+use models::interface::elastic::ElasticMaterial;
+use models::interface::homogenised::{BlockMaterial, BlockyMedium};
+use models::interface::opening_line::LayerMass;
+
+/// Joint for one traction component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointComponent {
+    /// Mass per area.
+    pub mass: LayerMass<f64>,
+    /// Stiffness K, Pa/m: traction per opening; the instantaneous one of a viscous joint.
+    pub stiffness: f64,
+    /// Delayed opening of a viscous joint.
+    pub delay: Option<JointDelay>,
+}
+
+/// Delayed part e of the opening of a viscous joint under the traction S, τė + e = C₁S (standard linear solid); S is K
+/// times the rest of the opening.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointDelay {
+    /// Delayed compliance C₁, m/Pa; positive.
+    pub compliance: f64,
+    /// Retardation time τ, s; positive.
+    pub retardation_time: f64,
+}
+
+/// Joint between two blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint {
+    /// Component normal to the face.
+    pub normal: JointComponent,
+    /// Component along the face.
+    pub tangential: JointComponent,
+}
+
+impl Joint {
+    /// Elastic layer with the mass distributed as in the box scheme, or lumped.
+    pub fn from_layer(material: &ElasticMaterial, is_lumped: bool) -> Self {
+        let mass = match is_lumped {
+            true => LayerMass::new_lumped(material.mass()),
+            false => LayerMass::new_box(material.mass()),
+        };
+        Self {
+            normal: JointComponent {
+                mass,
+                stiffness: 1.0 / material.normal_compliance(),
+                delay: None,
+            },
+            tangential: JointComponent {
+                mass,
+                stiffness: 1.0 / material.tangential_compliance(),
+                delay: None,
+            },
+        }
+    }
+
+    fn check(&self) -> Result<(), BlochError> {
+        for JointComponent { mass: LayerMass { mass, opening_mass }, stiffness, delay } in
+            [self.normal, self.tangential]
+        {
+            let is_nonnegative = |x: f64| x >= 0.0 && x.is_finite();
+            ensure(is_nonnegative(mass), "mass", mass, "at least 0")?;
+            ensure(is_nonnegative(opening_mass), "opening_mass", opening_mass, "at least 0")?;
+            let allowed = "a finite number; blocks that are welded are one block";
+            ensure(stiffness.is_finite(), "stiffness", stiffness, allowed)?;
+            if let Some(JointDelay { compliance, retardation_time }) = delay {
+                let is_positive = |x: f64| x > 0.0 && x.is_finite();
+                ensure(is_positive(stiffness), "stiffness", stiffness, "positive if viscous")?;
+                ensure(is_positive(compliance), "delayed_compliance", compliance, "positive")?;
+                let is_valid = is_positive(retardation_time);
+                ensure(is_valid, "retardation_time", retardation_time, "positive")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Block of a cell with the joints on its faces of greater x₁ and x₂.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellBlock {
+    /// Side along x₁, m.
+    pub width: f64,
+    /// Material.
+    pub material: BlockMaterial,
+    /// Joint to the next block of the row, normal to x₁.
+    pub right: Joint,
+    /// Joint to the blocks of the next row, normal to x₂.
+    pub top: Joint,
+}
+
+/// Row of blocks along x₁.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockRow {
+    /// Side of the blocks along x₂, m.
+    pub height: f64,
+    /// Coordinate x₁ of the left face of the first block, m; different in neighbouring rows of masonry.
+    pub offset: f64,
+    /// Blocks in the order of x₁.
+    pub blocks: Vec<CellBlock>,
+}
+
+/// Period of a doubly periodic blocky medium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    rows: Vec<BlockRow>,
+}
+
+/// Largest difference in width between rows, relative to the width.
+const WIDTH_TOLERANCE: f64 = 1e-12;
+
+impl Cell {
+    /// Creates a cell from its rows in the order of x₂.
+    ///
+    /// # Errors
+    /// There is no block; a length, material or joint is rejected; rows differ in width.
+    pub fn new(rows: Vec<BlockRow>) -> Result<Self, BlochError> {
+        ensure(!rows.is_empty(), "rows", "no row", "at least one row of blocks")?;
+        let is_positive = |x: f64| x > 0.0 && x.is_finite();
+        for row in &rows {
+            ensure(is_positive(row.height), "height", row.height, "a positive number")?;
+            ensure(row.offset.is_finite(), "offset", row.offset, "a finite number")?;
+            ensure(!row.blocks.is_empty(), "blocks", "an empty row", "at least one block")?;
+            for block in &row.blocks {
+                ensure(is_positive(block.width), "width", block.width, "a positive number")?;
+                block.material.check()?;
+                block.right.check()?;
+                block.top.check()?;
+            }
+        }
+        let cell = Self { rows };
+        let [width, _] = cell.periods();
+        for row in &cell.rows {
+            let other = row.width();
+            let is_same = (other - width).abs() <= WIDTH_TOLERANCE * width;
+            ensure(is_same, "width", other, "rows of the same width")?;
+        }
+        Ok(cell)
+    }
+
+    /// Cell of one block h × h with the layers of a medium.
+    ///
+    /// # Errors
+    /// A constant of the medium is rejected.
+    pub fn from_medium(medium: &BlockyMedium, is_lumped: bool) -> Result<Self, BlochError> {
+        medium.check()?;
+        let joint = Joint::from_layer(&medium.layer, is_lumped);
+        let block =
+            CellBlock { width: medium.period, material: medium.block, right: joint, top: joint };
+        Self::new(vec![BlockRow { height: medium.period, offset: 0.0, blocks: vec![block] }])
+    }
+
+    /// A cell with other joints in the rows of this one.
+    pub(super) const fn from_checked_rows(rows: Vec<BlockRow>) -> Self {
+        Self { rows }
+    }
+
+    /// Rows of blocks.
+    pub fn rows(&self) -> &[BlockRow] {
+        &self.rows
+    }
+
+    /// Periods H₁ and H₂, m.
+    pub fn periods(&self) -> [f64; 2] {
+        [self.rows[0].width(), self.rows.iter().map(|row| row.height).sum()]
+    }
+}
+
+impl BlockRow {
+    /// Sum of the widths of the blocks, m.
+    pub fn width(&self) -> f64 {
+        self.blocks.iter().map(|block| block.width).sum()
+    }
+}

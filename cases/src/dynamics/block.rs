@@ -1,0 +1,568 @@
+//! The sections `[[block]]`: rectangular blocks of cells that tile the grid of a blocky medium.
+
+use super::grid::{MAX_CELLS, SolidGrid};
+use super::region::to_section_table;
+use super::tiling::{PlacedBlock, TilingFault, find_contacts};
+use crate::error::CaseError;
+use crate::kind::NO_YIELD_NAME;
+use crate::material::Material;
+use crate::named_enum::named_enum;
+use crate::schema::{
+    AllowedRange, CountConstraint, KeyCondition, KeyGroup, KeySchema, ListLength, TableSchema,
+    ValueType,
+};
+use crate::section::{SectionReader, TableWriter};
+use std::ops::Range;
+
+/// Maximum number of blocks of a case.
+pub const MAX_BLOCKS: usize = 1_000_000;
+
+/// Tolerance for positions on the lattice of cells, relative to the spacing.
+const CELL_TOLERANCE: f64 = 1e-6;
+
+const PAIR_OF_COUNTS: ValueType =
+    ValueType::CountList { length: [2, 2], minimum: 1, order: CountConstraint::Unconstrained };
+
+const MODEL_KEY: KeySchema = KeySchema::new_optional(
+    "model",
+    ValueType::SectionKeys("model"),
+    "",
+    "{ mu = 2e10 }",
+    "keys that override [model]",
+);
+const YIELD_KEY: KeySchema = KeySchema::new_optional(
+    "yield",
+    ValueType::SectionKeys("yield"),
+    "",
+    "{ kind = \"none\" }",
+    "keys that override [yield]; kind none makes the blocks elastic",
+);
+const WITH_MATERIALS: &[KeyCondition] = &[KeyCondition::Present("materials")];
+
+/// Schema of the items of the key `materials`.
+const MATERIALS_SCHEMA: TableSchema = TableSchema::new_inline_table(
+    "materials",
+    "one of several materials of the copies of a block",
+    &[KeyGroup::new(&[MODEL_KEY, YIELD_KEY])],
+);
+
+/// Schema of the sections `[[block]]`.
+pub(super) const SCHEMA: TableSchema = TableSchema::new_list(
+    "block",
+    "rectangular block of cells of a blocky medium in plane strain, and its copies; all blocks have the same spacing and tile their bounding box, which replaces the section [grid]; not together with [[region]]",
+    &[
+        KeyGroup::new(&[
+            KeySchema::new_optional(
+                "name",
+                ValueType::Name,
+                "",
+                "\"rock\"",
+                "name of the block and its copies, for [[joint]]",
+            ),
+            KeySchema::new_required(
+                "cells",
+                PAIR_OF_COUNTS,
+                "",
+                "[10, 10]",
+                "number of cells of one block along each axis; at least 3 along an axis with joints",
+            )
+            .with_note("cells of one block along each axis"),
+            KeySchema::new_required(
+                "spacing",
+                ValueType::PerAxis(ListLength::Two),
+                "m",
+                "0.005",
+                "cell size; one number, or one per axis; equal in all blocks",
+            )
+            .with_note("cell size; or give size")
+            .with_conditions(&[KeyCondition::Absent("size")]),
+            KeySchema::new_optional(
+                "size",
+                ValueType::PerAxis(ListLength::Two),
+                "m",
+                "[0.05, 0.05]",
+                "size of one block, cells times spacing; replaces spacing",
+            )
+            .with_note("size of one block"),
+            KeySchema::new_optional(
+                "origin",
+                ValueType::Numbers(ListLength::Two),
+                "m",
+                "[0.0, 0.0]",
+                "lower corner of the first copy, a whole number of cells from the other blocks; default: 0",
+            )
+            .with_note("lower corner of the first copy"),
+            KeySchema::new_with_default(
+                "repeat",
+                PAIR_OF_COUNTS,
+                "",
+                "[1, 1]",
+                "number of copies along each axis",
+            ),
+            KeySchema::new_with_default(
+                "row_shift",
+                ValueType::Number(AllowedRange::NotNegative),
+                "m",
+                "0.0",
+                "shift along x₁ of every second row of copies, as in masonry; parts of a block close these rows at both ends; a whole number of cells, less than a block",
+            ),
+        ]),
+        KeyGroup::with_conditions(&[KeyCondition::Absent("materials")], &[MODEL_KEY, YIELD_KEY]),
+        KeyGroup::new(&[
+            KeySchema::new_optional(
+                "materials",
+                ValueType::TableList(&MATERIALS_SCHEMA),
+                "",
+                "[{ model = { mu = 2e10 } }, { model = { mu = 3e10 } }]",
+                "materials of the copies, assigned by pattern; replaces model and yield",
+            ),
+            KeySchema::new_with_default(
+                "pattern",
+                ValueType::OneOf(|_| {
+                    MaterialPattern::ALL.iter().map(|own| own.name().to_owned()).collect()
+                }),
+                "",
+                "\"checkerboard\"",
+                "arrangement of the materials: checkerboard, rows (along x₁), columns (along x₂), or list",
+            )
+            .with_conditions(WITH_MATERIALS),
+            KeySchema::new_required(
+                "list",
+                ValueType::IndexList,
+                "",
+                "[0]",
+                "index of the material of each copy, from 0, row by row and along x₁ first; parts of blocks count",
+            )
+            .with_note("one index of materials for each copy")
+            .with_conditions(&[
+                KeyCondition::Present("materials"),
+                KeyCondition::HasValue("pattern", &["list"]),
+            ]),
+        ]),
+    ],
+);
+
+named_enum! {
+    /// Arrangement of several materials in the copies of a block; row and column of a copy are counted from 0.
+    MaterialPattern {
+        /// The material of a copy is row + column modulo the number of materials.
+        Checkerboard = "checkerboard",
+        /// The material of a copy is its row modulo the number of materials.
+        Rows = "rows",
+        /// The material of a copy is its column modulo the number of materials.
+        Columns = "columns",
+        /// The material of each copy is listed.
+        List = "list"
+    }
+}
+
+/// A section `[[block]]`: a block and its copies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockEntry {
+    /// Name, for the selectors of joints.
+    pub name: Option<String>,
+    /// Number of cells of one block along each axis.
+    pub cells: [usize; 2],
+    /// Cell spacing along each axis, m.
+    pub spacing: [f64; 2],
+    /// Lower corner of the first copy, m.
+    pub origin: [f64; 2],
+    /// Number of copies along each axis.
+    pub repeat: [usize; 2],
+    /// Shift along x₁ of every second row of copies, m.
+    pub row_shift: f64,
+    /// Materials of the copies, at least one.
+    pub materials: Vec<Material>,
+    /// Arrangement of the materials.
+    pub pattern: MaterialPattern,
+    /// Indices of the materials of all copies for [`MaterialPattern::List`], else empty.
+    pub material_list: Vec<usize>,
+}
+
+impl BlockEntry {
+    /// Reads a section except its materials; `first` is the first block, whose spacing all blocks have.
+    fn read_geometry(section: &SectionReader, first: Option<&Self>) -> Result<Self, CaseError> {
+        let cells: [usize; 2] = read_counts(section.read_required("cells")?);
+        if section.has_key("size") && section.has_key("spacing") {
+            let found = format!("found beside spacing ({})", section.locate("spacing"));
+            let allowed = "give either size or spacing: size is cells times spacing";
+            return Err(section.error_at("size", found, allowed));
+        }
+        let (spacing_key, own) = match section.read_optional::<Vec<f64>>("size")? {
+            Some(size) => ("size", [0, 1].map(|axis| size[axis] / cells[axis] as f64)),
+            None => {
+                let given: Vec<f64> = section.read_required("spacing")?;
+                ("spacing", [given[0], given[1]])
+            }
+        };
+        let spacing = first.map_or(own, |first| first.spacing);
+        if let Some(axis) =
+            (0..2).find(|&axis| (own[axis] - spacing[axis]).abs() > 1e-9 * spacing[axis])
+        {
+            let found = format!(
+                "cells of {:?} m along x{}, but of {:?} m in block[0] ({})",
+                own[axis],
+                axis + 1,
+                spacing[axis],
+                section.positions().locate("block[0]"),
+            );
+            let allowed = "all blocks are parts of one uniform grid: give them the same spacing";
+            return Err(section.error_at(spacing_key, found, allowed));
+        }
+        let origin: Vec<f64> = section.read_optional("origin")?.unwrap_or(vec![0.0; 2]);
+        let repeat = read_counts(section.read_or_default("repeat")?);
+        let entry = Self {
+            name: section.read_optional("name")?,
+            cells,
+            spacing,
+            origin: [origin[0], origin[1]],
+            repeat,
+            row_shift: section.read_or_default("row_shift")?,
+            materials: Vec::new(),
+            pattern: MaterialPattern::default(),
+            material_list: Vec::new(),
+        };
+        entry.check_counts(section)?;
+        Ok(entry)
+    }
+
+    /// Checks the shift of rows and the numbers of blocks and cells.
+    fn check_counts(&self, section: &SectionReader) -> Result<(), CaseError> {
+        let [width, h] = [self.cells[0] as f64 * self.spacing[0], self.spacing[0]];
+        let shift = self.row_shift / h;
+        if (shift - shift.round()).abs() > CELL_TOLERANCE || shift.round() >= self.cells[0] as f64 {
+            let found = format!("found {:?} m, {shift:?} cells of {h:?} m", self.row_shift);
+            let allowed =
+                format!("expected a whole number of cells, less than a block of {width:?} m");
+            return Err(section.error_at("row_shift", found, allowed));
+        }
+        let copies = self.repeat[0].checked_mul(self.repeat[1]);
+        if copies.is_none_or(|copies| copies > MAX_BLOCKS) {
+            let found = format!("found {} × {} copies", self.repeat[0], self.repeat[1]);
+            let allowed = format!("expected at most {MAX_BLOCKS} blocks in total");
+            return Err(section.error_at("repeat", found, allowed));
+        }
+        let lengths = [0, 1].map(|axis| self.repeat[axis].checked_mul(self.cells[axis]));
+        let total = lengths[0].zip(lengths[1]).and_then(|(one, other)| one.checked_mul(other));
+        if total.is_none_or(|total| total > MAX_CELLS) {
+            let found = format!(
+                "{} × {} blocks of {} × {} cells",
+                self.repeat[0], self.repeat[1], self.cells[0], self.cells[1]
+            );
+            let allowed = format!("expected at most {MAX_CELLS} cells in total");
+            return Err(section.error_at("cells", found, allowed));
+        }
+        Ok(())
+    }
+
+    /// Reads the materials; `material_of` reads the tables `model` and `yield` of a section.
+    fn read_materials(
+        &mut self,
+        section: &SectionReader,
+        material_of: &impl Fn(&SectionReader) -> Result<Material, CaseError>,
+    ) -> Result<(), CaseError> {
+        if !section.has_key("materials") {
+            self.materials = vec![material_of(section)?];
+            return Ok(());
+        }
+        if let Some(key) = ["model", "yield"].into_iter().find(|key| section.has_key(key)) {
+            let found = format!("found beside materials ({})", section.locate("materials"));
+            let allowed = "give either model and yield, or materials";
+            return Err(section.error_at(key, found, allowed));
+        }
+        for table in section.open_list(&MATERIALS_SCHEMA)? {
+            self.materials.push(material_of(&table)?);
+            table.finish()?;
+        }
+        if self.materials.is_empty() {
+            let allowed = "give at least one material { model = { ... } }";
+            return Err(section.error_at("materials", "an empty list", allowed));
+        }
+        let patterns = MaterialPattern::ALL;
+        let pattern = section.read_optional_choice("pattern", patterns, MaterialPattern::name)?;
+        self.pattern = pattern.unwrap_or_default();
+        if self.pattern != MaterialPattern::List {
+            return Ok(());
+        }
+        self.material_list = section.read_required("list")?;
+        let (count, copies) = (self.materials.len(), self.copies().count());
+        if self.material_list.len() != copies {
+            let found = format!("{} indices for {copies} copies", self.material_list.len());
+            return Err(section.error_at("list", found, "give one index for each copy"));
+        }
+        if let Some(index) = self.material_list.iter().find(|index| **index >= count) {
+            let found = format!("found {index} with {count} materials");
+            let allowed = format!("expected indices from 0 to {}", count - 1);
+            return Err(section.error_at("list", found, allowed));
+        }
+        Ok(())
+    }
+
+    /// Returns row, column and cells of each copy relative to the first copy, row by row. Shifted rows begin with the
+    /// part of a block that is as long as the shift, and end with the rest of a block.
+    fn copies(&self) -> impl Iterator<Item = ([usize; 2], [Range<usize>; 2])> + '_ {
+        let [n1, n2] = self.cells;
+        let shift = (self.row_shift / self.spacing[0]).round() as usize;
+        let width = self.repeat[0] * n1;
+        (0..self.repeat[1]).flat_map(move |row| {
+            let shift = if row % 2 == 1 { shift } else { 0 };
+            let count = self.repeat[0] + usize::from(shift > 0);
+            let start = move |column: usize| match (shift, column) {
+                (0, _) => column * n1,
+                (_, 0) => 0,
+                _ => (shift + (column - 1) * n1).min(width),
+            };
+            (0..count).map(move |column| {
+                let along = start(column)..start(column + 1);
+                ([column, row], [along, row * n2..(row + 1) * n2])
+            })
+        })
+    }
+
+    /// Returns the index in [`materials`](Self::materials) of a copy.
+    fn material_of_copy(&self, copy: usize, [column, row]: [usize; 2]) -> usize {
+        match self.pattern {
+            MaterialPattern::Checkerboard => (row + column) % self.materials.len().max(1),
+            MaterialPattern::Rows => row % self.materials.len().max(1),
+            MaterialPattern::Columns => column % self.materials.len().max(1),
+            MaterialPattern::List => self.material_list.get(copy).copied().unwrap_or(0),
+        }
+    }
+
+    /// Formats the section `[[block]]` as TOML with all values.
+    pub(super) fn to_toml(&self) -> String {
+        let resolved = match &self.name {
+            Some(name) => TableWriter::default().with_text("name", name),
+            None => TableWriter::default(),
+        };
+        let resolved = resolved
+            .with_number("cells", self.cells)
+            .with_number("spacing", self.spacing)
+            .with_number("origin", self.origin)
+            .with_number("repeat", self.repeat)
+            .with_number("row_shift", self.row_shift);
+        let resolved = match self.materials.as_slice() {
+            [material] if self.pattern == MaterialPattern::Checkerboard => {
+                write_material(resolved, material)
+            }
+            materials => {
+                let tables: Vec<TableWriter> = materials
+                    .iter()
+                    .map(|own| write_material(TableWriter::default(), own))
+                    .collect();
+                let resolved = resolved.with_table_list("materials", &tables);
+                let resolved = resolved.with_text("pattern", self.pattern.name());
+                match self.pattern {
+                    MaterialPattern::List => resolved.with_number("list", &self.material_list),
+                    _ => resolved,
+                }
+            }
+        };
+        resolved.to_section_toml(&SCHEMA)
+    }
+}
+
+/// Adds the tables `model` and `yield` of a material.
+fn write_material(table: TableWriter, material: &Material) -> TableWriter {
+    let table = table.with_table("model", &to_section_table(material, "model"));
+    match material.yield_set {
+        Some(_) => table.with_table("yield", &to_section_table(material, "yield")),
+        None => table.with_table("yield", &TableWriter::default().with_text("kind", NO_YIELD_NAME)),
+    }
+}
+
+fn read_counts(counts: Vec<usize>) -> [usize; 2] {
+    [counts[0], counts[1]]
+}
+
+/// Reads the sections `[[block]]` except their materials.
+fn read_geometries<'a>(
+    root: &SectionReader<'a>,
+) -> Result<Vec<(SectionReader<'a>, BlockEntry)>, CaseError> {
+    let mut entries: Vec<(SectionReader, BlockEntry)> = Vec::new();
+    for mut section in root.open_list(&SCHEMA)? {
+        section.scope.dimensions = Some(2);
+        let first = entries.first().map(|(_, first)| first);
+        let entry = BlockEntry::read_geometry(&section, first)?;
+        entries.push((section, entry));
+    }
+    if entries.is_empty() {
+        let allowed = "add [[block]] with cells and spacing, or a section [grid]";
+        return Err(root.error_at("block", "an empty list", allowed));
+    }
+    let blocks = |entry: &BlockEntry| entry.repeat[0].saturating_add(1) * entry.repeat[1];
+    let total: usize = entries.iter().map(|(_, entry)| blocks(entry)).sum();
+    if total > 2 * MAX_BLOCKS {
+        let allowed = format!("expected at most {MAX_BLOCKS} blocks in total");
+        return Err(root.error_at("block", format!("found up to {total} blocks"), allowed));
+    }
+    Ok(entries)
+}
+
+/// Reads the bounding box of the blocks as a grid.
+pub(super) fn read_bounding_grid(root: &SectionReader) -> Result<SolidGrid, CaseError> {
+    if root.has_key("grid") {
+        let found = format!("found beside [[block]] ({})", root.locate("block[0]"));
+        let allowed = "leave it out: the grid is the bounding box of the blocks";
+        return Err(root.error_at("grid", found, allowed));
+    }
+    if root.has_key("region") {
+        let found = format!("found beside [[block]] ({})", root.locate("block[0]"));
+        let allowed = "give the blocks a model or materials instead, or leave out the blocks";
+        return Err(root.error_at("region", found, allowed));
+    }
+    let entries = read_geometries(root)?;
+    let (_, first) = &entries[0];
+    let lower = [0, 1].map(|axis| {
+        entries.iter().map(|(_, entry)| entry.origin[axis]).fold(f64::INFINITY, f64::min)
+    });
+    let mut cells = [0usize; 2];
+    for (section, entry) in &entries {
+        for (axis, count) in cells.iter_mut().enumerate() {
+            let offset = offset_in_cells(section, entry, lower, axis)?;
+            *count = offset.saturating_add(entry.repeat[axis] * entry.cells[axis]).max(*count);
+        }
+    }
+    let total = cells[0].checked_mul(cells[1]);
+    if total.is_none_or(|total| total > MAX_CELLS) {
+        let found = format!("a bounding box of {} × {} cells", cells[0], cells[1]);
+        let allowed = format!("expected at most {MAX_CELLS} cells in total");
+        return Err(root.error_at("block", found, allowed));
+    }
+    let (spacing, origin) = (first.spacing.to_vec(), lower.to_vec());
+    let grid = SolidGrid { cells: cells.to_vec(), spacing, origin };
+    let (section, _) = &entries[0];
+    grid.check_resolution(section, if section.has_key("size") { "size" } else { "spacing" })?;
+    Ok(grid)
+}
+
+/// Returns the distance of a block from the lower corner of the bounding box along an axis, in cells.
+fn offset_in_cells(
+    section: &SectionReader,
+    entry: &BlockEntry,
+    lower: [f64; 2],
+    axis: usize,
+) -> Result<usize, CaseError> {
+    let offset = (entry.origin[axis] - lower[axis]) / entry.spacing[axis];
+    if offset > MAX_CELLS as f64 {
+        let found = format!("found x{} = {:?}", axis + 1, entry.origin[axis]);
+        let allowed = format!("{offset:e} cells from the other blocks; expected a tiling");
+        return Err(section.error_at("origin", found, allowed));
+    }
+    if (offset - offset.round()).abs() > CELL_TOLERANCE {
+        let found = format!(
+            "found x{} = {:?}, {offset:?} cells of {:?} m from {:?}, the lower end of the blocks",
+            axis + 1,
+            entry.origin[axis],
+            entry.spacing[axis],
+            lower[axis],
+        );
+        let allowed = "faces of blocks must conform: expected a whole number of cells";
+        return Err(section.error_at("origin", found, allowed));
+    }
+    Ok(offset.round() as usize)
+}
+
+/// Blocks read from the sections `[[block]]`.
+pub(super) struct BlockTiling {
+    pub(super) entries: Vec<BlockEntry>,
+    pub(super) materials: Vec<Material>,
+    pub(super) blocks: Vec<PlacedBlock>,
+    pub(super) contacts: Vec<super::tiling::BlockContact>,
+}
+
+/// Reads the sections `[[block]]` and places the blocks in their bounding box `grid`.
+pub(super) fn read_blocks(
+    root: &SectionReader,
+    grid: &SolidGrid,
+    material_of: impl Fn(&SectionReader) -> Result<Material, CaseError>,
+) -> Result<BlockTiling, CaseError> {
+    let (mut entries, mut materials) = (Vec::new(), Vec::new());
+    let mut blocks = Vec::new();
+    let lower = [grid.origin[0], grid.origin[1]];
+    for (index, (section, mut entry)) in read_geometries(root)?.into_iter().enumerate() {
+        entry.read_materials(&section, &material_of)?;
+        let (first, second) = (
+            offset_in_cells(&section, &entry, lower, 0)?,
+            offset_in_cells(&section, &entry, lower, 1)?,
+        );
+        for (number, (copy, [along, across])) in entry.copies().enumerate() {
+            blocks.push(PlacedBlock {
+                entry: index,
+                cells: [
+                    first + along.start..first + along.end,
+                    second + across.start..second + across.end,
+                ],
+                material: materials.len() + entry.material_of_copy(number, copy),
+            });
+        }
+        materials.extend(entry.materials.iter().cloned());
+        if materials.len() > super::MAX_REGIONS {
+            let found = format!("more than {} materials", super::MAX_REGIONS);
+            return Err(section.error_at("materials", found, "reduce the number of materials"));
+        }
+        section.finish()?;
+        entries.push(entry);
+    }
+    let extent = [grid.cells[0], grid.cells[1]];
+    let contacts = find_contacts(&blocks, extent)
+        .map_err(|fault| tiling_error(root, grid, &blocks, &fault))?;
+    Ok(BlockTiling { entries, materials, blocks, contacts })
+}
+
+/// Returns the error of blocks that do not tile their bounding box.
+fn tiling_error(
+    root: &SectionReader,
+    grid: &SolidGrid,
+    blocks: &[PlacedBlock],
+    fault: &TilingFault,
+) -> CaseError {
+    let lower_edge =
+        |axis: usize, cell: usize| grid.origin[axis] + cell as f64 * grid.spacing[axis];
+    let key = |block: usize| format!("block[{}]", blocks[block].entry);
+    let describe = |block: usize| {
+        let name = key(block);
+        format!("{name} ({})", root.positions().locate(&name))
+    };
+    let extent = |block: usize| {
+        let ranges = [0, 1].map(|axis| {
+            let own = &blocks[block].cells[axis];
+            format!(
+                "x{} from {:?} to {:?}",
+                axis + 1,
+                tidy(lower_edge(axis, own.start)),
+                tidy(lower_edge(axis, own.end))
+            )
+        });
+        ranges.join(", ")
+    };
+    let point = |cell: [usize; 2]| {
+        format!("[{:?}, {:?}]", tidy(lower_edge(0, cell[0])), tidy(lower_edge(1, cell[1])))
+    };
+    match *fault {
+        TilingFault::Overlap { first, second, corner } => root.error_at(
+            &key(second),
+            format!(
+                "the block with {} overlaps {} at {}",
+                extent(second),
+                describe(first),
+                point(corner)
+            ),
+            "blocks must tile their bounding box: move or shrink one of the two",
+        ),
+        TilingFault::Gap { block, corner, length } => root.error_at(
+            &key(block),
+            format!(
+                "no block at {}, in a gap of {length} cells along x1 beside the block with {}",
+                point(corner),
+                extent(block)
+            ),
+            "blocks must tile their bounding box: move or enlarge a block, or add one",
+        ),
+    }
+}
+
+/// Rounds a coordinate for messages.
+pub(super) fn tidy(x: f64) -> f64 {
+    format!("{x:.11e}").parse::<f64>().unwrap_or(x) + 0.0
+}

@@ -1,0 +1,201 @@
+//! Periodic blocky medium of a case: copies of one block with one law of joints along each axis.
+
+use super::case::Case;
+use super::dynamics::{Blocks, JointLaw, SolidRun};
+use super::error::CaseError;
+use super::kind::ModelKind;
+use super::material::Material;
+use models::interface::homogenised::{BlockMaterial, BlockyMedium};
+use models::registry;
+use models::solid::parameters::Isotropic;
+
+/// Copies of one block in rows, with one law of joints on the faces normal to each axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeriodicBlocks {
+    /// Elastic material of the blocks.
+    pub material: BlockMaterial,
+    /// Sides of a block, m.
+    pub size: [f64; 2],
+    /// Number of blocks along each axis.
+    pub count: [usize; 2],
+    /// Shift along x₁ of every second row, m.
+    pub row_shift: f64,
+    /// Laws of the joints normal to x₁ and to x₂.
+    pub joints: [JointLaw; 2],
+    /// Whether the blocks have a yield set.
+    pub has_yielding_blocks: bool,
+}
+
+/// Square blocks with the same joints along both axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SquareBlocks {
+    /// Blocks and elastic part of the joints.
+    pub medium: BlockyMedium,
+    /// Law of the joints.
+    pub joint: JointLaw,
+    /// Number of blocks along each axis.
+    pub count: [usize; 2],
+}
+
+/// Largest relative difference of sides of a square block.
+const SIDE_TOLERANCE: f64 = 1e-9;
+
+impl Case {
+    /// Returns whether the case is a blocky medium: two neighbouring blocks are separated by a joint.
+    pub fn has_joints(&self) -> bool {
+        self.blocks().is_some_and(Blocks::has_joints)
+    }
+
+    fn blocks(&self) -> Option<&Blocks> {
+        self.solid_run.as_ref()?.blocks.as_ref()
+    }
+
+    /// Returns the case with the material of the first block in place of that of `[model]`; the case itself without
+    /// blocks.
+    pub fn with_block_material(&self) -> Self {
+        let mut case = self.clone();
+        if let Some(first) = self.blocks().and_then(|blocks| blocks.materials.first()) {
+            case.material = first.clone();
+        }
+        case
+    }
+
+    /// Returns the periodic medium of a blocky case.
+    ///
+    /// # Errors
+    /// The case has no blocks or no joints, several kinds of blocks or materials, blocks without joints along an axis,
+    /// different joints along one axis, or blocks that are not classical elastic solids.
+    pub fn to_periodic_blocks(&self) -> Result<PeriodicBlocks, CaseError> {
+        let Some((run, blocks)) = self.solid_run.as_ref().zip(self.blocks()) else {
+            let allowed = "a blocky medium: add [[block]] with cells, size and repeat in place of \
+                           [grid], and [[joint]] (wellposed new classical --run shows the sections)";
+            return Err(self.material.positions.error_at("block", "missing", allowed));
+        };
+        if let Some(second) = blocks.entries.get(1) {
+            let name = second.name.as_deref().map_or(String::new(), |name| format!(" '{name}'"));
+            let found = format!("found a second kind of block{name}");
+            let allowed = "one kind of block that repeats: a periodic medium; keep one [[block]]";
+            return Err(run.error_at("block[1]", found, allowed));
+        }
+        let entry = &blocks.entries[0];
+        if blocks.materials.len() > 1 {
+            let found = format!("found {} materials", blocks.materials.len());
+            let allowed = "blocks of one material; give model in place of materials";
+            return Err(run.error_at("block[0].materials", found, allowed));
+        }
+        let joints = [joint_along(0, run, blocks)?, joint_along(1, run, blocks)?];
+        let material = &blocks.materials[0];
+        Ok(PeriodicBlocks {
+            material: block_material(material)?,
+            size: [0, 1].map(|axis| entry.cells[axis] as f64 * entry.spacing[axis]),
+            count: entry.repeat,
+            row_shift: entry.row_shift,
+            joints,
+            has_yielding_blocks: material.yield_set.is_some(),
+        })
+    }
+
+    /// Returns the medium of a case with square elastic blocks and the same joints along both axes.
+    ///
+    /// # Errors
+    /// An error of [`to_periodic_blocks`](Self::to_periodic_blocks); the blocks are not square, their rows are shifted,
+    /// they yield, the joints differ, are saturated or have lumped masses.
+    pub fn to_square_blocks(&self) -> Result<SquareBlocks, CaseError> {
+        let own = self.to_periodic_blocks()?;
+        let error = |path: &str, found: String, allowed: &str| match &self.solid_run {
+            Some(run) => run.error_at(path, found, allowed),
+            None => self.material.positions.error_at(path, found, allowed),
+        };
+        let [width, height] = own.size;
+        if (width - height).abs() > SIDE_TOLERANCE * width {
+            let found = format!("found blocks of {width:?} m × {height:?} m");
+            let allowed = "square blocks, equal along both axes";
+            return Err(error("block[0].cells", found, allowed));
+        }
+        if own.row_shift != 0.0 {
+            let found = format!("found {:?} m", own.row_shift);
+            let allowed = "0: the equivalent continuum is that of aligned rows";
+            return Err(error("block[0].row_shift", found, allowed));
+        }
+        if own.has_yielding_blocks {
+            let allowed = "elastic blocks: yielding of blocks is not in the interlayer yield set; \
+                           leave [yield] out";
+            return Err(error("yield.kind", "found blocks that yield".into(), allowed));
+        }
+        let [first, second] = own.joints;
+        let joint_key = |axis: usize| {
+            let joint = self.blocks().and_then(|blocks| first_joint(axis, blocks));
+            format!("joint[{}]", joint.unwrap_or(0))
+        };
+        if first != second {
+            let found = format!("differs from {}, normal to x1", joint_key(0));
+            let allowed = "the same joints along both axes: the continuum of different joints is \
+                           not supported; wellposed dispersion has their Bloch waves";
+            return Err(error(&joint_key(1), found, allowed));
+        }
+        let Some(layer) = first.material.elastic_part() else {
+            let found = format!("found {}", first.kind.name);
+            let allowed = "elastic, elastic-plastic or breaking: the continuum has no fluid";
+            return Err(error(&format!("{}.kind", joint_key(0)), found, allowed));
+        };
+        let medium = BlockyMedium { block: own.material, layer, period: width };
+        Ok(SquareBlocks { medium, joint: first, count: own.count })
+    }
+}
+
+/// Returns the index of the first joint normal to an axis.
+fn first_joint(axis: usize, blocks: &Blocks) -> Option<u16> {
+    blocks.contacts.iter().filter(|contact| contact.axis == axis).find_map(|contact| contact.joint)
+}
+
+/// Returns the law of all joints normal to an axis.
+fn joint_along(axis: usize, run: &SolidRun, blocks: &Blocks) -> Result<JointLaw, CaseError> {
+    let name = axis + 1;
+    let Some(first) = first_joint(axis, blocks) else {
+        let found = format!("no joint normal to x{name}");
+        let allowed = "joints between all blocks along both axes: add [[joint]] with every = \
+                       \"all\", and repeat at least 2 along both axes";
+        return Err(run.error_at("joint", found, allowed));
+    };
+    let law = &blocks.joints[usize::from(first)].law;
+    for contact in blocks.contacts.iter().filter(|contact| contact.axis == axis) {
+        match contact.joint {
+            None => {
+                let found = format!("some neighbours along x{name} are welded");
+                let allowed = "joints between all blocks: add every = \"all\"";
+                return Err(run.error_at(&format!("joint[{first}]"), found, allowed));
+            }
+            Some(joint) if blocks.joints[usize::from(joint)].law != *law => {
+                let found = format!("differs from joint[{first}], also normal to x{name}");
+                let allowed = "one law of joints along each axis: a periodic medium";
+                return Err(run.error_at(&format!("joint[{joint}]"), found, allowed));
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(law.clone())
+}
+
+/// Returns the elastic material of the blocks: c₁ = √((λ + 2μ)/ρ), c₂ = √(μ/ρ).
+fn block_material(material: &Material) -> Result<BlockMaterial, CaseError> {
+    let not_classical = || {
+        let found = format!("found {}", material.kind.name());
+        let allowed = "classical: the blocks are classical elastic solids";
+        material.positions.error_at("model.kind", found, allowed)
+    };
+    let ModelKind::Solid(kind) = material.kind else { return Err(not_classical()) };
+    if kind != registry::CLASSICAL {
+        return Err(not_classical());
+    }
+    let mut constants = Vec::new();
+    material.numbers.model_constants.collect_si_values(kind.parameters, &mut constants);
+    let law = kind.law(&constants).map_err(|error| material.locate_error(error))?;
+    let Some(Isotropic { lambda, mu, density, .. }) = law.downcast::<Isotropic>() else {
+        return Err(not_classical());
+    };
+    Ok(BlockMaterial {
+        density: *density,
+        longitudinal_speed: ((lambda + 2.0 * mu) / density).sqrt(),
+        shear_speed: (mu / density).sqrt(),
+    })
+}

@@ -1,0 +1,133 @@
+//! Cell arrays of a VTK file, and the XML elements common to all kinds of files.
+
+use std::io::{self, Write};
+
+use super::attributes::{escape_xml, format_attribute};
+use super::encoding::{Storage, encode_compressed, encode_plain};
+use super::error::VtiError;
+use super::number::VtkNumber;
+use crate::csv::format_shortest;
+
+/// Array with its encoded values.
+struct CellArray {
+    name: String,
+    vtk_type: &'static str,
+    components: usize,
+    /// Encoded values, preceded by their length or block lengths.
+    bytes: Vec<u8>,
+}
+
+/// Cell arrays, whose values are appended in order.
+pub(super) struct CellArrays {
+    storage: Storage,
+    arrays: Vec<CellArray>,
+}
+
+impl CellArrays {
+    pub(super) fn new(storage: Storage) -> Self {
+        Self { storage, arrays: Vec::new() }
+    }
+
+    /// Adds an array of `cells` cells with interleaved components.
+    pub(super) fn add<T: VtkNumber>(
+        &mut self,
+        name: &str,
+        cells: usize,
+        components: usize,
+        values: &[T],
+    ) -> Result<(), VtiError> {
+        format_attribute(name)?;
+        if self.arrays.iter().any(|array| array.name == name) {
+            return Err(VtiError::DuplicateName(name.to_owned()));
+        }
+        if components == 0 {
+            return Err(VtiError::Components { name: name.to_owned(), found: components });
+        }
+        check_length(name, values.len(), cells.saturating_mul(components))?;
+        let bytes = self.encode(values);
+        self.arrays.push(CellArray {
+            name: name.to_owned(),
+            vtk_type: T::VTK_TYPE,
+            components,
+            bytes,
+        });
+        Ok(())
+    }
+
+    /// Encodes values according to the storage of the file.
+    pub(super) fn encode<T: VtkNumber>(&self, values: &[T]) -> Vec<u8> {
+        match self.storage {
+            Storage::Plain => encode_plain(values),
+            Storage::Compressed => encode_compressed(values),
+        }
+    }
+
+    /// Length of the appended values of all arrays, bytes.
+    pub(super) fn byte_count(&self) -> usize {
+        self.arrays.iter().map(|array| array.bytes.len()).sum()
+    }
+
+    /// Writes the appended values.
+    pub(super) fn write_values(&self, writer: &mut impl Write) -> io::Result<()> {
+        self.arrays.iter().try_for_each(|array| writer.write_all(&array.bytes))
+    }
+
+    /// XML elements of the arrays with their offsets.
+    pub(super) fn format_elements(&self) -> String {
+        let mut elements = String::new();
+        let mut offset = 0;
+        for CellArray { name, vtk_type, components, bytes } in &self.arrays {
+            let element = format_array(vtk_type, &escape_xml(name), *components, offset);
+            elements.push_str(&element);
+            offset += bytes.len();
+        }
+        elements
+    }
+
+    /// XML declaration and start tag of a file of a kind.
+    pub(super) fn format_start(&self, kind: &str) -> String {
+        let compressor = match self.storage {
+            Storage::Plain => "",
+            Storage::Compressed => " compressor=\"vtkZLibDataCompressor\"",
+        };
+        format!(
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\"{compressor}>\n"
+        )
+    }
+}
+
+/// End of a file, after the appended values.
+pub(super) const FILE_END: &[u8] = b"\n  </AppendedData>\n</VTKFile>\n";
+
+/// XML element of an appended array.
+pub(super) fn format_array(
+    vtk_type: &str,
+    escaped_name: &str,
+    components: usize,
+    offset: usize,
+) -> String {
+    format!(
+        "        <DataArray type=\"{vtk_type}\" Name=\"{escaped_name}\" \
+         NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>\n"
+    )
+}
+
+/// XML element of the time, with the name expected by VTK readers.
+pub(super) fn format_time_element(time: Option<f64>) -> String {
+    time.map_or_else(String::new, |time| {
+        let time = format_shortest(time);
+        format!(
+            "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"TimeValue\" \
+             NumberOfTuples=\"1\" format=\"ascii\">{time}</DataArray>\n    </FieldData>\n"
+        )
+    })
+}
+
+pub(super) fn check_length(name: &str, found: usize, expected: usize) -> Result<(), VtiError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(VtiError::Length { name: name.to_owned(), found, expected })
+}

@@ -1,0 +1,313 @@
+//! Porous layer: normal component whose pores collapse (Sadovskii & Sadovskaya, kind 4).
+//!
+//! Energy per volume of the layer and traction, with the strain ε across the layer and the porosity x = θ₀ + ε of open
+//! pores,
+//!
+//! ```text
+//! W = ½b₀ε² + ½b₁ min(x, 0)²,    S = ∂W/∂ε + S_ext,    d = δ ε̇,
+//! ```
+//!
+//! where S_ext is the constant traction of a fluid, if any. A step uses the discrete gradient
+//! S_mid = ΔW/Δε + S_ext (Gonzalez 1996), so that energy is conserved to rounding when pores collapse or open in a step.
+//! With P = δ/Δt + ½gb₀, Q = g(b₀ε + S_ext) − d₀ and κ = gb₁ the change Δ of ε obeys PΔ + Q + κG = 0, where
+//!
+//! ```text
+//! open:     G = 0,               Δ = −Q/P
+//! closing:  G = (x + Δ)²/(2Δ),   Δ = −[Q + κx + √((Q + κx)² − 2(P + ½κ)κx²)]/(2P + κ)
+//! closed:   G = x + ½Δ,          Δ = −(Q + κx)/(P + ½κ)
+//! opening:  G = −x²/(2Δ),        Δ = κx²/(Q + h) if Q > 0, else (h − Q)/(2P),   h = √(Q² + 2Pκx²).
+//! ```
+
+use super::elastic::ElasticComponent;
+use super::history::{self, inertia, set_inertia, sum_value};
+use super::opening_line::{LayerMass, OpeningLine};
+use super::plastic::{ElasticTrial, PlasticStep, YieldCone};
+use super::viscous::ViscousComponent;
+use super::{FaceEnergy, FaceLaw, FaceState, Interval, RiemannData};
+use crate::common::number::Number;
+
+/// Elastic constants across a porous layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PorousElasticity<N> {
+    /// Thickness δ > 0, m.
+    pub thickness: N,
+    /// Stiffness b₀ ≥ 0 with open pores, Pa.
+    pub open_stiffness: N,
+    /// Stiffness b₁ ≥ 0 added by collapsed pores, Pa.
+    pub collapse_stiffness: N,
+    /// Initial porosity θ₀ ≥ 0.
+    pub porosity: N,
+}
+
+/// Change of the strain across a porous layer in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PorousStep<N> {
+    /// Change Δ of the strain.
+    pub change: N,
+    /// Traction S_mid, Pa: discrete gradient.
+    pub middle: N,
+}
+
+impl<N: Number> PorousElasticity<N> {
+    /// Converts the constants by `f`.
+    #[inline(always)]
+    pub fn map<M>(self, f: impl Fn(N) -> M) -> PorousElasticity<M> {
+        PorousElasticity {
+            thickness: f(self.thickness),
+            open_stiffness: f(self.open_stiffness),
+            collapse_stiffness: f(self.collapse_stiffness),
+            porosity: f(self.porosity),
+        }
+    }
+
+    /// Solves a step of duration `step`, s, on the opening line of the face, from the strain ε at its beginning and with
+    /// the traction S_ext, Pa.
+    #[inline(always)]
+    pub fn solve(&self, line: &OpeningLine<N>, strain: N, external: N, step: N) -> PorousStep<N> {
+        let zero = N::ZERO;
+        let g = line.admittance;
+        let half_stiffness = N::HALF * self.open_stiffness;
+        let p = self.thickness / step + g * half_stiffness;
+        let q = g * (self.open_stiffness * strain + external) - line.free_rate;
+        let kappa = g * self.collapse_stiffness;
+        let x = self.porosity + strain;
+        let kx = kappa * x;
+        let kxx = kx * x;
+        let shifted = q + kx;
+        // Sum of both sides of a switch: 2P + κ.
+        let double = p + p + kappa;
+
+        let stays_open = -q / p;
+        let root = (shifted * shifted - double * kxx).max(zero).sqrt();
+        let closes = -(shifted + root) / double;
+        let stays_closed = -(shifted + shifted) / double;
+        let h = (q * q + (p + p) * kxx).max(zero).sqrt();
+        let sum = q.select_gt(zero, q + h, N::ONE);
+        let opens = q.select_gt(zero, kxx / sum, (h - q) / (p + p));
+
+        // Open at the beginning: x > 0, or x = 0 and Q ≤ 0. Then x decides, else −1.
+        let at_zero = q.select_gt(zero, -N::ONE, N::ONE);
+        let begins = x.select_gt(zero, N::ONE, zero.select_gt(x, -N::ONE, at_zero));
+        let open_change = zero.select_gt(x + stays_open, closes, stays_open);
+        let closed_change = (x + stays_closed).select_gt(zero, opens, stays_closed);
+        let change = begins.select_gt(zero, open_change, closed_change);
+
+        let end = x + change;
+        let twice = change + change;
+        let divisor = N::ONE / safe_divisor(twice);
+        let from_open = zero.select_gt(x + stays_open, end * end * divisor, zero);
+        let from_closed =
+            (x + stays_closed).select_gt(zero, -(x * x * divisor), x + N::HALF * change);
+        let gradient = begins.select_gt(zero, from_open, from_closed);
+        let middle = self.open_stiffness * strain
+            + half_stiffness * change
+            + self.collapse_stiffness * gradient
+            + external;
+        PorousStep { change, middle }
+    }
+
+    /// Traction ∂W/∂ε = b₀ε + b₁ min(x, 0), Pa, without that of a fluid.
+    #[inline(always)]
+    pub fn stress(&self, strain: N) -> N {
+        self.open_stiffness * strain
+            + self.collapse_stiffness * (self.porosity + strain).min(N::ZERO)
+    }
+
+    /// Porosity θ = max(θ₀ + ε, 0).
+    #[inline(always)]
+    pub fn current_porosity(&self, strain: N) -> N {
+        (self.porosity + strain).max(N::ZERO)
+    }
+
+    /// Stored energy δ(½b₀ε² + ½b₁ min(x, 0)²), J/m².
+    #[inline(always)]
+    pub fn stored_energy(&self, strain: N) -> N {
+        let collapsed = (self.porosity + strain).min(N::ZERO);
+        N::HALF
+            * self.thickness
+            * (self.open_stiffness * strain * strain
+                + self.collapse_stiffness * collapsed * collapsed)
+    }
+}
+
+/// `x`, or 1 if `x` = 0.
+#[inline(always)]
+fn safe_divisor<N: Number>(x: N) -> N {
+    x.select_gt(N::ZERO, x, N::ZERO.select_gt(x, x, N::ONE))
+}
+
+/// Porous law of the normal component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PorousComponent<N> {
+    /// Mass of the layer.
+    pub mass: LayerMass<N>,
+    /// Elasticity.
+    pub elasticity: PorousElasticity<N>,
+}
+
+impl<N: Number> PorousComponent<N> {
+    /// Converts the constants by `f`.
+    #[inline(always)]
+    pub fn map<M>(self, f: impl Fn(N) -> M) -> PorousComponent<M> {
+        PorousComponent { mass: self.mass.map(&f), elasticity: self.elasticity.map(&f) }
+    }
+
+    /// Advances the normal variables of the history by `step`, s, with the traction S_ext of a fluid; returns the
+    /// traction S_mid, Pa, and the states on both sides.
+    #[inline(always)]
+    pub fn advance(
+        &self,
+        incoming: RiemannData<N>,
+        external: N,
+        step: N,
+        history: &mut [N],
+    ) -> (N, [FaceState<N>; 2]) {
+        let old = inertia(history, history::NORMAL_INERTIA);
+        let line = OpeningLine::new(incoming, self.mass, old, step);
+        let strain = history[history::NORMAL_STATE];
+        let solution = self.elasticity.solve(&line, strain, external, step);
+        let moved = line.finish(solution.middle);
+        set_inertia(history, history::NORMAL_INERTIA, moved.inertia);
+        history[history::NORMAL_STATE] = strain + solution.change;
+        (solution.middle, moved.states)
+    }
+}
+
+/// Tangential law of a porous layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TangentialComponent<N> {
+    /// Elastic.
+    Elastic(ElasticComponent<N>),
+    /// Viscous.
+    Viscous(ViscousComponent<N>),
+    /// Elastic-plastic without friction.
+    Plastic(ElasticComponent<N>, YieldCone<N>),
+}
+
+impl<N: Number> TangentialComponent<N> {
+    /// Converts the constants by `f`.
+    #[inline(always)]
+    pub fn map<M>(self, f: impl Fn(N) -> M) -> TangentialComponent<M> {
+        match self {
+            Self::Elastic(elastic) => TangentialComponent::Elastic(elastic.map(f)),
+            Self::Viscous(viscous) => TangentialComponent::Viscous(viscous.map(f)),
+            Self::Plastic(elastic, cone) => {
+                TangentialComponent::Plastic(elastic.map(&f), cone.map(&f))
+            }
+        }
+    }
+
+    /// Advances the shear variables of the history and returns the states on both sides.
+    #[inline(always)]
+    fn advance(
+        &self,
+        incoming: RiemannData<N>,
+        interval: &Interval<N>,
+        history: &mut [N],
+    ) -> [FaceState<N>; 2] {
+        match self {
+            Self::Elastic(elastic) => {
+                let start = history::SHEAR_INERTIA;
+                let mut shear = std::array::from_fn(|i| history[start + i]);
+                let states = elastic.advance(incoming, interval.step, &mut shear);
+                history[start..start + shear.len()].copy_from_slice(&shear);
+                states
+            }
+            Self::Viscous(viscous) => viscous.advance(incoming, interval.step, history),
+            Self::Plastic(elastic, cone) => {
+                advance_cohesive(elastic, cone, incoming, interval, history)
+            }
+        }
+    }
+}
+
+/// Plastic step of the tangential component alone, k_s = 0.
+#[inline(always)]
+fn advance_cohesive<N: Number>(
+    elastic: &ElasticComponent<N>,
+    cone: &YieldCone<N>,
+    incoming: RiemannData<N>,
+    interval: &Interval<N>,
+    history: &mut [N],
+) -> [FaceState<N>; 2] {
+    let step = interval.step;
+    let stress = history[history::SHEAR_STRESS];
+    let old = inertia(history, history::SHEAR_INERTIA);
+    let line = OpeningLine::new(incoming, elastic.mass, old, step);
+    let trial = ElasticTrial::new(&line, elastic.compliance, stress, step);
+    let normal = ElasticTrial { stiffness: N::ONE, stress: N::ZERO };
+    let result = PlasticStep::new(
+        cone,
+        [normal, trial],
+        [N::ONE, elastic.compliance],
+        [N::ZERO, stress],
+        history[history::SLIP],
+        step,
+    );
+    result.record(history, interval.end);
+    let moved = line.finish(result.middle[1]);
+    set_inertia(history, history::SHEAR_INERTIA, moved.inertia);
+    history[history::SHEAR_STRESS] = result.stress[1];
+    moved.states
+}
+
+/// Porous layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PorousLayer<N> {
+    /// Normal component.
+    pub normal: PorousComponent<N>,
+    /// Tangential component.
+    pub shear: TangentialComponent<N>,
+}
+
+impl<N: Number> PorousLayer<N> {
+    /// Converts the constants by `f`.
+    #[inline(always)]
+    pub fn map<M>(self, f: impl Fn(N) -> M) -> PorousLayer<M> {
+        PorousLayer { normal: self.normal.map(&f), shear: self.shear.map(&f) }
+    }
+}
+
+impl<N: Number> FaceLaw<N, 2> for PorousLayer<N> {
+    const HISTORY_VARIABLES: usize = history::RELEASED;
+
+    fn initialise(&self, velocities: &[[N; 2]; 2], history: &mut [N]) {
+        history::initialise(velocities, history);
+    }
+
+    #[inline(always)]
+    fn advance(
+        &self,
+        incoming: &[RiemannData<N>; 2],
+        interval: &Interval<N>,
+        history: &mut [N],
+    ) -> [[FaceState<N>; 2]; 2] {
+        let (_, states) = self.normal.advance(incoming[0], N::ZERO, interval.step, history);
+        [states, self.shear.advance(incoming[1], interval, history)]
+    }
+
+    fn energy(&self, history: &[N]) -> FaceEnergy<N> {
+        let normal = inertia(history, history::NORMAL_INERTIA);
+        let mass = self.normal.mass;
+        let mut energy = FaceEnergy {
+            kinetic: mass.kinetic_energy(normal)
+                + mass.kinetic_energy(inertia(history, history::SHEAR_INERTIA)),
+            ..FaceEnergy::ZERO
+        };
+        let stress = history[history::SHEAR_STRESS];
+        let shear = match &self.shear {
+            TangentialComponent::Elastic(elastic) => elastic.stored_energy(stress),
+            TangentialComponent::Plastic(elastic, _) => {
+                energy.plastic = sum_value(history, history::PLASTIC);
+                elastic.stored_energy(stress)
+            }
+            TangentialComponent::Viscous(viscous) => {
+                energy.viscous = sum_value(history, history::VISCOUS);
+                viscous.stored_energy(history)
+            }
+        };
+        energy.stored =
+            self.normal.elasticity.stored_energy(history[history::NORMAL_STATE]) + shear;
+        energy
+    }
+}

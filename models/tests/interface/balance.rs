@@ -1,0 +1,269 @@
+//! Energy balance, dissipation and lanes of all kinds under random loads.
+
+use crate::support::{
+    BOTH_DISTRIBUTIONS, History, Pair, RandomLoad, interval, materials, start, work,
+};
+use wellposed_models::common::number::Number;
+use wellposed_models::interface::layer::{LayerLaw, MAX_HISTORY_VARIABLES};
+use wellposed_models::interface::{FaceEnergy, FaceLaw, Interval, RiemannData, history, power};
+
+const STEPS: usize = 20_000;
+const STEP: f64 = 0.21;
+
+/// Dissipated energies of a face.
+fn dissipated(energy: &FaceEnergy<f64>) -> [f64; 5] {
+    let FaceEnergy { plastic, viscous, released, fracture, fluid_dissipation, .. } = *energy;
+    [plastic, viscous, released, fracture, fluid_dissipation]
+}
+
+/// Sets the sums of dissipated energy to zero, so that those of a single step are exact.
+fn clear_sums(law: &LayerLaw<f64>, history: &mut History) {
+    let sums: &[usize] = match law {
+        LayerLaw::Elastic(_) => &[],
+        LayerLaw::Plastic(_) => &[history::PLASTIC],
+        LayerLaw::Viscous(_) => &[history::VISCOUS],
+        LayerLaw::Porous(law) => match law.shear {
+            wellposed_models::interface::porous::TangentialComponent::Elastic(_) => &[],
+            wellposed_models::interface::porous::TangentialComponent::Viscous(_) => {
+                &[history::VISCOUS]
+            }
+            wellposed_models::interface::porous::TangentialComponent::Plastic(..) => {
+                &[history::PLASTIC]
+            }
+        },
+        LayerLaw::Saturated(_) => &[history::VISCOUS, history::FLUID_DISSIPATION],
+        LayerLaw::Cracked(_) => &[history::PLASTIC, history::RELEASED],
+        LayerLaw::Breaking(_) => &[history::PLASTIC, history::RELEASED, history::FRACTURE],
+    };
+    for &sum in sums {
+        history[sum..sum + 2].fill(0.0);
+    }
+}
+
+/// In each of 20,000 steps the energy gained and dissipated equals the work of both cells to rounding, and no
+/// dissipated energy is negative.
+#[test]
+fn energy_balance_of_each_step_holds_to_rounding_for_all_kinds() {
+    for distribution in BOTH_DISTRIBUTIONS {
+        for (name, material) in materials() {
+            let law = material.check().expect("valid").law(distribution);
+            let mut load = RandomLoad::new(7);
+            let mut history = start(&law, [[0.3, -0.2], [0.1, 0.4]]);
+            let (mut worst, mut kinks) = (0.0f64, 0);
+            let mut least = f64::INFINITY;
+            for number in 0..STEPS {
+                clear_sums(&law, &mut history);
+                let incoming = load.next();
+                let before = law.energy(&history);
+                let old = law.record(&history);
+                let states = law.advance(&incoming, &interval(number, STEP), &mut history);
+                let after = law.energy(&history);
+                let new = law.record(&history);
+                assert!(history.iter().all(|x| x.is_finite()), "{name}: {history:?}");
+                let (work, size) = work(&states, &incoming, STEP);
+                let scale = size + before.total() + after.total();
+                worst = worst.max((after.total() - before.total() - work).abs() / scale);
+                least = dissipated(&after).into_iter().fold(least, f64::min);
+                let is_open = |record: f64| record > 0.0;
+                kinks += usize::from(
+                    is_open(old.opening) != is_open(new.opening)
+                        || is_open(old.porosity) != is_open(new.porosity)
+                        || new.slip > old.slip && old.slip_time > 0.0,
+                );
+            }
+            println!("{distribution:?}, {name}: {worst:e}, switches or slip in {kinks} steps");
+            assert!(worst < 1e-14, "{name}: {worst:e}");
+            assert!(least >= 0.0, "{name}: {least:e}");
+            let smooth = matches!(law, LayerLaw::Elastic(_) | LayerLaw::Viscous(_));
+            assert!(smooth || kinks > 100, "{name}: {kinks}");
+        }
+    }
+}
+
+/// Sum over 20,000 steps in the number type `N`: error of the ledger relative to the energy that has passed.
+fn ledger_error<N: Number>(law: &LayerLaw<f64>, to_f64: impl Fn(N) -> f64) -> f64 {
+    let law = law.to_number::<N>();
+    let mut load = RandomLoad::new(8);
+    let mut history = [N::ZERO; MAX_HISTORY_VARIABLES];
+    let (mut work, mut passed) = (0.0, 0.0);
+    for number in 0..STEPS {
+        let incoming = load.next().map(|data| RiemannData {
+            impedance: data.impedance.map(N::from_f64),
+            invariant: data.invariant.map(N::from_f64),
+        });
+        let Interval { end, step } = interval(number, STEP);
+        let interval = Interval { end: N::from_f64(end), step: N::from_f64(step) };
+        let states = law.advance(&incoming, &interval, &mut history);
+        for states in &states {
+            work += STEP * to_f64(power(states));
+            passed += STEP * to_f64(power(states)).abs();
+        }
+    }
+    (to_f64(law.energy(&history).total()) - work).abs() / passed
+}
+
+#[test]
+fn ledger_of_many_steps_is_accurate_in_double_and_single_precision() {
+    for (name, material) in materials() {
+        let law = material.law(Default::default());
+        let double = ledger_error::<f64>(&law, |x| x);
+        let single = ledger_error::<f32>(&law, f64::from);
+        println!("{name}: {double:e} in double, {single:e} in single precision");
+        assert!(double < 1e-13, "{name}: {double:e}");
+        assert!(single < 2e-6, "{name}: {single:e}");
+    }
+}
+
+/// The ledger with the constants of the registry in SI units, between blocks of rock, with velocities of 0.5 m/s.
+#[test]
+fn ledger_is_accurate_with_the_constants_of_the_registry() {
+    fn error<N: Number>(law: &LayerLaw<f64>, to_f64: impl Fn(N) -> f64) -> f64 {
+        let law = law.to_number::<N>();
+        let mut load = RandomLoad::new(14);
+        let mut history = [N::ZERO; MAX_HISTORY_VARIABLES];
+        let (step, impedances) = (1e-6, [2700.0 * 5000.0, 2700.0 * 3000.0]);
+        let (mut work, mut passed) = (0.0, 0.0);
+        for number in 0..5000 {
+            let loads = load.next();
+            let incoming = std::array::from_fn(|i| RiemannData {
+                impedance: [N::from_f64(impedances[i]), N::from_f64(0.9 * impedances[i])],
+                invariant: loads[i].invariant.map(|x| N::from_f64(0.5 * impedances[i] * x)),
+            });
+            let end = N::from_f64((number + 1) as f64 * step);
+            let interval = Interval { end, step: N::from_f64(step) };
+            for states in &law.advance(&incoming, &interval, &mut history) {
+                work += step * to_f64(power(states));
+                passed += step * to_f64(power(states)).abs();
+            }
+        }
+        (to_f64(law.energy(&history).total()) - work).abs() / passed
+    }
+    for kind in wellposed_models::registry::LAYERS {
+        let constants: Vec<f64> = kind.parameters.iter().map(|p| p.example_value()).collect();
+        let material = kind.build(&constants).expect("valid");
+        for distribution in BOTH_DISTRIBUTIONS {
+            let law = material.law(distribution);
+            let (double, single) = (error::<f64>(&law, |x| x), error::<f32>(&law, f64::from));
+            println!("{kind:?}, {distribution:?}: {double:e}, {single:e} in single precision");
+            assert!(double < 1e-13, "{kind:?}: {double:e}");
+            assert!(single < 2e-5, "{kind:?}: {single:e}");
+        }
+    }
+}
+
+/// Two lanes with different histories give the bits of two scalar evaluations.
+#[test]
+fn lanes_agree_bitwise_with_scalars() {
+    for distribution in BOTH_DISTRIBUTIONS {
+        for (name, material) in materials() {
+            let law = material.law(distribution);
+            let lanes = law.to_number::<Pair>();
+            let mut loads = [RandomLoad::new(9), RandomLoad::new(10)];
+            let mut scalar = [[0.0; MAX_HISTORY_VARIABLES]; 2];
+            let mut paired = [Pair::ZERO; MAX_HISTORY_VARIABLES];
+            for number in 0..2000 {
+                let incoming = [loads[0].next(), loads[1].next()];
+                let time = interval(number, STEP);
+                let states: [_; 2] = std::array::from_fn(|lane| {
+                    law.advance(&incoming[lane], &time, &mut scalar[lane])
+                });
+                let joined = std::array::from_fn(|component| RiemannData {
+                    impedance: std::array::from_fn(|side| {
+                        Pair(std::array::from_fn(|lane| incoming[lane][component].impedance[side]))
+                    }),
+                    invariant: std::array::from_fn(|side| {
+                        Pair(std::array::from_fn(|lane| incoming[lane][component].invariant[side]))
+                    }),
+                });
+                let time =
+                    Interval { end: Pair::from_f64(time.end), step: Pair::from_f64(time.step) };
+                let found = lanes.advance(&joined, &time, &mut paired);
+                for lane in 0..2 {
+                    for component in 0..2 {
+                        for side in 0..2 {
+                            let (one, other) =
+                                (states[lane][component][side], found[component][side]);
+                            assert_eq!(one.velocity.to_bits(), other.velocity.0[lane].to_bits());
+                            assert_eq!(one.stress.to_bits(), other.stress.0[lane].to_bits());
+                        }
+                    }
+                    let bits = |x: f64| x.to_bits();
+                    assert_eq!(
+                        scalar[lane].map(bits),
+                        paired.map(|x| bits(x.0[lane])),
+                        "{name}: step {number}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A face at rest stays at rest: no division by zero leaks from branches that are not used.
+#[test]
+fn face_at_rest_stays_at_rest() {
+    for distribution in BOTH_DISTRIBUTIONS {
+        for (name, material) in materials() {
+            let law = material.law(distribution);
+            assert!(law.history_variables() <= MAX_HISTORY_VARIABLES);
+            let mut history = start(&law, [[0.0; 2]; 2]);
+            let incoming = crate::support::IMPEDANCES
+                .map(|impedance| RiemannData { impedance, invariant: [0.0; 2] });
+            let states = law.advance(&incoming, &interval(0, STEP), &mut history);
+            for state in states.as_flattened() {
+                assert_eq!((state.velocity, state.stress), (0.0, 0.0), "{name}");
+            }
+            assert_eq!(history, [0.0; MAX_HISTORY_VARIABLES], "{name}");
+        }
+    }
+}
+
+/// A history of exactly [`LayerLaw::history_variables`] suffices.
+#[test]
+fn law_uses_no_more_history_variables_than_it_states() {
+    for (_, material) in materials() {
+        let law = material.law(Default::default());
+        let mut history = vec![0.0; law.history_variables()];
+        law.initialise(&[[0.1, 0.2]; 2], &mut history);
+        law.advance(&RandomLoad::new(1).next(), &interval(0, STEP), &mut history);
+        law.energy(&history);
+        law.record(&history);
+    }
+}
+
+/// Under a reflection of the axis and under a half turn all results are reflected or turned exactly.
+#[test]
+fn reflections_and_half_turns_commute_with_all_kinds() {
+    for distribution in BOTH_DISTRIBUTIONS {
+        for (name, material) in materials() {
+            let law = material.law(distribution);
+            // Signs of the tangential velocity after the exchange of both sides; the normal one changes its sign.
+            for sign in [1.0, -1.0] {
+                let signs = [-1.0, sign];
+                let mut load = RandomLoad::new(15);
+                let mut history = start(&law, [[0.3, -0.2], [0.1, 0.4]]);
+                let mut image = start(&law, [[0.2, -0.3], [sign * 0.4, sign * 0.1]]);
+                for number in 0..3000 {
+                    let incoming = load.next();
+                    let turned = std::array::from_fn(|i| {
+                        let RiemannData { impedance: [z, x], invariant: [r, s] } = incoming[i];
+                        RiemannData { impedance: [x, z], invariant: [signs[i] * s, signs[i] * r] }
+                    });
+                    let time = interval(number, STEP);
+                    let states = law.advance(&incoming, &time, &mut history);
+                    let found = law.advance(&turned, &time, &mut image);
+                    for i in 0..2 {
+                        for side in 0..2 {
+                            let (one, other) = (states[i][side], found[i][1 - side]);
+                            assert_eq!(one.velocity, signs[i] * other.velocity, "{name}");
+                            assert_eq!(one.stress, -signs[i] * other.stress, "{name}");
+                        }
+                    }
+                    assert_eq!(law.energy(&history), law.energy(&image), "{name}");
+                    let (one, other) = (law.record(&history), law.record(&image));
+                    assert_eq!((one.slip, one.opening), (other.slip, other.opening), "{name}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! `wellposed homogenise`: writes the case of the equivalent Cosserat continuum of a blocky medium.
+
+use super::load::load_case;
+use super::new::check_new_file;
+use super::write::print_plan;
+use super::{Error, Options, OutputFormat};
+use crate::case::ContinuumOptions;
+use crate::cli::folder::write_file;
+use crate::report::{self, Report};
+use crate::study;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Runs `homogenise`. [`Options::output_folder`] is the file to write, or the folder for it if it is a folder or ends with a
+/// slash; by default the file is `<case name>-continuum.toml`.
+///
+/// # Errors
+/// The case has no equivalent continuum, the file exists and `force` is not set, or it cannot be written.
+pub fn run_homogenise(
+    options: &Options,
+    continuum: &ContinuumOptions,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let case = load_case(options)?;
+    let mut found = study::homogenise(&case, continuum)?;
+    let path = output_path(options.output_folder.as_deref(), &found.continuum.case.name);
+    check_new_file(&path, options.force)?;
+    let name = path.display().to_string();
+    if options.is_dry_run {
+        let plan = "homogenise the blocky medium";
+        return print_plan(plan, &[name], options.format, stdout);
+    }
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| super::folder::OutputError::new(folder, error))?;
+    }
+    write_file(&path, found.continuum.toml.as_bytes())?;
+    found.written_path = Some(name.clone());
+    match options.format {
+        OutputFormat::Json => writeln!(stdout, "{:#}", report::to_json(&found)?)?,
+        OutputFormat::Text => {
+            stdout.write_all(found.to_text(&case).as_bytes())?;
+            writeln!(stdout, "case: {name}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Path of the file to write for the option `--out`.
+fn output_path(out: Option<&Path>, name: &str) -> PathBuf {
+    let file = format!("{name}.toml");
+    match out {
+        None => file.into(),
+        Some(out) if out.is_dir() || out.to_string_lossy().ends_with('/') => out.join(file),
+        Some(out) => out.to_owned(),
+    }
+}

@@ -1,0 +1,351 @@
+//! Report on the Bloch waves of a blocky medium.
+
+use super::format::{case_title, format_short};
+use super::{Report, ReportPicture};
+use crate::Error;
+use crate::case::Case;
+use crate::study::bloch::{BlochResult, JointSummary};
+use figures::{BandFamily, BandFigure, BandStyle};
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+/// Longitudinal shares of waves that are called S-like (at most the first) and P-like (at least the second).
+const LIKE: [f64; 2] = [0.4, 0.6];
+
+impl Report for BlochResult {
+    const NAME: &'static str = "dispersion";
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("frequency", "rad/s"), ("speed", "m/s"), ("number", "1/m"), ("decay_rate", "1/s")];
+
+    fn to_text(&self, case: &Case) -> String {
+        let mut text = format!("{}\nmodel: Bloch waves of a blocky medium\n", case_title(case));
+        self.write_medium(&mut text);
+        self.write_waves(&mut text);
+        self.write_long_waves(&mut text);
+        self.write_verdict(&mut text);
+        text
+    }
+
+    fn create_pictures(&self, case: &Case) -> Result<Vec<ReportPicture>, Error> {
+        let figure = create_figure(case, self);
+        Ok(vec![ReportPicture::new(Self::NAME, move |format| figure.draw(format))])
+    }
+
+    fn create_tables(&self, _case: &Case) -> Result<Vec<(&'static str, Vec<u8>)>, Error> {
+        Ok(vec![("dispersion.csv", format_csv(self)?), ("dispersion.npz", encode_npz(self)?)])
+    }
+}
+
+impl BlochResult {
+    fn is_damped(&self) -> bool {
+        self.joints.iter().any(|joint| joint.retardation_time.is_some())
+    }
+
+    fn write_medium(&self, text: &mut String) {
+        let blocks = &self.blocks;
+        let [width, height] = blocks.size.map(format_short);
+        let _ = writeln!(
+            text,
+            "blocks {width} × {height} m, ρ = {} kg/m³, c₁ = {} m/s, c₂ = {} m/s",
+            format_short(blocks.density),
+            format_short(blocks.longitudinal_speed),
+            format_short(blocks.shear_speed),
+        );
+        if blocks.row_shift != 0.0 {
+            let shift = format_short(blocks.row_shift);
+            let _ = writeln!(text, "every second row is shifted by {shift} m: cell of two rows");
+        }
+        if blocks.can_yield {
+            let _ = writeln!(text, "the blocks are within their yield set: no plastic flow");
+        }
+        let joint = |axis: &str, own: &JointSummary, text: &mut String| {
+            let [normal, tangential] = own.stiffness.map(format_short);
+            let _ = writeln!(
+                text,
+                "joints normal to {axis}: {}, K_n = {normal} Pa/m, K_t = {tangential} Pa/m, {} kg/m²",
+                own.kind,
+                format_short(own.mass[0]),
+            );
+            if let Some(note) = own.linearisation {
+                let _ = writeln!(text, "  linearised about the initial state: {note}");
+            }
+        };
+        match self.joints[0] == self.joints[1] {
+            true => joint("x₁ and x₂", &self.joints[0], text),
+            false => {
+                joint("x₁", &self.joints[0], text);
+                joint("x₂", &self.joints[1], text);
+            }
+        }
+    }
+
+    fn write_waves(&self, text: &mut String) {
+        let _ = writeln!(
+            text,
+            "\nBloch waves, lowest {} branches: polynomials of degree {} in each block{}",
+            self.waves.first().map_or(0, |at| at.waves.len()),
+            self.degree,
+            match self.achieved_accuracy {
+                error if error.is_finite() =>
+                    format!(", relative error of frequencies up to {error:.0e}"),
+                _ => ", error of frequencies not estimated".to_owned(),
+            },
+        );
+        for vertex in self.path.iter().take(self.path.len().saturating_sub(1)).skip(1) {
+            let at = self.points.iter().position(|point| point.distance == vertex.distance);
+            let Some(waves) = at.and_then(|index| self.waves.get(index)) else { continue };
+            let lowest: Vec<String> = waves
+                .waves
+                .iter()
+                .take(4)
+                .map(|wave| format_short(wave.frequency / (TAU * 1e3)))
+                .collect();
+            let _ = writeln!(text, "  at {}: f = {} kHz", vertex.name, lowest.join(", "));
+        }
+        match &self.band_gaps {
+            None => text.push_str("  band gaps are not defined: waves are damped\n"),
+            Some(gaps) if gaps.is_empty() => {
+                text.push_str("  no band gap between these branches\n")
+            }
+            Some(gaps) => {
+                for [low, high] in gaps {
+                    let [low, high] = [low, high].map(|value| format_short(value / (TAU * 1e3)));
+                    let _ = writeln!(text, "  no waves between {low} and {high} kHz");
+                }
+            }
+        }
+        match (&self.continuum, &self.missing_continuum) {
+            (Some(continuum), _) => {
+                let _ = writeln!(
+                    text,
+                    "  rotation of blocks in the continuum: f* = {} kHz; K_t h/μ = {}{}",
+                    format_short(continuum.natural_frequency / (TAU * 1e3)),
+                    format_short(continuum.stiffness_ratio),
+                    match continuum.has_rigid_blocks() {
+                        true => "",
+                        false => ", not small: f* is an estimate of its order",
+                    },
+                );
+            }
+            (None, Some(reason)) => {
+                let _ = writeln!(text, "  no equivalent continuum: {reason}");
+            }
+            (None, None) => {}
+        }
+        if !self.chains.is_empty() {
+            text.push_str(
+                "  chain: exact relation of a stack along x₁, without joints normal to x₂\n",
+            );
+        }
+    }
+
+    fn write_long_waves(&self, text: &mut String) {
+        let slow = if self.is_damped() { ", slow against the retardation time" } else { "" };
+        let _ = writeln!(text, "\nLong waves{slow}: speeds in m/s");
+        for wave in &self.long_waves {
+            let direction = format_short(wave.direction_deg);
+            let [shear, longitudinal] = wave.medium.map(format_speed);
+            let _ = write!(text, "  at {direction:>4}°: S {shear}, P {longitudinal}");
+            if let (Some(continuum), Some(difference)) = (wave.continuum, wave.difference) {
+                let [shear, longitudinal] = continuum.map(format_speed);
+                let _ = write!(
+                    text,
+                    "; continuum S {shear}, P {longitudinal}, relative difference {:.0e}, {:.0e}",
+                    difference[0], difference[1],
+                );
+            }
+            text.push('\n');
+        }
+    }
+
+    fn write_verdict(&self, text: &mut String) {
+        let evidence = &self.evidence;
+        let stability = if self.is_stable { "stable" } else { "unstable" };
+        let _ = writeln!(text, "\nVerdict: {}, {stability}", self.verdict);
+        text.push_str(
+            "  blocks are symmetric-hyperbolic, joints act locally: growth rates are bounded\n",
+        );
+        let count = evidence.wave_vectors;
+        let _ = match evidence.least_squared_frequency {
+            Some(least) => writeln!(
+                text,
+                "  least ω² of all waves at {count} wave vectors: {least:.1e} rad²/s², rounding {:.1e}",
+                evidence.growth_rounding.powi(2),
+            ),
+            None => writeln!(
+                text,
+                "  largest growth rate of all modes at {count} wave vectors: {:.1e} 1/s, rounding {:.1e}",
+                evidence.largest_growth, evidence.growth_rounding,
+            ),
+        };
+        if evidence.has_positive_energy {
+            text.push_str(
+                "  the energy of blocks and joints is positive: no wave grows at any wave vector\n",
+            );
+        }
+        let _ = writeln!(text, "  supremum of Re ς: {} 1/s", format_short(self.growth_bound));
+    }
+}
+
+/// Formats a speed with five digits: differences from the continuum are small.
+fn format_speed(speed: f64) -> String {
+    format!("{speed:.1}")
+}
+
+/// Rows of the tables: family, branch from 1, index of the point, frequency, decay rate and longitudinal share.
+fn table_rows(found: &BlochResult) -> Vec<(&'static str, usize, [f64; 3], [f64; 3])> {
+    let mut rows = Vec::new();
+    let at = |index: usize| {
+        let point = &found.points[index];
+        [point.distance, point.wave_vector[0], point.wave_vector[1]]
+    };
+    for branch in 0..found.waves.iter().map(|at| at.waves.len()).max().unwrap_or(0) {
+        for (index, waves) in found.waves.iter().enumerate() {
+            if let Some(wave) = waves.waves.get(branch) {
+                let share = wave.longitudinal_share.unwrap_or(f64::NAN);
+                let values = [wave.frequency, wave.decay_rate, share];
+                rows.push(("medium", branch + 1, at(index), values));
+            }
+        }
+    }
+    for branch in 0..3 {
+        for (index, own) in found.continuum_frequencies.iter().enumerate() {
+            rows.push(("continuum", branch + 1, at(index), [own[branch], 0.0, f64::NAN]));
+        }
+    }
+    for chain in &found.chains {
+        let name = if chain.name == "P" { "chain P" } else { "chain S" };
+        let share = if chain.name == "P" { 1.0 } else { 0.0 };
+        for (branch, curve) in chain.curves.iter().enumerate() {
+            for &[distance, frequency] in curve {
+                rows.push((name, branch + 1, [distance, distance, 0.0], [frequency, 0.0, share]));
+            }
+        }
+    }
+    rows
+}
+
+const NUMBER_COLUMNS: [&str; 6] =
+    ["distance", "number_1", "number_2", "frequency", "decay_rate", "longitudinal_share"];
+
+fn format_csv(found: &BlochResult) -> Result<Vec<u8>, Error> {
+    let header: Vec<&str> = ["family", "branch"].into_iter().chain(NUMBER_COLUMNS).collect();
+    let rows = table_rows(found).into_iter().map(|(family, branch, place, values)| {
+        let mut row: Vec<files::csv::CsvCell> = vec![family.into(), (branch as f64).into()];
+        row.extend(place.into_iter().chain(values).map(files::csv::CsvCell::from));
+        row
+    });
+    Ok(files::csv::format_table(&header, rows)?)
+}
+
+fn encode_npz(found: &BlochResult) -> Result<Vec<u8>, Error> {
+    let rows = table_rows(found);
+    let shape = [rows.len()];
+    let mut npz = files::npz::NpzWriter::new();
+    npz.add_text("family", &shape, &rows.iter().map(|row| row.0).collect::<Vec<_>>())?;
+    let branches: Vec<i32> = rows.iter().map(|row| row.1 as i32).collect();
+    npz.add_i32("branch", &shape, &branches)?;
+    for (column, name) in NUMBER_COLUMNS.into_iter().enumerate() {
+        let value = |row: &(_, _, [f64; 3], [f64; 3])| match column {
+            0..3 => row.2[column],
+            _ => row.3[column - 3],
+        };
+        npz.add_f64(name, &shape, &rows.iter().map(value).collect::<Vec<_>>())?;
+    }
+    npz.add_text("units", &[6], &["1/m", "1/m", "1/m", "rad/s", "1/s", ""])?;
+    Ok(npz.finish()?)
+}
+
+/// Curves of the branches where `is_own` holds for the longitudinal share of a link between two points.
+fn select_curves(
+    found: &BlochResult,
+    value: impl Fn(&analysis::bloch::bands::BlochWave) -> f64,
+    is_own: impl Fn(Option<f64>) -> bool,
+) -> Vec<Vec<[f64; 2]>> {
+    let branches = found.waves.iter().map(|at| at.waves.len()).max().unwrap_or(0);
+    let mut curves = Vec::new();
+    for branch in 0..branches {
+        let mut curve: Vec<[f64; 2]> = Vec::new();
+        for (points, waves) in found.points.windows(2).zip(found.waves.windows(2)) {
+            let ends = [0, 1].map(|end| waves[end].waves.get(branch));
+            let [Some(first), Some(last)] = ends else { continue };
+            let share = match (first.longitudinal_share, last.longitudinal_share) {
+                (Some(one), Some(other)) => Some(0.5 * (one + other)),
+                (one, other) => one.or(other),
+            };
+            if !is_own(share) {
+                continue;
+            }
+            let start = points[0].distance;
+            if curve.last().is_none_or(|point| point[0] != start) {
+                curve.extend([[start, f64::NAN], [start, value(first)]]);
+            }
+            curve.push([points[1].distance, value(last)]);
+        }
+        if !curve.is_empty() {
+            curves.push(curve);
+        }
+    }
+    curves
+}
+
+fn create_figure(case: &Case, found: &BlochResult) -> BandFigure {
+    let kilohertz = |omega: f64| omega / (TAU * 1e3);
+    let family = |label: &str, style, curves| BandFamily { label: label.to_owned(), style, curves };
+    let mut frequencies = Vec::new();
+    let mut decay = Vec::new();
+    let frequency = |wave: &analysis::bloch::bands::BlochWave| kilohertz(wave.frequency);
+    if found.is_damped() {
+        frequencies.push(family(
+            "waves of the medium",
+            BandStyle::First,
+            select_curves(found, frequency, |_| true),
+        ));
+        let rates = select_curves(found, |wave| 1e-3 * wave.decay_rate, |_| true);
+        decay.push(family("", BandStyle::First, rates));
+    } else {
+        let [low, high] = LIKE;
+        let kinds: [(&str, BandStyle, [f64; 2]); 3] = [
+            ("P-like", BandStyle::First, [high, f64::INFINITY]),
+            ("S-like", BandStyle::Second, [f64::NEG_INFINITY, low]),
+            ("mixed or rotation", BandStyle::Third, [low, high]),
+        ];
+        for (label, style, [from, to]) in kinds {
+            let is_own =
+                |share: Option<f64>| share.is_some_and(|share| from < share && share <= to);
+            frequencies.push(family(label, style, select_curves(found, frequency, is_own)));
+        }
+    }
+    if !found.continuum_frequencies.is_empty() {
+        let curve = |branch: usize| -> Vec<[f64; 2]> {
+            let own = found.points.iter().zip(&found.continuum_frequencies);
+            own.map(|(point, all)| [point.distance, kilohertz(all[branch])]).collect()
+        };
+        let label = "equivalent Cosserat continuum";
+        frequencies.push(family(label, BandStyle::Comparison, (0..3).map(curve).collect()));
+    }
+    if !found.chains.is_empty() {
+        let curves = found.chains.iter().flat_map(|chain| &chain.curves);
+        let scaled = curves.map(|curve| curve.iter().map(|&[x, y]| [x, kilohertz(y)]).collect());
+        let label = "chain along x₁, exact";
+        frequencies.push(family(label, BandStyle::Reference, scaled.collect()));
+    }
+    let [normal, tangential] = found.joints[0].stiffness.map(format_short);
+    BandFigure {
+        title: case_title(case),
+        subtitle: format!(
+            "Bloch waves: blocks of {} m, {} joints, K_n = {normal} Pa/m, K_t = {tangential} Pa/m",
+            format_short(found.blocks.size[0]),
+            found.joints[0].kind,
+        ),
+        path_label: "wave vector κ along the path".into(),
+        frequency_label: "frequency f = Re ω/2π (kHz)".into(),
+        decay_label: "decay Im ω (10³/s)".into(),
+        vertices: found.path.iter().map(|own| (own.distance, own.name.to_owned())).collect(),
+        frequencies,
+        decay,
+        gaps: found.band_gaps.iter().flatten().map(|gap| gap.map(kilohertz)).collect(),
+        gap_label: "band gap".into(),
+        gap_unit: "kHz".into(),
+    }
+}

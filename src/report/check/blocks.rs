@@ -1,0 +1,46 @@
+//! Check report of a periodic medium of blocks and joints: table.
+
+use super::solid::{write_column_heads, write_rows};
+use super::{format_max_error, format_unmeasured_count};
+use crate::study::check::blocks::BlocksCheck;
+use std::fmt::Write as _;
+
+impl BlocksCheck {
+    pub(super) fn write_table(&self, text: &mut String) {
+        let _ = writeln!(text, "\n{}: {}", self.region_key, self.title);
+        if let Some(reason) = &self.unmeasured_reason {
+            let _ = writeln!(text, "not measurable: {reason}");
+            return;
+        }
+        let mut grids: Vec<String> = Vec::new();
+        for row in self.rows.iter().filter(|row| !row.grids.is_empty()) {
+            let cells = row.grids.iter().filter_map(|grid| grid.cells_per_period);
+            let cells: Vec<String> = cells.map(|cells| cells.to_string()).collect();
+            let kind = row.branch.split(',').next().unwrap_or_default();
+            let line = format!("{kind}: {} cells per block", cells.join(", "));
+            if !grids.contains(&line) {
+                grids.push(line);
+            }
+        }
+        let _ = writeln!(
+            text,
+            "frequencies ω in rad/s; errors and growth rates γ relative to ω; {}\n",
+            grids.join("; ")
+        );
+        write_column_heads("error (coarse)", text);
+        write_rows(&self.rows, text);
+        let failed = self.rows.iter().filter(|row| row.agrees == Some(false)).count();
+        let verdict = match (failed, self.agrees) {
+            (_, None) => String::new(),
+            (0, _) => ": all agree".to_owned(),
+            (some, _) => format!(": {some} DISAGREE"),
+        };
+        let _ = writeln!(
+            text,
+            "\n{} waves, {}{verdict}{}",
+            self.rows.len(),
+            format_max_error(self.max_relative_difference()),
+            format_unmeasured_count(self.unmeasured_count()),
+        );
+    }
+}

@@ -1,0 +1,292 @@
+//! Tables, archives and VTK files of the joints of a blocky medium, and their lines in pictures.
+
+use crate::Error;
+use crate::case::dynamics::{Blocks, SolidGrid};
+use crate::study::simulate::{FaceRecord, JOINT_QUANTITIES, JointFace};
+use figures::{FieldLine, FieldLineSet, FieldLineStyle};
+use files::csv::{CsvCell, format_table};
+use files::npz::{ArrayValues, NpzArray, NpzError, NpzWriter, read_selected_arrays};
+use files::vti::{LineData, POINTS_ARRAY, Storage};
+
+/// Column of a table of joints: name, unit, and value by face.
+type Column = (&'static str, &'static str, fn(&JointFace) -> f64);
+
+/// Position and identity of a face, the columns before its [`JOINT_QUANTITIES`]; the axis is counted from 1.
+const PLACE_COLUMNS: [Column; 4] = [
+    ("x1", "m", |face| face.position[0]),
+    ("x2", "m", |face| face.position[1]),
+    ("axis", "1", |face| (face.axis + 1) as f64),
+    ("joint", "1", |face| face.joint as f64),
+];
+
+/// Renders the table of all faces, a row per face.
+///
+/// # Errors
+/// None in practice: all rows have the length of the header.
+pub(super) fn format_csv(faces: &[JointFace]) -> Result<Vec<u8>, Error> {
+    let places = PLACE_COLUMNS.iter().map(|column| column.0);
+    let header: Vec<&str> = places.chain(JOINT_QUANTITIES.iter().map(|own| own.0)).collect();
+    let row = |face: &JointFace| -> Vec<CsvCell> {
+        let place = PLACE_COLUMNS.iter().map(|(_, _, value)| value(face));
+        let state = JOINT_QUANTITIES.iter().map(|(_, _, value)| value(&face.record));
+        place.chain(state).map(CsvCell::Number).collect()
+    };
+    Ok(format_table(&header, faces.iter().map(row))?)
+}
+
+/// Renders the archive of all faces, with one array per column.
+///
+/// # Errors
+/// The archive cannot be created.
+pub(super) fn encode_npz(faces: &[JointFace]) -> Result<Vec<u8>, Error> {
+    let mut archive = NpzWriter::new();
+    let columns = PLACE_COLUMNS.iter().map(|(name, unit, _)| (*name, *unit));
+    let columns = columns.chain(JOINT_QUANTITIES.iter().map(|(name, unit, _)| (*name, *unit)));
+    let (names, units): (Vec<&str>, Vec<&str>) = columns.unzip();
+    archive.add_text("names", &[names.len()], &names)?;
+    archive.add_text("units", &[units.len()], &units)?;
+    let shape = [faces.len()];
+    for (name, unit, value) in PLACE_COLUMNS {
+        let values: Vec<f64> = faces.iter().map(value).collect();
+        if unit == "m" {
+            archive.add_f64(name, &shape, &values)?;
+        } else {
+            let integers: Vec<i32> = values.iter().map(|value| *value as i32).collect();
+            archive.add_i32(name, &shape, &integers)?;
+        }
+    }
+    for (name, _, value) in JOINT_QUANTITIES {
+        let values: Vec<f64> = faces.iter().map(|face| value(&face.record)).collect();
+        archive.add_f64(name, &shape, &values)?;
+    }
+    Ok(archive.finish()?)
+}
+
+/// Creates the ParaView file of all faces, one line each.
+///
+/// # Errors
+/// A coordinate or the time is not finite.
+pub fn create_joint_lines(faces: &[JointFace], time: f64) -> Result<LineData, Error> {
+    let ends: Vec<[[f64; 2]; 2]> = faces.iter().map(JointFace::ends).collect();
+    let mut lines = LineData::new(&ends, Storage::Plain)?;
+    lines.set_time(time)?;
+    let integers = |value: fn(&JointFace) -> usize| -> Vec<i32> {
+        faces.iter().map(|face| value(face) as i32).collect()
+    };
+    lines.add_array("axis", &integers(|face| face.axis + 1))?;
+    lines.add_array("joint", &integers(|face| face.joint))?;
+    for (name, unit, value) in JOINT_QUANTITIES {
+        let values: Vec<f64> = faces.iter().map(|face| value(&face.record)).collect();
+        lines.add_array(&array_name(name, unit), &values)?;
+    }
+    Ok(lines)
+}
+
+/// Returns the name of a quantity in ParaView files.
+fn array_name(name: &str, unit: &str) -> String {
+    if unit == "1" { name.to_owned() } else { format!("{name} [{unit}]") }
+}
+
+/// Creates the state of a face from its quantities by name.
+fn build_record(value: impl Fn(&str) -> Option<f64>) -> Option<FaceRecord<f64>> {
+    // Times of events that have not happened are not-a-number in files.
+    let time = |name| value(name).map(|time: f64| if time.is_nan() { 0.0 } else { time });
+    Some(FaceRecord {
+        slip: value("slip")?,
+        opening: value("opening")?,
+        slip_time: time("slip_time")?,
+        fracture_time: time("fracture_time")?,
+        normal_stress: value("normal_stress")?,
+        shear_stress: value("shear_stress")?,
+        porosity: value("porosity")?,
+        pressure: value("pressure")?,
+        fluid_velocity: value("fluid_velocity")?,
+    })
+}
+
+/// Reads the faces from the archive of a run on a plane grid.
+///
+/// # Errors
+/// The archive is damaged; faces are absent if it holds other arrays.
+pub fn read_joints(bytes: &[u8], grid: &SolidGrid) -> Result<Vec<JointFace>, NpzError> {
+    let is_numbers = |name: &str| !["names", "units"].contains(&name);
+    let arrays = read_selected_arrays(bytes, is_numbers, 2 * grid.cell_count())?;
+    let array = |name: &str| arrays.iter().find(|array: &&NpzArray| array.name == name);
+    let number = |name: &str, face: usize| match &array(name)?.values {
+        ArrayValues::F64(values) => values.get(face).copied(),
+        ArrayValues::I32(values) => values.get(face).map(|value| f64::from(*value)),
+        _ => None,
+    };
+    let face = |index: usize| {
+        let axis = match number("axis", index)? {
+            1.0 => 0,
+            2.0 => 1,
+            _ => return None,
+        };
+        Some(JointFace {
+            position: [number("x1", index)?, number("x2", index)?],
+            axis,
+            length: *grid.spacing.get(1 - axis)?,
+            joint: number("joint", index)? as usize,
+            record: build_record(|name| number(name, index))?,
+        })
+    };
+    let count = array("x1").map_or(0, |array| array.shape.first().copied().unwrap_or(0));
+    Ok((0..count).map_while(face).collect())
+}
+
+/// Reads the faces of joints from the ParaView file of a snapshot, for drawing; the index of the joint is not read and set
+/// to 0.
+///
+/// # Errors
+/// A message if an array is absent or too short.
+pub(super) fn read_joint_lines(bytes: &[u8]) -> Result<Vec<JointFace>, String> {
+    let read = |name: &str| {
+        files::vti::read_plain_values(bytes, name).ok_or_else(|| format!("no array {name}"))
+    };
+    let points = read(POINTS_ARRAY)?;
+    let state = JOINT_QUANTITIES.map(|(name, unit, _)| read(&array_name(name, unit)));
+    let state: Vec<Vec<f64>> = state.into_iter().collect::<Result<_, String>>()?;
+    let face = |(index, ends): (usize, &[f64; 6])| {
+        let [from, to] = [[ends[0], ends[1]], [ends[3], ends[4]]];
+        let axis = usize::from(from[1] == to[1]);
+        let value = |name: &str| {
+            let column = JOINT_QUANTITIES.iter().position(|own| own.0 == name)?;
+            state[column].get(index).copied()
+        };
+        Some(JointFace {
+            position: [0, 1].map(|axis| 0.5 * (from[axis] + to[axis])),
+            axis,
+            length: to[1 - axis] - from[1 - axis],
+            joint: 0,
+            record: build_record(value)?,
+        })
+    };
+    let faces = points.as_chunks().0.iter().enumerate().map(face);
+    faces.collect::<Option<_>>().ok_or_else(|| "too few values of joints".to_owned())
+}
+
+/// Largest slip and opening of a run or of a state, m, to which the widest lines in pictures correspond.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointScale {
+    slip: f64,
+    /// Largest slip of a broken face.
+    broken_slip: f64,
+    opening: f64,
+    has_broken: bool,
+}
+
+impl JointScale {
+    /// Determines the largest slip and opening of a state.
+    pub(super) fn new(faces: &[JointFace]) -> Self {
+        let mut own = Self::default();
+        for face in faces {
+            match face.stage() {
+                JointStage::Open => own.opening = own.opening.max(face.record.opening),
+                JointStage::Broken => {
+                    own.has_broken = true;
+                    own.broken_slip = own.broken_slip.max(face.record.slip);
+                }
+                JointStage::Slipped => own.slip = own.slip.max(face.record.slip),
+                JointStage::Intact => {}
+            }
+        }
+        own
+    }
+
+    /// Returns the larger values of two scales.
+    #[must_use]
+    pub(super) fn max(self, other: Self) -> Self {
+        Self {
+            slip: self.slip.max(other.slip),
+            broken_slip: self.broken_slip.max(other.broken_slip),
+            opening: self.opening.max(other.opening),
+            has_broken: self.has_broken || other.has_broken,
+        }
+    }
+}
+
+/// Most advanced state of a face, which determines its style in pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum JointStage {
+    Intact,
+    Slipped,
+    /// Broken, and closed.
+    Broken,
+    Open,
+}
+
+impl JointFace {
+    fn stage(&self) -> JointStage {
+        match () {
+            () if self.is_open() => JointStage::Open,
+            () if self.is_broken() => JointStage::Broken,
+            () if self.has_slipped() => JointStage::Slipped,
+            () => JointStage::Intact,
+        }
+    }
+}
+
+/// Creates the lines of the joints of a blocky medium: outlines of the blocks, then slipped, broken and open faces; the
+/// sets depend on the scale only. Empty without joints.
+pub(super) fn create_line_sets(
+    blocks: &Blocks,
+    faces: &[JointFace],
+    scale: JointScale,
+) -> Vec<FieldLineSet> {
+    if !blocks.has_joints() {
+        return Vec::new();
+    }
+    let set = |style, label: &str, limit: f64, lines| FieldLineSet {
+        style,
+        label: label.to_owned(),
+        unit: if limit > 0.0 { "m".to_owned() } else { String::new() },
+        lines,
+        limit,
+    };
+    let select = |stage, value: fn(&FaceRecord<f64>) -> f64| -> Vec<FieldLine> {
+        let own = faces.iter().filter(|face| face.stage() == stage);
+        let line = |face: &JointFace| FieldLine {
+            axis: face.axis,
+            centre: face.position,
+            length: face.length,
+            value: value(&face.record),
+        };
+        own.map(line).collect()
+    };
+    let mut sets = vec![set(FieldLineStyle::Outline, "joints", 0.0, create_outlines(blocks))];
+    if scale.slip > 0.0 {
+        let lines = select(JointStage::Slipped, |own| own.slip);
+        sets.push(set(FieldLineStyle::Solid, "slip", scale.slip, lines));
+    }
+    if scale.has_broken {
+        let lines = select(JointStage::Broken, |own| own.slip);
+        let label = match scale.broken_slip > 0.0 {
+            true => "broken and closed, slip",
+            false => "broken and closed",
+        };
+        sets.push(set(FieldLineStyle::Dashed, label, scale.broken_slip, lines));
+    }
+    if scale.opening > 0.0 {
+        let lines = select(JointStage::Open, |own| own.opening);
+        sets.push(set(FieldLineStyle::Gap, "open, gap", scale.opening, lines));
+    }
+    sets
+}
+
+/// Returns the common faces of neighbouring blocks that have joints.
+fn create_outlines(blocks: &Blocks) -> Vec<FieldLine> {
+    let contacts = blocks.contacts.iter().filter(|contact| contact.joint.is_some());
+    let line = |contact: &crate::case::dynamics::BlockContact| {
+        let (axis, along) = (contact.axis, 1 - contact.axis);
+        let coordinate =
+            |axis: usize, cells: f64| blocks.origin[axis] + cells * blocks.spacing[axis];
+        let mut centre = [0.0; 2];
+        centre[axis] = coordinate(axis, contact.position as f64);
+        let middle = 0.5 * (contact.along.start + contact.along.end) as f64;
+        centre[along] = coordinate(along, middle);
+        let length = contact.along.len() as f64 * blocks.spacing[along];
+        FieldLine { axis, centre, length, value: 0.0 }
+    };
+    contacts.map(line).collect()
+}

@@ -1,0 +1,198 @@
+//! State of the joints of a blocky medium for output.
+
+use crate::case::dynamics::SolidGrid;
+use dynamics::solid::interlayers::InterlayerFace;
+pub use models::interface::layer::FaceRecord;
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
+
+/// Name, unit and value of a quantity of a joint face.
+pub type JointQuantity = (&'static str, &'static str, fn(&FaceRecord<f64>) -> f64);
+
+/// Quantities of a joint face in the order of the files. Times of events that have not happened are not-a-number;
+/// other quantities that the law of a joint does not have are zero.
+pub const JOINT_QUANTITIES: [JointQuantity; 9] = [
+    ("normal_stress", "Pa", |own| own.normal_stress),
+    ("shear_stress", "Pa", |own| own.shear_stress),
+    ("slip", "m", |own| own.slip),
+    ("opening", "m", |own| own.opening),
+    ("slip_time", "s", |own| event_time(own.slip_time)),
+    ("fracture_time", "s", |own| event_time(own.fracture_time)),
+    ("porosity", "1", |own| own.porosity),
+    ("pressure", "Pa", |own| own.pressure),
+    ("fluid_velocity", "m/s", |own| own.fluid_velocity),
+];
+
+/// Time of an event, s: not-a-number if it has not happened.
+fn event_time(time: f64) -> f64 {
+    if time > 0.0 { time } else { f64::NAN }
+}
+
+/// Face of a joint between two cells, with its state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointFace {
+    /// Centre of the face, m.
+    pub position: [f64; 2],
+    /// Axis normal to the face, from 0.
+    pub axis: usize,
+    /// Length of the face, m.
+    pub length: f64,
+    /// Index of the section `[[joint]]` of the case.
+    pub joint: usize,
+    /// State; quantities that the law of the joint does not have, and times of events that have not happened, are zero.
+    pub record: FaceRecord<f64>,
+}
+
+impl JointFace {
+    /// Creates the output of an interlayer face of a solid on a plane grid.
+    pub(super) fn new(grid: &SolidGrid, face: &InterlayerFace, record: FaceRecord<f64>) -> Self {
+        let InterlayerFace { axis, cell, law, .. } = *face;
+        let cell = [cell % grid.cells[0], cell / grid.cells[0]];
+        let mut position = [0, 1].map(|along| grid.cell_centre(along, cell[along]));
+        position[axis] = grid.origin[axis] + cell[axis] as f64 * grid.spacing[axis];
+        Self { position, axis, length: grid.spacing[1 - axis], joint: law, record }
+    }
+
+    /// Returns both ends of the face, m.
+    pub fn ends(&self) -> [[f64; 2]; 2] {
+        let mut ends = [self.position; 2];
+        ends[0][1 - self.axis] -= 0.5 * self.length;
+        ends[1][1 - self.axis] += 0.5 * self.length;
+        ends
+    }
+
+    /// Returns whether the face has slipped.
+    pub fn has_slipped(&self) -> bool {
+        self.record.slip > 0.0
+    }
+
+    /// Returns whether the face is open.
+    pub fn is_open(&self) -> bool {
+        self.record.opening > 0.0
+    }
+
+    /// Returns whether the face has broken.
+    pub fn is_broken(&self) -> bool {
+        self.record.fracture_time > 0.0
+    }
+}
+
+/// Serialises the face as its columns in files, with the axis counted from 1.
+impl Serialize for JointFace {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(4 + JOINT_QUANTITIES.len()))?;
+        map.serialize_entry("x1", &self.position[0])?;
+        map.serialize_entry("x2", &self.position[1])?;
+        map.serialize_entry("axis", &(self.axis + 1))?;
+        map.serialize_entry("joint", &self.joint)?;
+        for (name, _, value) in JOINT_QUANTITIES {
+            map.serialize_entry(name, &value(&self.record))?;
+        }
+        map.end()
+    }
+}
+
+/// Numbers of slipped, open and broken faces of all joints, and their extreme values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct JointSummary {
+    /// Number of faces, one per pair of adjacent cells.
+    pub faces: usize,
+    /// Number of faces that have slipped.
+    pub slipped: usize,
+    /// Number of faces that are open.
+    pub open: usize,
+    /// Number of faces that have broken.
+    pub broken: usize,
+    /// Largest slip, m.
+    pub largest_slip: f64,
+    /// Largest opening, m.
+    pub largest_opening: f64,
+    /// Time of the first slip, s; `None` without slip.
+    pub first_slip_time: Option<f64>,
+    /// Time of the first fracture, s; `None` without fracture.
+    pub first_fracture_time: Option<f64>,
+}
+
+impl JointSummary {
+    /// Summarises the state of all faces; `None` without faces.
+    pub fn new(faces: &[JointFace]) -> Option<Self> {
+        let count = |is_selected: fn(&JointFace) -> bool| {
+            faces.iter().filter(|face| is_selected(face)).count()
+        };
+        let largest = |value: fn(&FaceRecord<f64>) -> f64| {
+            faces.iter().fold(0.0, |largest: f64, face| largest.max(value(&face.record)))
+        };
+        let first = |time: fn(&FaceRecord<f64>) -> f64| {
+            let times = faces.iter().map(|face| time(&face.record));
+            times.filter(|time| *time > 0.0).reduce(f64::min)
+        };
+        (!faces.is_empty()).then(|| Self {
+            faces: faces.len(),
+            slipped: count(JointFace::has_slipped),
+            open: count(JointFace::is_open),
+            broken: count(JointFace::is_broken),
+            largest_slip: largest(|own| own.slip),
+            largest_opening: largest(|own| own.opening),
+            first_slip_time: first(|own| own.slip_time),
+            first_fracture_time: first(|own| own.fracture_time),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AT_REST: FaceRecord<f64> = FaceRecord {
+        slip: 0.0,
+        opening: 0.0,
+        slip_time: 0.0,
+        fracture_time: 0.0,
+        normal_stress: 0.0,
+        shear_stress: 0.0,
+        porosity: 0.0,
+        pressure: 0.0,
+        fluid_velocity: 0.0,
+    };
+
+    fn new_face(record: FaceRecord<f64>) -> JointFace {
+        JointFace { position: [1.0, 0.25], axis: 0, length: 0.5, joint: 2, record }
+    }
+
+    /// Verifies counts, extremes and times of first events, and that faces at rest have no such times.
+    #[test]
+    fn faces_are_counted_by_state() {
+        let faces = [
+            AT_REST,
+            FaceRecord { slip: 2e-6, slip_time: 3e-5, ..AT_REST },
+            FaceRecord { slip: 1e-6, slip_time: 2e-5, fracture_time: 4e-5, ..AT_REST },
+            FaceRecord { opening: 5e-6, fracture_time: 3e-5, ..AT_REST },
+        ]
+        .map(new_face);
+        let expected = JointSummary {
+            faces: 4,
+            slipped: 2,
+            open: 1,
+            broken: 2,
+            largest_slip: 2e-6,
+            largest_opening: 5e-6,
+            first_slip_time: Some(2e-5),
+            first_fracture_time: Some(3e-5),
+        };
+        assert_eq!(JointSummary::new(&faces), Some(expected));
+        assert_eq!(JointSummary::new(&[]), None);
+        let still = JointSummary::new(&faces[..1]).expect("a face");
+        assert_eq!((still.first_slip_time, still.first_fracture_time), (None, None));
+    }
+
+    /// Verifies the ends of a face, and that times of absent events are serialised as null.
+    #[test]
+    fn faces_are_serialised_by_columns() {
+        let face = new_face(FaceRecord { slip_time: 3e-5, ..AT_REST });
+        assert_eq!(face.ends(), [[1.0, 0.0], [1.0, 0.5]]);
+        let json = serde_json::to_value(&face).expect("JSON");
+        let expected = [("axis", 1.0), ("joint", 2.0), ("x2", 0.25), ("slip_time", 3e-5)];
+        assert!(expected.into_iter().all(|(name, value)| json[name].as_f64() == Some(value)));
+        assert!(json["fracture_time"].is_null());
+    }
+}
