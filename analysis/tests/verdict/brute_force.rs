@@ -112,5 +112,6 @@ fn assert_agreement_with_brute_force(integers: bool, systems: u64) {
     wrong.iter().for_each(|w| println!("{w}"));
     assert!(wrong.is_empty(), "{} of {systems} disagree", wrong.len());
     let marginal = counts.get("marginal").copied().unwrap_or(0) as u64;
-    assert!(100 * marginal <= systems, "{marginal} of {systems} are called marginal");
+    // At most one in a hundred, and one of fewer.
+    assert!(100 * marginal <= systems.max(100), "{marginal} of {systems} are called marginal");
 }
