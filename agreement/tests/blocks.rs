@@ -144,9 +144,9 @@ fn waves_in_the_plane_agree() {
     assert_eq!(results.len(), 6);
     for own in &results {
         assert!(agrees(own));
-        // Three grids of up to 16 cells give frequencies to a few per cent.
+        // Three grids of up to 16 cells give frequencies to 1.3 % at worst, by the difference of their extrapolations.
         let tolerance = own.measurement.as_ref().expect("a measurement").limit.tolerance;
-        assert!(tolerance < 5e-2 * own.predicted_rate.frequency, "{own:?}");
+        assert!(tolerance < 1.5e-2 * own.predicted_rate.frequency, "{own:?}");
     }
 }
 
@@ -213,22 +213,29 @@ fn masonry_and_two_block_materials_agree_with_bloch_analysis() {
 #[test]
 fn wrong_factors_are_detected() {
     let cell = square_blocks(LayerMaterial::Elastic(elastic(5e-3)), MassDistribution::Box);
-    let changes: [fn(&mut LayerMass<f64>, &mut f64, f64); 2] =
-        [|mass, _, factor| mass.mass *= factor, |_, compliance, factor| *compliance *= factor];
+    let change_mass = |mass: &mut LayerMass<f64>, _: &mut f64, factor: f64| mass.mass *= factor;
+    let change_compliance =
+        |_: &mut LayerMass<f64>, compliance: &mut f64, factor: f64| *compliance *= factor;
+    #[allow(clippy::type_complexity, reason = "rows of a table")]
+    let changes: [(fn(&mut LayerMass<f64>, &mut f64, f64), f64, BlockSettings); 3] = [
+        (change_mass, 1.0 + 1e-9, waves(1, 0)),
+        (change_compliance, 1.0 + 1e-9, waves(1, 0)),
+        // Waves of the plane medium have tolerances of about a per cent; 5 % of the compliance of one component
+        // change some frequencies by more, 5 % of the mass of thin layers do not.
+        (change_compliance, 1.05, waves(0, 3)),
+    ];
     for component in 0..2 {
-        for change in changes {
-            // Waves of the plane medium have tolerances of a few per cent: they find no such factors.
-            for (factor, settings) in [(1.0 + 1e-9, waves(1, 0))] {
-                let mut solver = solver_blocks(&cell);
-                for law in solver.laws.iter_mut().flatten() {
-                    let LayerLaw::Elastic(law) = law else { panic!("elastic layers") };
-                    let own = &mut law.components[component];
-                    change(&mut own.mass, &mut own.compliance, factor);
-                }
-                let results = compare(&cell, &solver, &settings);
-                let failed = results.iter().filter(|own| !agrees(own)).count();
-                assert!(failed > 0, "component {component}, factor {factor}");
+        for (change, factor, settings) in &changes {
+            let mut solver = solver_blocks(&cell);
+            for law in solver.laws.iter_mut().flatten() {
+                let LayerLaw::Elastic(law) = law else { panic!("elastic layers") };
+                let own = &mut law.components[component];
+                change(&mut own.mass, &mut own.compliance, *factor);
             }
+            let results = compare(&cell, &solver, settings);
+            let failed = results.iter().filter(|own| !agrees(own)).count();
+            println!("component {component}, factor {factor}: {failed} of {}", results.len());
+            assert!(failed > 0, "component {component}, factor {factor}");
         }
     }
 }
