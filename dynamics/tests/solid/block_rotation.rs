@@ -194,18 +194,19 @@ fn traction_errors(cells: usize, thickness: f64, is_at_rest: bool) -> [f64; 2] {
     errors
 }
 
-/// Verifies the tractions at the sides of a rotating block: they converge to the exact solution at more than first
-/// order, from layers with the mean velocity of both sides and from layers at rest, and are right to 0.3 % with 40
+/// Verifies the tractions at the sides of a rotating block: they converge to the exact solution at second order,
+/// from layers with the mean velocity of both sides and from layers at rest, and are right to 0.3 % with 40
 /// cells. The law −¼z₂ω₀h(1 − e^{−2K_tt/z₂}) is exact for the former, and for the latter right to βm/(z₁z₂h).
 #[test]
 fn side_tractions_of_a_rotating_block_obey_the_early_time_law() {
     for thickness in THICKNESSES {
         for is_at_rest in [false, true] {
-            let errors = [20, 40].map(|cells| traction_errors(cells, thickness, is_at_rest));
+            let errors = [20, 40, 80].map(|cells| traction_errors(cells, thickness, is_at_rest));
             println!("δ {thickness}, layers at rest {is_at_rest}: {errors:?}");
             for axis in 0..2 {
                 assert!(errors[1][axis] < 3e-3, "{errors:?}");
-                assert!(errors[1][axis] < 0.5 * errors[0][axis], "{errors:?}");
+                let order = (errors[1][axis] / errors[2][axis]).log2();
+                assert!(order > 1.7, "{order}: {errors:?}");
             }
         }
         let law = 1.0 - (-2.0 * shear_stiffness(thickness) / z2() * corner_time()).exp();
