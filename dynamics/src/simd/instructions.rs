@@ -50,4 +50,20 @@ impl InstructionSet {
             _ => kernel.run::<T::Lanes>(),
         }
     }
+
+    /// Runs a kernel with this instruction set, or `baseline` if the set is the baseline or the processor does not have
+    /// it; the kernel is not compiled for the baseline.
+    pub(crate) fn run_kernel_or<T: Real, K: SimdKernel<T>>(
+        self,
+        kernel: K,
+        baseline: impl FnOnce(K),
+    ) {
+        match self {
+            // SAFETY: the processor has AVX2, as `is_available` has checked.
+            Self::Avx2 if self.is_available() => unsafe { T::run_avx2(kernel) },
+            // SAFETY: the processor has AVX-512F, DQ and VL, as `is_available` has checked.
+            Self::Avx512 if self.is_available() => unsafe { T::run_avx512(kernel) },
+            _ => baseline(kernel),
+        }
+    }
 }

@@ -4,7 +4,7 @@
 //! long for the optimiser.
 #![allow(clippy::needless_range_loop, reason = "closures would lose the SIMD instructions")]
 
-use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
+use crate::simd::{InstructionSet, LaneGroup, Number, Real, SimdKernel, Vector};
 use crate::solid::interface::advance_interlayer;
 use crate::solid::interlayers::{InterlayerLaw, MAX_HISTORY_VARIABLES, MAX_PAIRS};
 use crate::solid::riemann::InterfaceState;
@@ -45,15 +45,18 @@ pub(super) struct LawLanes<'a, T: Real> {
 /// Kernel of a kind of law for `P` wave pairs; `KIND`: 0 for independent elastic components, else that of the layer.
 struct LawKernel<'a, T: Real, const KIND: usize, const P: usize>(LawLanes<'a, T>);
 
-/// Runs the kernel of the kind of the law.
+/// Runs the kernel of the kind of the law; `pairs`: number of wave pairs.
 #[inline(never)]
-pub(super) fn apply_law<T: Real, const P: usize>(
+pub(super) fn apply_law<T: Real>(
     instructions: InstructionSet,
+    pairs: usize,
     face: LawLanes<'_, T>,
 ) {
-    match face.law {
-        InterlayerLaw::Elastic(_) => instructions.run_kernel::<T>(LawKernel::<T, 0, P>(face)),
-        InterlayerLaw::Plane(layer, _) => apply_plane_law(instructions, layer, face),
+    match (face.law, pairs) {
+        (InterlayerLaw::Plane(layer, _), _) => apply_plane_law(instructions, layer, face),
+        (_, 2) => LawKernel::<T, 0, 2>(face).run_with(instructions),
+        (_, 3) => LawKernel::<T, 0, 3>(face).run_with(instructions),
+        _ => LawKernel::<T, 0, 6>(face).run_with(instructions),
     }
 }
 
@@ -64,13 +67,45 @@ fn apply_plane_law<T: Real>(
     face: LawLanes<'_, T>,
 ) {
     match layer {
-        LayerLaw::Elastic(_) => instructions.run_kernel::<T>(LawKernel::<T, 1, 2>(face)),
-        LayerLaw::Plastic(_) => instructions.run_kernel::<T>(LawKernel::<T, 2, 2>(face)),
-        LayerLaw::Viscous(_) => instructions.run_kernel::<T>(LawKernel::<T, 3, 2>(face)),
-        LayerLaw::Porous(_) => instructions.run_kernel::<T>(LawKernel::<T, 4, 2>(face)),
-        LayerLaw::Saturated(_) => instructions.run_kernel::<T>(LawKernel::<T, 5, 2>(face)),
-        LayerLaw::Cracked(_) => instructions.run_kernel::<T>(LawKernel::<T, 6, 2>(face)),
-        LayerLaw::Breaking(_) => instructions.run_kernel::<T>(LawKernel::<T, 7, 2>(face)),
+        LayerLaw::Elastic(_) => LawKernel::<T, 1, 2>(face).run_with(instructions),
+        LayerLaw::Plastic(_) => LawKernel::<T, 2, 2>(face).run_with(instructions),
+        LayerLaw::Viscous(_) => LawKernel::<T, 3, 2>(face).run_with(instructions),
+        LayerLaw::Porous(_) => LawKernel::<T, 4, 2>(face).run_with(instructions),
+        LayerLaw::Saturated(_) => LawKernel::<T, 5, 2>(face).run_with(instructions),
+        LayerLaw::Cracked(_) => LawKernel::<T, 6, 2>(face).run_with(instructions),
+        LayerLaw::Breaking(_) => LawKernel::<T, 7, 2>(face).run_with(instructions),
+    }
+}
+
+impl<T: Real> LawLanes<'_, T> {
+    /// Advances the lanes one after the other, for the baseline: there the compiler would unroll the formulas of each
+    /// law for all lanes.
+    fn advance_lanes<const P: usize>(self) {
+        let Self { law, lanes, interval, history: stored, values } = self;
+        let mut history = [T::ZERO; MAX_HISTORY_VARIABLES];
+        for lane in (0..T::Lanes::COUNT).filter(|lane| lanes >> lane & 1 == 1) {
+            for (own, group) in history.iter_mut().zip(&*stored) {
+                *own = group.lanes()[lane];
+            }
+            let sides = |all: &[[T::Lanes; 2]; MAX_PAIRS]| -> [[T; 2]; P] {
+                std::array::from_fn(|pair| all[pair].each_ref().map(|side| side.lanes()[lane]))
+            };
+            let (impedance, incident) = (sides(&values.impedance), sides(&values.incident));
+            let states = advance_interlayer(law, &impedance, &incident, &interval, &mut history);
+            for (group, value) in stored.iter_mut().zip(history) {
+                group.lanes_mut()[lane] = value;
+            }
+            for (own, new) in values.states.iter_mut().flatten().zip(states.as_flattened()) {
+                own.difference.lanes_mut()[lane] = new.difference;
+                own.sum.lanes_mut()[lane] = new.sum;
+            }
+        }
+    }
+}
+
+impl<T: Real, const KIND: usize, const P: usize> LawKernel<'_, T, KIND, P> {
+    fn run_with(self, instructions: InstructionSet) {
+        instructions.run_kernel_or::<T, _>(self, |own| own.0.advance_lanes::<P>());
     }
 }
 

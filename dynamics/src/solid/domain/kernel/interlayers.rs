@@ -10,7 +10,7 @@ use super::interlayer_law::{FaceValues, LawLanes, apply_law};
 use super::{CarriedState, SweepLines};
 use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
-use crate::solid::reconstruction::Slopes;
+use crate::solid::interlayers::MAX_PAIRS;
 use crate::solid::riemann::{InterfaceState, State, update_cell};
 use models::interface::Interval;
 
@@ -26,15 +26,17 @@ pub(crate) struct InterlayerLines<'a, T: Real> {
 }
 
 impl<T: Real> SimdKernel<T> for InterlayerLines<'_, T> {
-    /// Selects the loop that is compiled for the number of wave pairs. The reconstruction is chosen at run time, to limit
-    /// the number of loops.
     #[inline(always)]
     fn run<V: Vector<T>>(mut self) {
-        let slopes = self.lines.slopes;
-        match self.lines.waves.len() {
-            2 => self.sweep_lines::<V, 2>(slopes),
-            3 => self.sweep_lines::<V, 3>(slopes),
-            _ => self.sweep_lines::<V, 6>(slopes),
+        let waves = self.lines.waves;
+        let count = self.lines.carried.len() / waves.len().max(1);
+        for (index, wave) in waves.iter().enumerate() {
+            if let Some(rows) = &self.lines.rows {
+                rows.fill_ghosts::<V>(self.lines.field_data, wave, index, 0..count);
+            }
+        }
+        for line in 0..count {
+            self.sweep_line::<V>(line);
         }
     }
 }
@@ -50,23 +52,12 @@ struct PairTrack<V> {
 }
 
 impl<T: Real> InterlayerLines<'_, T> {
+    /// Sweeps all pairs of waves along a line of groups. The number of pairs and the reconstruction are not constants, so
+    /// that the loop is compiled once.
     #[inline(always)]
-    fn sweep_lines<V: Vector<T>, const P: usize>(&mut self, slopes: Slopes) {
-        let waves = self.lines.waves;
-        let count = self.lines.carried.len() / P;
-        for (index, wave) in waves.iter().enumerate() {
-            if let Some(rows) = &self.lines.rows {
-                rows.fill_ghosts::<V>(self.lines.field_data, wave, index, 0..count);
-            }
-        }
-        for line in 0..count {
-            self.sweep_line::<V, P>(line, slopes);
-        }
-    }
-
-    /// Sweeps all `P` pairs of waves along a line of groups.
-    #[inline(always)]
-    fn sweep_line<V: Vector<T>, const P: usize>(&mut self, line: usize, slopes: Slopes) {
+    fn sweep_line<V: Vector<T>>(&mut self, line: usize) {
+        let slopes = self.lines.slopes;
+        let pairs = self.lines.waves.len().min(MAX_PAIRS);
         let (waves, path, faces) = (self.lines.waves, self.lines.path, self.faces);
         let history_start = faces.first_history + line * faces.history_stride;
         let indices = &faces.pattern_indices[line * faces.pattern_stride..];
@@ -79,8 +70,8 @@ impl<T: Real> InterlayerLines<'_, T> {
             current: first_state,
             next: first_state,
             carried: CarriedState::new(),
-        }; P];
-        for pair in 0..P {
+        }; MAX_PAIRS];
+        for pair in 0..pairs {
             let (wave, track) = (&waves[pair], &mut tracks[pair]);
             track.cells[0] = self.load_cell(self.lines.previous_group, line, wave);
             track.cells[1] = self.load_cell(path[0], line, wave);
@@ -88,7 +79,7 @@ impl<T: Real> InterlayerLines<'_, T> {
             track.previous = self.load_state(path[0], line, wave);
             track.current = self.load_state(path[1], line, wave);
             if !self.lines.is_line_start {
-                track.carried = CarriedState::load(&self.lines.carried[line * P + pair]);
+                track.carried = CarriedState::load(&self.lines.carried[line * pairs + pair]);
             }
         }
         let first = &faces.patterns[indices[0] as usize];
@@ -100,10 +91,10 @@ impl<T: Real> InterlayerLines<'_, T> {
                 continuity::<T, V>(patterns[1]),
                 continuity::<T, V>(patterns[2]),
             ];
-            let mut incident = [[V::ZERO; 2]; P];
-            let mut impedance = [[V::ZERO; 2]; P];
-            let mut states = [[InterfaceState { difference: V::ZERO, sum: V::ZERO }; 2]; P];
-            for pair in 0..P {
+            let mut incident = [[V::ZERO; 2]; MAX_PAIRS];
+            let mut impedance = [[V::ZERO; 2]; MAX_PAIRS];
+            let mut states = [[InterfaceState { difference: V::ZERO, sum: V::ZERO }; 2]; MAX_PAIRS];
+            for pair in 0..pairs {
                 let (wave, track) = (&waves[pair], &mut tracks[pair]);
                 track.next = self.load_state(path[place + 2], line, wave);
                 track.cells[3] = self.load_cell(path[place + 2], line, wave);
@@ -121,7 +112,7 @@ impl<T: Real> InterlayerLines<'_, T> {
             }
             if patterns[1].history_lanes != 0 {
                 let start = history_start + faces.history_offsets[place + 1];
-                for pair in 0..P {
+                for pair in 0..pairs {
                     for side in 0..2 {
                         impedance[pair][side].store(&mut values.impedance[pair][side]);
                         incident[pair][side].store(&mut values.incident[pair][side]);
@@ -136,15 +127,15 @@ impl<T: Real> InterlayerLines<'_, T> {
                         history: &mut self.history[start..start + faces.variables],
                         values: &mut values,
                     };
-                    apply_law::<T, P>(self.instructions, face);
+                    apply_law(self.instructions, pairs, face);
                 }
-                for pair in 0..P {
+                for pair in 0..pairs {
                     for side in 0..2 {
                         states[pair][side] = InterfaceState::load(&values.states[pair][side]);
                     }
                 }
             }
-            for pair in 0..P {
+            for pair in 0..pairs {
                 let (wave, track) = (&waves[pair], &mut tracks[pair]);
                 let lower_face = track.carried.lower_face;
                 let moved =
@@ -156,7 +147,7 @@ impl<T: Real> InterlayerLines<'_, T> {
                 self.store_group(path[place], line, wave, (before, moved));
             }
         }
-        for pair in 0..P {
+        for pair in 0..pairs {
             let wave = &waves[pair];
             match &self.lines.rows {
                 Some(rows) => {
@@ -166,7 +157,7 @@ impl<T: Real> InterlayerLines<'_, T> {
                         rows.clear_padding(self.lines.field_data, place, line);
                     }
                 }
-                None => tracks[pair].carried.store(&mut self.lines.carried[line * P + pair]),
+                None => tracks[pair].carried.store(&mut self.lines.carried[line * pairs + pair]),
             }
         }
     }
