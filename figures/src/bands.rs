@@ -228,8 +228,9 @@ impl BandFigure {
         picture
     }
 
-    /// Writes the frequencies of gaps that are high enough for a line of text.
+    /// Writes the frequencies of gaps that are high enough for a line of text; of gaps that overlap, those of the first.
     fn draw_gap_labels(&self, picture: &mut Picture, panel: &BandPanel) {
+        let mut labelled: Vec<Rectangle> = Vec::new();
         for gap in &self.gaps {
             let Some(area) =
                 panel.gap_area(*gap).filter(|area| area.height() > 1.7 * GAP_LABEL_SIZE)
@@ -253,8 +254,12 @@ impl BandFigure {
                 right: bounds.right + 8.0,
                 bottom: bounds.bottom + 4.0,
             };
+            if labelled.iter().any(|other| other.top < area.bottom && area.top < other.bottom) {
+                continue;
+            }
             picture.fill_rectangle(area, WHITE);
             picture.draw_text(label);
+            labelled.push(area);
         }
     }
 
