@@ -103,10 +103,42 @@ impl<V: Number> CellConstants<V> {
     /// equal constants, numbered in the direction of propagation, from the values of the wave in the cells; a formula
     /// in their differences would require more additions.
     #[inline(always)]
-    pub(crate) fn face_value(&self, [first, second, third, fourth]: [V; 4]) -> V {
-        let own = V::ONE + self.upwind_weight - self.central_weight;
-        let next = self.central_weight - self.downwind_weight;
-        own * second - self.upwind_weight * first + (next * third + self.downwind_weight * fourth)
+    pub(crate) fn face_value(&self, values: [V; 4]) -> V {
+        let weights = [
+            self.upwind_weight,
+            V::ONE + self.upwind_weight - self.central_weight,
+            self.central_weight - self.downwind_weight,
+            self.downwind_weight,
+        ];
+        Self::weighted_face_value(weights, values)
+    }
+
+    /// Fourth order in one medium: returns the weights of the cells of [`Self::face_value`] where interlayers lie between
+    /// some of the cells, in the order first, second, third, fourth; the weights of the first and of the third and
+    /// fourth cell enter with the signs of [`Self::weighted_face_value`]. `continuity`: 0 at an interlayer, 1 at any
+    /// other of the three faces between the cells. Differences across interlayers have no weight. The others have those
+    /// of [`Self::interface_weights`], or without interlayers those of [`Self::face_value`].
+    #[inline(always)]
+    pub(crate) fn interlayer_weights(&self, continuity: [V; 3]) -> [V; 4] {
+        let [upwind, central, downwind] = continuity;
+        let (beside, _) = self.interface_weights(continuity);
+        let full = upwind * central * downwind;
+        let upwind_weight = full * self.upwind_weight + upwind * beside[0];
+        let central_weight = full * self.central_weight + central * beside[1];
+        let downwind_weight = full * self.downwind_weight + downwind * beside[2];
+        [
+            upwind_weight,
+            V::ONE + upwind_weight - central_weight,
+            central_weight - downwind_weight,
+            downwind_weight,
+        ]
+    }
+
+    /// Computes [`Self::face_value`] with given weights of the four cells; see [`Self::interlayer_weights`].
+    #[inline(always)]
+    pub(crate) fn weighted_face_value(weights: [V; 4], values: [V; 4]) -> V {
+        let [first, second, third, fourth] = values;
+        weights[1] * second - weights[0] * first + (weights[2] * third + weights[3] * fourth)
     }
 
     /// Returns for each of the first three of four adjacent cells 1 if the next cell has the same impedance and Courant

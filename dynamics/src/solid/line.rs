@@ -65,7 +65,7 @@ pub(super) fn face_values<T: Real>(
     let carried_invariants =
         slopes.carried_invariants(in_front, [first, left, right], [continuity[0], continuity[1]]);
     let around = [states[1], states[2], states[3]];
-    slopes.face_values_with_interlayers(carried_invariants, around, cells, continuity).0
+    slopes.face_values_in_mixed_media(carried_invariants, around, cells, Some(continuity)).0
 }
 
 /// Computes the interface states of a face for its left and its right cell, from the four cells around it.

@@ -8,7 +8,7 @@
 
 use super::cell::CellConstants;
 use super::riemann::{RiemannInvariants, State};
-use crate::simd::{Number, Real};
+use crate::simd::{Number, Real, Vector};
 use models::solid::waves::VelocityStressPair;
 
 /// Number of ghost cells beyond each end of a line.
@@ -31,6 +31,41 @@ pub enum Slopes {
     /// around a face, two of them upwind; the most accurate scheme on this stencil (Strang 1962). It overshoots at
     /// discontinuities.
     FourthOrder,
+}
+
+/// Interlayers at some of the three faces between the four cells of a stencil, in one medium.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InterlayerStencil<N> {
+    /// 0 at an interlayer, 1 at any other face, from the lower to the upper face.
+    pub(crate) continuity: [N; 3],
+    /// Fourth order: [`CellConstants::interlayer_weights`] of the right-going and of the left-going wave.
+    pub(crate) weights: [[N; 4]; 2],
+}
+
+impl<N: Number> InterlayerStencil<N> {
+    /// Computes the stencil for the constants of a cell.
+    pub(crate) fn new(cell: &CellConstants<N>, continuity: [N; 3]) -> Self {
+        let [lower, middle, upper] = continuity;
+        let weights = [continuity, [upper, middle, lower]].map(|own| cell.interlayer_weights(own));
+        Self { continuity, weights }
+    }
+
+    #[inline(always)]
+    pub(crate) fn load<T: Real>(from: &InterlayerStencil<T::Lanes>) -> Self
+    where
+        N: Vector<T>,
+    {
+        let mut own = Self { continuity: [N::ZERO; 3], weights: [[N::ZERO; 4]; 2] };
+        for face in 0..3 {
+            own.continuity[face] = N::load(&from.continuity[face]);
+        }
+        for wave in 0..2 {
+            for cell in 0..4 {
+                own.weights[wave][cell] = N::load(&from.weights[wave][cell]);
+            }
+        }
+        own
+    }
 }
 
 impl Slopes {
@@ -162,30 +197,21 @@ impl Slopes {
     }
 
     /// Computes [`Self::face_values`] for cells of any media. `states`: those of cells i − 1, i and i + 1; `cells`: the
-    /// constants of cells i − 2 … i + 1.
+    /// constants of cells i − 2 … i + 1. `continuity`: `None` without interlayers, else for the three faces between the
+    /// cells 0 at an interlayer and 1 at any other face. The stencil does not extend across an interlayer: differences
+    /// across it are zero (constant extrapolation), and in the fourth-order scheme the two cells at it count as
+    /// different media. In that scheme no wave then gains energy for any response of the interlayer (tests of
+    /// [`crate::solid::interface`]).
     #[inline(always)]
     pub(crate) fn face_values_in_mixed_media<N: Number>(
         self,
         carried_invariants: RiemannInvariants<N>,
         states: [State<N>; 3],
         cells: [&CellConstants<N>; 4],
+        continuity: Option<[N; 3]>,
     ) -> ([N; 2], RiemannInvariants<N>) {
-        self.face_values_with_interlayers(carried_invariants, states, cells, [N::ONE; 3])
-    }
-
-    /// Computes [`Self::face_values_in_mixed_media`] with interlayers at some of the three faces between the cells:
-    /// `continuity` is 0 at interlayers and 1 at other faces. The stencil does not extend across an interlayer:
-    /// differences across it are zero (constant extrapolation), and in the fourth-order scheme the two cells at it
-    /// count as different media. In that scheme no wave then gains energy for any response of the interlayer (tests of
-    /// [`crate::solid::interface`]).
-    #[inline(always)]
-    pub(crate) fn face_values_with_interlayers<N: Number>(
-        self,
-        carried_invariants: RiemannInvariants<N>,
-        states: [State<N>; 3],
-        cells: [&CellConstants<N>; 4],
-        [continuity_behind, continuity_here, continuity_after]: [N; 3],
-    ) -> ([N; 2], RiemannInvariants<N>) {
+        let [continuity_behind, continuity_here, continuity_after] =
+            continuity.unwrap_or([N::ONE; 3]);
         let [lower_cell, here, next] = states;
         let [cell_before, cell_behind, cell, cell_after] = cells;
         match self {
@@ -216,25 +242,38 @@ impl Slopes {
                     left: left + reflection * (left - right),
                 };
                 let [to_first, to_middle, to_last] = CellConstants::equality_flags(cells);
+                let same_medium = to_first * to_middle * to_last;
                 let to_first = continuity_behind * to_first;
                 let to_middle = continuity_here * to_middle;
                 let to_last = continuity_after * to_last;
-                let alike = [to_first, to_middle, to_last];
-                let (weights, weight) = cell_behind.interface_weights(alike);
+                let (weights, weight) =
+                    cell_behind.interface_weights([to_first, to_middle, to_last]);
                 let right = own_behind.right + weight * across.right;
                 let right =
                     right_face_value(right, weights, [first.right, before.right, after.right]);
                 let (weights, weight) = cell.interface_weights([to_last, to_middle, to_first]);
                 let left = own.left + weight * across.left;
                 let left = left_face_value(left, weights, [after.left, before.left, first.left]);
-                // In one medium, identical to `face_values` bit for bit, signs of zeros included: +0 is subtracted.
-                let same_medium = to_first * to_middle * to_last;
+                // In one medium, identical to `face_values` and `face_values_beside_interlayers` bit for bit, signs of
+                // zeros included: +0 is subtracted.
                 let rest = N::ONE - same_medium;
                 let to_right = [carried_invariants.right, own_behind.right, own.right, next.right];
-                let left_outflow = [next.left, own.left, own_behind.left, carried_invariants.left];
-                let right =
-                    same_medium * cell_behind.face_value(to_right) - (N::ZERO - rest * right);
-                let left = same_medium * cell.face_value(left_outflow) - (N::ZERO - rest * left);
+                let to_left = [next.left, own.left, own_behind.left, carried_invariants.left];
+                let (right_in_medium, left_in_medium) = match continuity {
+                    None => (cell_behind.face_value(to_right), cell.face_value(to_left)),
+                    Some([behind, here, after]) => (
+                        CellConstants::weighted_face_value(
+                            cell_behind.interlayer_weights([behind, here, after]),
+                            to_right,
+                        ),
+                        CellConstants::weighted_face_value(
+                            cell.interlayer_weights([after, here, behind]),
+                            to_left,
+                        ),
+                    ),
+                };
+                let right = same_medium * right_in_medium - (N::ZERO - rest * right);
+                let left = same_medium * left_in_medium - (N::ZERO - rest * left);
                 ([right, left], own_behind)
             }
             Self::Godunov | Self::Limited => {
@@ -250,9 +289,75 @@ impl Slopes {
         }
     }
 
+    /// Computes [`Self::face_values`] in one medium with interlayers at some of the three faces between the cells:
+    /// [`Self::face_values_in_mixed_media`] for cells of equal constants, bit for bit. `stencil`: the interlayers; the
+    /// other arguments are those of [`Self::face_values`].
+    #[inline(always)]
+    pub(crate) fn face_values_beside_interlayers<N: Number>(
+        self,
+        carried_invariants: RiemannInvariants<N>,
+        own: RiemannInvariants<N>,
+        [lower_stencil, upper_stencil]: [RiemannInvariants<N>; 2],
+        cell: &CellConstants<N>,
+        stencil: &InterlayerStencil<N>,
+    ) -> ([N; 2], RiemannInvariants<N>) {
+        match self {
+            Self::FourthOrder => {
+                let right = CellConstants::weighted_face_value(
+                    stencil.weights[0],
+                    [carried_invariants.right, lower_stencil.right, own.right, upper_stencil.right],
+                );
+                let left = CellConstants::weighted_face_value(
+                    stencil.weights[1],
+                    [upper_stencil.left, own.left, lower_stencil.left, carried_invariants.left],
+                );
+                ([right, left], lower_stencil)
+            }
+            Self::Godunov | Self::Limited => {
+                let [_, here, after] = stencil.continuity;
+                let differences = [lower_stencil.scale(here), upper_stencil.scale(after)];
+                let reconstruction = Reconstruction::new(own, differences, cell, self);
+                (
+                    [carried_invariants.right, reconstruction.left_outflow()],
+                    reconstruction.carried_invariants(),
+                )
+            }
+        }
+    }
+
+    /// Computes both waves of the Riemann problem as [`Self::face_values_beside_interlayers`] does, from the states of
+    /// the cells i − 2 … i + 1, or with the carried invariants of the face if these are `stored`.
+    #[inline(always)]
+    pub(crate) fn incident_waves_beside_interlayers<N: Number>(
+        self,
+        stored: Option<RiemannInvariants<N>>,
+        states: [State<N>; 4],
+        cell: &CellConstants<N>,
+        stencil: &InterlayerStencil<N>,
+    ) -> [N; 2] {
+        let mut waves = [RiemannInvariants::ZERO; 4];
+        for depth in 0..4 {
+            waves[depth] = RiemannInvariants::from_state(states[depth], cell);
+        }
+        let [first, before, own, next] = waves;
+        let carried = match (stored, self) {
+            (Some(stored), _) => stored,
+            (None, Self::FourthOrder) => first,
+            (None, Self::Godunov | Self::Limited) => {
+                let [behind, here, _] = stencil.continuity;
+                let differences =
+                    [first.difference(before).scale(behind), before.difference(own).scale(here)];
+                Reconstruction::new(before, differences, cell, self).carried_invariants()
+            }
+        };
+        let around = [self.lower_stencil(before, own), self.upper_stencil(own, next)];
+        self.face_values_beside_interlayers(carried, own, around, cell, stencil).0
+    }
+
     /// Computes the carried invariants of the face between the last two of three cells, from the states and constants
     /// of the three; see [`Self::face_values`]. `continuity` of the two faces between them: 0 at interlayers, 1 at
     /// other faces.
+    #[inline(always)]
     pub(crate) fn carried_invariants<N: Number>(
         self,
         states: [State<N>; 3],

@@ -64,13 +64,16 @@ impl<N: Number> FaceLaw<N, 2> for BreakingLayer<N> {
         let (zero, step) = (N::ZERO, interval.step);
         let starts = [history::NORMAL_INERTIA, history::SHEAR_INERTIA];
         let old = [history[history::NORMAL_STATE], history[history::SHEAR_STRESS]];
-        let lines: [OpeningLine<N>; 2] = std::array::from_fn(|i| {
-            OpeningLine::new(incoming[i], self.crack.mass, inertia(history, starts[i]), step)
-        });
+        let lines = [
+            OpeningLine::new(incoming[0], self.crack.mass, inertia(history, starts[0]), step),
+            OpeningLine::new(incoming[1], self.crack.mass, inertia(history, starts[1]), step),
+        ];
 
         // The step of an intact layer.
-        let trials =
-            std::array::from_fn(|i| ElasticTrial::new(&lines[i], self.compliance[i], old[i], step));
+        let trials = [
+            ElasticTrial::new(&lines[0], self.compliance[0], old[0], step),
+            ElasticTrial::new(&lines[1], self.compliance[1], old[1], step),
+        ];
         let slip = history[history::SLIP];
         let intact = PlasticStep::new(&self.cone, trials, self.compliance, old, slip, step);
         // The strength counts as reached within rounding errors, since S_n may stay at the apex.
@@ -86,7 +89,7 @@ impl<N: Number> FaceLaw<N, 2> for BreakingLayer<N> {
 
         // The step of a crack.
         let stiffness = self.crack.elasticity.collapse_stiffness;
-        let strain = old[0] / stiffness;
+        let strain = old[0] * (N::ONE / stiffness);
         let opening = self.crack.elasticity.solve(&lines[0], strain, zero, step);
         let normal_end = old[0] + stiffness * opening.change;
         let contact = ContactStep::new(
@@ -108,11 +111,11 @@ impl<N: Number> FaceLaw<N, 2> for BreakingLayer<N> {
         history[history::SHEAR_STRESS] = select(contact.stress, intact.stress[1]);
         let middle =
             [select(opening.middle, intact.middle[0]), select(contact.middle, intact.middle[1])];
-        std::array::from_fn(|i| {
-            let moved = lines[i].finish(middle[i]);
-            set_inertia(history, starts[i], moved.inertia);
-            moved.states
-        })
+        let moved = [lines[0].finish(middle[0]), lines[1].finish(middle[1])];
+        for i in 0..2 {
+            set_inertia(history, starts[i], moved[i].inertia);
+        }
+        [moved[0].states, moved[1].states]
     }
 
     fn energy(&self, history: &[N]) -> FaceEnergy<N> {

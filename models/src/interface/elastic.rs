@@ -96,7 +96,7 @@ impl<N: Number> ElasticComponent<N> {
         let [velocity, opening_rate, stress] = *history;
         let line = OpeningLine::new(incoming, self.mass, [velocity, opening_rate], step);
         let rate = (self.compliance + self.compliance) / step;
-        let middle = (rate * stress + line.free_rate) / (rate + line.admittance);
+        let middle = (rate * stress + line.free_rate) * (N::ONE / (rate + line.admittance));
         let moved = line.finish(middle);
         *history = [moved.inertia[0], moved.inertia[1], middle + middle - stress];
         moved.states

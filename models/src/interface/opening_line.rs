@@ -99,8 +99,8 @@ pub fn initial_inertia<N: Number>([before, after]: [N; 2]) -> [N; INERTIA_VARIAB
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpeningLine<N> {
     incoming: RiemannData<N>,
-    /// Coefficient a = 2m/Δt + 2z⁺z⁻/z̄, kg/(m²s).
-    inertia: N,
+    /// Reciprocal 1/a of the coefficient a = 2m/Δt + 2z⁺z⁻/z̄, m²s/kg.
+    inverse_inertia: N,
     /// Coefficient b = 2mV/Δt + R⁺ + R⁻ − ζ(R⁺ − R⁻), Pa, with V at the beginning of the step.
     impulse: N,
     /// Impedance contrast ζ = (z⁺ − z⁻)/(z⁺ + z⁻).
@@ -127,7 +127,9 @@ pub struct LayerStep<N> {
 }
 
 impl<N: Number> OpeningLine<N> {
-    /// Computes the line of a step of duration `step`, s, from V and d at its beginning.
+    /// Computes the line of a step of duration `step`, s, from V and d at its beginning. Divisors depend on impedances,
+    /// mass and step only, and quotients are products with their reciprocals: over faces with the same constants the
+    /// compiler moves all divisions out of the loop.
     #[inline(always)]
     pub fn new(
         incoming: RiemannData<N>,
@@ -137,22 +139,24 @@ impl<N: Number> OpeningLine<N> {
     ) -> Self {
         let [before, after] = incoming.impedance;
         let [from_before, from_after] = incoming.invariant;
-        let mean = N::HALF * (after + before);
-        let contrast = (after - before) / (after + before);
+        let inverse_sum = N::ONE / (after + before);
+        let inverse_mean = inverse_sum + inverse_sum;
+        let contrast = (after - before) * inverse_sum;
         let twice_contrast = contrast + contrast;
         let rate = (mass.mass + mass.mass) / step;
-        let product = after * before / mean;
-        let inertia = rate + (product + product);
+        let product = after * before * inverse_mean;
+        let inverse_inertia = N::ONE / (rate + (product + product));
         let difference = from_after - from_before;
         let impulse = rate * old[0] + (from_after + from_before - contrast * difference);
-        let free_rate = difference / mean - twice_contrast * impulse / inertia;
-        let admittance = (N::ONE + N::ONE) / mean + twice_contrast * twice_contrast / inertia;
+        let free_rate = difference * inverse_mean - twice_contrast * inverse_inertia * impulse;
+        let admittance =
+            inverse_mean + inverse_mean + twice_contrast * twice_contrast * inverse_inertia;
         let opening_inertia = (mass.opening_mass + mass.opening_mass) / step;
         let product = admittance * opening_inertia;
         let share = N::ONE / (N::ONE + product);
         Self {
             incoming,
-            inertia,
+            inverse_inertia,
             impulse,
             contrast,
             opening_inertia,
@@ -167,7 +171,8 @@ impl<N: Number> OpeningLine<N> {
     pub fn finish(&self, stress: N) -> LayerStep<N> {
         let opening_rate = self.free_rate - self.admittance * stress;
         let mean = stress + self.opening_inertia * (opening_rate - self.old[1]);
-        let velocity = (self.impulse + (self.contrast + self.contrast) * mean) / self.inertia;
+        let velocity =
+            (self.impulse + (self.contrast + self.contrast) * mean) * self.inverse_inertia;
         let half_opening = N::HALF * opening_rate;
         let [before, after] = [velocity - half_opening, velocity + half_opening];
         let RiemannData { impedance, invariant } = self.incoming;

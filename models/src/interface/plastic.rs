@@ -86,15 +86,17 @@ impl<N: Number> YieldCone<N> {
     ) -> ReturnedTraction<N> {
         let [normal, shear] = trial;
         let size = abs(shear);
-        let [soft_normal, soft_shear] = stiffness.map(|g| N::ONE / g);
+        let [soft_normal, soft_shear] = [N::ONE / stiffness[0], N::ONE / stiffness[1]];
         let k = self.friction;
         let excess = (size + k * normal - strength).max(N::ZERO);
-        let multiplier = excess / (soft_shear + k * k * soft_normal + hardening);
+        let multiplier = excess * (N::ONE / (soft_shear + k * k * soft_normal + hardening));
         let reduced = size - multiplier * soft_shear;
         // The apex exists for k > 0 only; else its formulas are evaluated with k = 1 and not used.
         let slope = k.select_gt(N::ZERO, k, N::ONE);
-        let apex_excess = (normal - strength / slope).max(N::ZERO);
-        let apex_multiplier = apex_excess / (slope * soft_normal + hardening / slope);
+        let inverse_slope = N::ONE / slope;
+        let apex_excess = (normal - strength * inverse_slope).max(N::ZERO);
+        let apex_multiplier =
+            apex_excess * (N::ONE / (slope * soft_normal + hardening * inverse_slope));
         let apex_strength = strength + hardening * apex_multiplier;
         let beyond = k.select_gt(N::ZERO, -reduced, N::ZERO);
         let new_strength = strength + hardening * multiplier;
@@ -105,7 +107,7 @@ impl<N: Number> YieldCone<N> {
         let size = beyond.select_gt(N::ZERO, N::ZERO, regular_size);
         ReturnedTraction {
             stress: [
-                beyond.select_gt(N::ZERO, apex_strength / slope, regular_normal),
+                beyond.select_gt(N::ZERO, apex_strength * inverse_slope, regular_normal),
                 with_sign(size, shear),
             ],
             multiplier: beyond.select_gt(N::ZERO, apex_multiplier, multiplier),
@@ -129,7 +131,7 @@ impl<N: Number> ElasticTrial<N> {
     pub(super) fn new(line: &OpeningLine<N>, compliance: N, old: N, step: N) -> Self {
         let rate = (compliance + compliance) / step;
         let stiffness = rate + line.admittance;
-        Self { stiffness, stress: (rate * old + line.free_rate) / stiffness }
+        Self { stiffness, stress: (rate * old + line.free_rate) * (N::ONE / stiffness) }
     }
 }
 
@@ -157,33 +159,35 @@ impl<N: Number> PlasticStep<N> {
         slip: N,
         step: N,
     ) -> Self {
-        let stiffness = trials.map(|trial| trial.stiffness);
         let half_hardening = N::HALF * step * cone.hardening;
         let middle = cone.return_traction(
-            trials.map(|trial| trial.stress),
-            stiffness,
+            [trials[0].stress, trials[1].stress],
+            [trials[0].stiffness, trials[1].stiffness],
             cone.strength_at(slip),
             half_hardening,
         );
         let middle_slip = step * middle.multiplier;
-        let reflected: [N; 2] =
-            std::array::from_fn(|i| middle.stress[i] + middle.stress[i] - old[i]);
+        let mut reflected = middle.stress;
+        for i in 0..2 {
+            reflected[i] = middle.stress[i] + middle.stress[i] - old[i];
+        }
         let end = cone.return_traction(
             reflected,
             compliance,
             cone.strength_at(slip + middle_slip),
             cone.hardening,
         );
-        let [normal, shear] = std::array::from_fn(|i| {
+        let mut losses = [N::ZERO; 2];
+        for i in 0..2 {
             let change = reflected[i] - end.stress[i];
-            N::HALF * compliance[i] * change * change
-        });
+            losses[i] = N::HALF * compliance[i] * change * change;
+        }
         Self {
             middle: middle.stress,
             stress: end.stress,
             slip: middle_slip + end.multiplier,
             dissipation: middle_slip * middle.strength
-                + (end.multiplier * end.strength + (normal + shear)),
+                + (end.multiplier * end.strength + (losses[0] + losses[1])),
         }
     }
 
@@ -236,21 +240,24 @@ impl<N: Number> FaceLaw<N, 2> for PlasticLayer<N> {
         let step = interval.step;
         let starts = [history::NORMAL_INERTIA, history::SHEAR_INERTIA];
         let old = [history[history::NORMAL_STATE], history[history::SHEAR_STRESS]];
-        let lines: [OpeningLine<N>; 2] = std::array::from_fn(|i| {
-            OpeningLine::new(incoming[i], self.mass, inertia(history, starts[i]), step)
-        });
-        let trials =
-            std::array::from_fn(|i| ElasticTrial::new(&lines[i], self.compliance[i], old[i], step));
+        let lines = [
+            OpeningLine::new(incoming[0], self.mass, inertia(history, starts[0]), step),
+            OpeningLine::new(incoming[1], self.mass, inertia(history, starts[1]), step),
+        ];
+        let trials = [
+            ElasticTrial::new(&lines[0], self.compliance[0], old[0], step),
+            ElasticTrial::new(&lines[1], self.compliance[1], old[1], step),
+        ];
         let slip = history[history::SLIP];
         let result = PlasticStep::new(&self.cone, trials, self.compliance, old, slip, step);
         result.record(history, interval.end);
         history[history::NORMAL_STATE] = result.stress[0];
         history[history::SHEAR_STRESS] = result.stress[1];
-        std::array::from_fn(|i| {
-            let moved = lines[i].finish(result.middle[i]);
-            set_inertia(history, starts[i], moved.inertia);
-            moved.states
-        })
+        let moved = [lines[0].finish(result.middle[0]), lines[1].finish(result.middle[1])];
+        for i in 0..2 {
+            set_inertia(history, starts[i], moved[i].inertia);
+        }
+        [moved[0].states, moved[1].states]
     }
 
     fn energy(&self, history: &[N]) -> FaceEnergy<N> {

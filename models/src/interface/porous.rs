@@ -76,14 +76,15 @@ impl<N: Number> PorousElasticity<N> {
         let shifted = q + kx;
         // Sum of both sides of a switch: 2P + κ.
         let double = p + p + kappa;
+        let inverse_double = N::ONE / double;
 
-        let stays_open = -q / p;
+        let stays_open = -q * (N::ONE / p);
         let root = (shifted * shifted - double * kxx).max(zero).sqrt();
-        let closes = -(shifted + root) / double;
-        let stays_closed = -(shifted + shifted) / double;
+        let closes = -(shifted + root) * inverse_double;
+        let stays_closed = -(shifted + shifted) * inverse_double;
         let h = (q * q + (p + p) * kxx).max(zero).sqrt();
         let sum = q.select_gt(zero, q + h, N::ONE);
-        let opens = q.select_gt(zero, kxx / sum, (h - q) / (p + p));
+        let opens = q.select_gt(zero, kxx / sum, (h - q) * (N::ONE / (p + p)));
 
         // Open at the beginning: x > 0, or x = 0 and Q ≤ 0. Then x decides, else −1.
         let at_zero = q.select_gt(zero, -N::ONE, N::ONE);
@@ -208,7 +209,7 @@ impl<N: Number> TangentialComponent<N> {
         match self {
             Self::Elastic(elastic) => {
                 let start = history::SHEAR_INERTIA;
-                let mut shear = std::array::from_fn(|i| history[start + i]);
+                let mut shear = [history[start], history[start + 1], history[start + 2]];
                 let states = elastic.advance(incoming, interval.step, &mut shear);
                 history[start..start + shear.len()].copy_from_slice(&shear);
                 states

@@ -62,7 +62,7 @@ impl<N: Number> ViscousComponent<N> {
         let share = N::ONE / (N::ONE + ratio);
         let delayed_rate = self.fluidity * share;
         let middle = (rate * stress + delayed_rate * delayed + line.free_rate)
-            / (rate + delayed_rate + line.admittance);
+            * (N::ONE / (rate + delayed_rate + line.admittance));
         // Overstress S_mid − s_mid of the dashpot.
         let overstress = (middle - delayed) * share;
         let delayed_change = ratio * overstress;
@@ -113,7 +113,7 @@ impl<N: Number> FaceLaw<N, 2> for ViscousLayer<N> {
         interval: &Interval<N>,
         history: &mut [N],
     ) -> [[FaceState<N>; 2]; 2] {
-        let mut normal: [N; COMPONENT_VARIABLES] = std::array::from_fn(|i| history[i]);
+        let mut normal = [history[0], history[1], history[2]];
         let states = self.normal.advance(incoming[0], interval.step, &mut normal);
         history[..COMPONENT_VARIABLES].copy_from_slice(&normal);
         [states, self.shear.advance(incoming[1], interval.step, history)]

@@ -1,6 +1,7 @@
 //! Buffers of a domain and allocation in huge pages.
 
 use super::kernel::CarriedState;
+use super::kernel::interlayers::InterlayerStates;
 use super::layout::{GroupIndex, Layout};
 use super::schedule::CHUNK_SIZE;
 use super::total_stress::{DoubleLanes, blocks_per_group};
@@ -17,6 +18,8 @@ pub(super) struct Buffers<T: Real> {
     pub(super) carried_states: [Vec<Vec<CarriedState<T::Lanes>>>; 3],
     /// Groups on the path of a sweep along a line.
     pub(super) path: Vec<GroupIndex>,
+    /// Interface states of the interlayers on the path.
+    pub(super) interlayer_states: InterlayerStates<T>,
     /// Groups (index within the segment of a row) that contain cells for the scalar return mapping, and masks of the
     /// lanes of these cells.
     pub(super) scalar_lanes: Vec<(usize, u16)>,
@@ -48,6 +51,7 @@ impl<T: Real> Buffers<T> {
         Self {
             carried_states,
             path: Vec::with_capacity(longest),
+            interlayer_states: InterlayerStates::default(),
             scalar_lanes: Vec::with_capacity(layout.layer_groups()),
             double_row: vec![DoubleLanes::ZERO; if needs_double { blocks } else { 0 }],
         }

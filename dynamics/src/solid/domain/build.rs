@@ -145,7 +145,7 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             _ => TileSizes::PLANE_TILES,
         };
         let pairs = std::array::from_fn(|axis| materials.waves[axis].len());
-        let interfaces = LaneInterlayers::new(problem, &layout, region);
+        let interfaces = LaneInterlayers::new(problem, &layout, region, &materials);
         Ok(Self {
             fluid: FluidStage::new(problem, &layout, region, &interfaces),
             interfaces,

@@ -7,13 +7,16 @@
 //! Energy, dissipation and output use the copy at the lower face of the cell above the interlayer, in the subdomain
 //! that owns the cell.
 
+mod stencils;
+
 use super::layout::Layout;
+use super::materials::Materials;
 use crate::simd::{LaneGroup, Number, Real};
 use crate::solid::boundary::Boundary;
 use crate::solid::interlayers::{InterlayerLaw, Interlayers, face_energy};
 use crate::solid::ledger::InterlayerSums;
 use crate::solid::problem::Problem;
-use crate::solid::reconstruction::GHOSTS;
+use crate::solid::reconstruction::{GHOSTS, InterlayerStencil};
 use crate::solid::region::Region;
 use std::ops::Range;
 
@@ -69,6 +72,12 @@ struct AxisInterlayers<T: Real> {
     pattern_indices: Vec<u32>,
     /// Distance between two lines in `pattern_indices`: 0 if all lines have the same patterns.
     pattern_stride: usize,
+    /// By the same places, index of the stencil of the face; 0 without interlayers.
+    stencil_indices: Vec<u32>,
+    /// Stencils of faces that occur in a domain of one medium, by stencil and wave constants; empty for several media.
+    stencils: Vec<InterlayerStencil<T::Lanes>>,
+    /// Number of wave constants of a stencil.
+    cells_per_stencil: usize,
     /// By the same places, offset of the history variables of the face from those of the first face of the line; the
     /// places without history variables have any.
     history_offsets: Vec<usize>,
@@ -99,6 +108,13 @@ pub(crate) struct PathFaces<'a, T: Real> {
     /// Indices of the patterns of the lower faces of the groups of the path, first line first.
     pub(crate) pattern_indices: &'a [u32],
     pub(crate) pattern_stride: usize,
+    /// Indices of the stencils of the same faces: 0 if none of the three faces between the four groups around the face
+    /// has an interlayer.
+    pub(crate) stencil_indices: &'a [u32],
+    /// Stencils by index and wave constants; empty for several media.
+    pub(crate) stencils: &'a [InterlayerStencil<T::Lanes>],
+    /// Number of wave constants of a stencil.
+    pub(crate) cells_per_stencil: usize,
     /// By group of the path, offset of the history variables of its lower face.
     pub(crate) history_offsets: &'a [usize],
     /// Index of the history variables of the first line.
@@ -177,7 +193,12 @@ impl<T: Real> AxisInterlayers<T> {
 
 impl<T: Real, const D: usize> LaneInterlayers<T, D> {
     /// Creates the interlayers of a region of a problem.
-    pub(super) fn new(problem: &Problem<D>, layout: &Layout<D>, region: &Region<D>) -> Self {
+    pub(super) fn new(
+        problem: &Problem<D>,
+        layout: &Layout<D>,
+        region: &Region<D>,
+        materials: &Materials<T, D>,
+    ) -> Self {
         let coordinates = RegionCoordinates {
             grid_cells: problem.grid.cells,
             coordinates: std::array::from_fn(|axis| region.coordinates(axis)),
@@ -189,6 +210,9 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
                 problem.boundaries[axis][0] == Boundary::Periodic && region.halo(axis) == [0, 0];
             let pairs = problem.media[0].pairs[axis].len();
             let mut across = Self::new_across(own, (pairs, is_periodic), layout, &coordinates);
+            // Along rows of different cell lengths the constants change from row to row.
+            let is_uniform = axis > 0 || materials.row_constants.is_none();
+            across.set_stencils(is_uniform.then(|| materials.axis_table(axis)));
             across.history_start = history_count;
             history_count += match axis {
                 0 => layout.layers() * layout.rows * across.history_stride,
@@ -223,6 +247,9 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
             patterns: vec![FacePattern::default()],
             pattern_indices: Vec::new(),
             pattern_stride: 0,
+            stencil_indices: Vec::new(),
+            stencils: Vec::new(),
+            cells_per_stencil: 0,
             history_offsets: Vec::new(),
             history_start: 0,
             history_stride: variables,
@@ -302,6 +329,9 @@ impl<T: Real, const D: usize> LaneInterlayers<T, D> {
             patterns: &own.patterns,
             pattern_indices: &own.pattern_indices[line * own.pattern_stride + start..],
             pattern_stride: own.pattern_stride,
+            stencil_indices: &own.stencil_indices[line * own.pattern_stride + start..],
+            stencils: &own.stencils,
+            cells_per_stencil: own.cells_per_stencil,
             history_offsets: &own.history_offsets[start..end],
             first_history: own.history_start + line * own.history_stride,
             history_stride: own.history_stride,

@@ -10,15 +10,16 @@
 //! into L1; rows and layers that are needed later are prefetched into L2. `sweep` and `schedule` set the distances.
 
 mod interlayer_law;
-pub(super) mod interlayers;
+pub(crate) mod interlayers;
 
 use super::layout::GroupIndex;
 use super::material_table::{MaterialTable, WavePair};
 use super::rows::Rows;
 use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
-use crate::solid::reconstruction::{GHOSTS, Slopes};
+use crate::solid::reconstruction::{GHOSTS, InterlayerStencil, Slopes};
 use crate::solid::riemann::{InterfaceState, RiemannInvariants, State, update_cell};
+use interlayers::{LawStates, PathInterlayers};
 use std::ops::Range;
 
 /// Maximum number of fields prefetched per pair of waves: a Cosserat solid has 24 fields and 6 pairs in space, 12
@@ -127,27 +128,37 @@ pub(crate) struct SweepLines<'a, T: Real> {
     pub(crate) carried: &'a mut [CarriedState<T::Lanes>],
     /// Ends of the lines, if lines are rows.
     pub(crate) rows: Option<Rows<'a, T>>,
+    /// Interlayers across the axis.
+    pub(crate) interlayers: Option<PathInterlayers<'a, T>>,
 }
 
-/// Kernel: sweep of adjacent lines. All have the same single lane pattern or, if `MIXED`, each has several patterns.
-/// The two cases are compiled separately to limit register pressure.
-struct SweepKernel<'a, 'b, T: Real, const MIXED: bool> {
+/// Lines of the same single lane pattern.
+const UNIFORM: u8 = 0;
+
+/// Lines of several lane patterns each.
+const MIXED: u8 = 1;
+
+/// Lines with interlayers, of one or several lane patterns each.
+const DIVIDED: u8 = 2;
+
+/// Kernel: sweep of adjacent lines of a `KIND`. The kinds are compiled separately to limit register pressure.
+struct SweepKernel<'a, 'b, T: Real, const KIND: u8> {
     sweep: &'a mut SweepLines<'b, T>,
     lines: Range<usize>,
-    /// Lane pattern of all lines, unless `MIXED`.
+    /// Lane pattern of all lines, if they are [`UNIFORM`].
     pattern: u32,
 }
 
-impl<T: Real, const MIXED: bool> SimdKernel<T> for SweepKernel<'_, '_, T, MIXED> {
+impl<T: Real, const KIND: u8> SimdKernel<T> for SweepKernel<'_, '_, T, KIND> {
     /// Selects the loop that is compiled for the reconstruction.
     #[inline(always)]
     fn run<V: Vector<T>>(self) {
         let Self { sweep, lines, pattern } = self;
         match sweep.slopes {
-            Slopes::Limited => sweep.advance_lines::<V, MIXED>(lines, pattern, Slopes::Limited),
+            Slopes::Limited => sweep.advance_lines::<V, KIND>(lines, pattern, Slopes::Limited),
             // For first order the weights in the cell constants are zero.
             Slopes::Godunov | Slopes::FourthOrder => {
-                sweep.advance_lines::<V, MIXED>(lines, pattern, Slopes::FourthOrder);
+                sweep.advance_lines::<V, KIND>(lines, pattern, Slopes::FourthOrder);
             }
         }
     }
@@ -157,6 +168,9 @@ impl<T: Real> SweepLines<'_, T> {
     /// Sweeps the lines with an instruction set: consecutive lines of the same single lane pattern together, and
     /// consecutive lines of several patterns together.
     pub(super) fn sweep_path(mut self, instructions: InstructionSet) {
+        if self.interlayers.is_some() {
+            return self.sweep_divided_path(instructions);
+        }
         let lines = self.carried.len() / self.waves.len().max(1);
         // A single pattern: skip the lookup and its memory traffic.
         let line_pattern = |lines: &Self, line: usize| match lines.table.has_single_pattern() {
@@ -174,10 +188,10 @@ impl<T: Real> SweepLines<'_, T> {
             let (sweep, lines) = (&mut self, start..end);
             match pattern {
                 Some(pattern) => {
-                    instructions.run_kernel(SweepKernel::<T, false> { sweep, lines, pattern })
+                    instructions.run_kernel(SweepKernel::<T, UNIFORM> { sweep, lines, pattern })
                 }
                 None => {
-                    instructions.run_kernel(SweepKernel::<T, true> { sweep, lines, pattern: 0 })
+                    instructions.run_kernel(SweepKernel::<T, MIXED> { sweep, lines, pattern: 0 })
                 }
             }
             start = end;
@@ -206,25 +220,29 @@ impl<T: Real> SweepLines<'_, T> {
         Some(first_pattern)
     }
 
-    /// Sweeps adjacent lines of the same single lane pattern or, if `MIXED`, of several patterns.
+    /// Sweeps adjacent lines of a `KIND`. Ghosts of rows with interlayers have already been filled.
     #[inline(always)]
-    fn advance_lines<V: Vector<T>, const MIXED: bool>(
+    fn advance_lines<V: Vector<T>, const KIND: u8>(
         &mut self,
         lines: Range<usize>,
         pattern: u32,
         slopes: Slopes,
     ) {
         for index in 0..self.waves.len() {
-            if let Some(rows) = &self.rows {
+            if let Some(rows) = self.rows.as_ref().filter(|_| KIND != DIVIDED) {
                 rows.fill_ghosts::<V>(self.field_data, &self.waves[index], index, lines.clone());
             }
-            // One compiled loop for each number of passive stresses; Hooke's law has at most two per pair of waves.
+            // One compiled loop for each number of passive stresses; Hooke's law has at most two per pair of waves. With
+            // interlayers one loop for all numbers, since it takes long to compile.
             let lines = lines.clone();
             debug_assert!(self.waves[index].passive_stresses.len() <= 2);
             match self.waves[index].passive_stresses.len() {
-                0 => self.sweep_pair::<V, 0, MIXED>(lines, index, pattern, slopes),
-                1 => self.sweep_pair::<V, 1, MIXED>(lines, index, pattern, slopes),
-                _ => self.sweep_pair::<V, 2, MIXED>(lines, index, pattern, slopes),
+                _ if KIND == DIVIDED => {
+                    self.sweep_pair::<V, 2, KIND>(lines, index, pattern, slopes)
+                }
+                0 => self.sweep_pair::<V, 0, KIND>(lines, index, pattern, slopes),
+                1 => self.sweep_pair::<V, 1, KIND>(lines, index, pattern, slopes),
+                _ => self.sweep_pair::<V, 2, KIND>(lines, index, pattern, slopes),
             }
         }
     }
@@ -247,7 +265,7 @@ impl<T: Real> SweepLines<'_, T> {
     ) -> [V; PASSIVE] {
         // No closure: closures are not inlined into the target-feature function and lose its SIMD instructions.
         let mut ratios = [V::ZERO; PASSIVE];
-        for (passive, ratio) in ratios.iter_mut().enumerate() {
+        for (passive, ratio) in ratios.iter_mut().enumerate().take(wave.ratio_indices.len()) {
             *ratio = V::load(self.table.coupling_ratio(pattern, wave, passive));
         }
         ratios
@@ -266,9 +284,9 @@ impl<T: Real> SweepLines<'_, T> {
         }
     }
 
-    /// Sweeps a pair of waves along lines of one lane pattern or, if `MIXED`, of several.
+    /// Sweeps a pair of waves along lines of a `KIND`.
     #[inline(always)]
-    fn sweep_pair<V: Vector<T>, const PASSIVE: usize, const MIXED: bool>(
+    fn sweep_pair<V: Vector<T>, const PASSIVE: usize, const KIND: u8>(
         &mut self,
         lines: Range<usize>,
         index: usize,
@@ -280,7 +298,10 @@ impl<T: Real> SweepLines<'_, T> {
         let offsets = FieldOffsets {
             velocity: wave.velocity,
             stress: wave.stress,
-            passive_stresses: std::array::from_fn(|index| wave.passive_stresses[index]),
+            passive_stresses: std::array::from_fn(|index| {
+                wave.passive_stresses.get(index).copied().unwrap_or_default()
+            }),
+            passive_count: if KIND == DIVIDED { wave.passive_stresses.len() } else { PASSIVE },
             extent,
             prefetch_l2_offsets: self.prefetch_l2_offsets(index),
         };
@@ -290,6 +311,7 @@ impl<T: Real> SweepLines<'_, T> {
         let (path, lane_pattern_indices, steps) =
             (self.path, self.lane_pattern_indices, self.path.len() - 2);
         let mut cell: CellConstants<V> = CellConstants::load(self.table.constants(pattern, wave));
+        let is_one_medium = KIND == DIVIDED && self.has_stencils();
         for line in lines {
             let slot = line * self.waves.len() + index;
             let offset = GroupIndex { group: 0, start: 0 }.shift_to_line(line, self.line_stride);
@@ -302,7 +324,7 @@ impl<T: Real> SweepLines<'_, T> {
                 prefetch(group, self.prefetch_l1_distance + offsets.stress, true);
             }
             let mut outer_pattern = pattern;
-            if MIXED {
+            if KIND != UNIFORM {
                 outer_pattern = lane_pattern_indices[self.previous_group.group + offset.group];
                 pattern = lane_pattern_indices[path[0].group + offset.group];
                 cell = CellConstants::load(self.table.constants(pattern, wave));
@@ -313,12 +335,15 @@ impl<T: Real> SweepLines<'_, T> {
                 true => CarriedState::new(),
                 false => CarriedState::load(&self.carried[slot]),
             };
-            let mut stencil = StencilState::new([previous, current], &cell, carried, slopes);
+            let mut stencil_state = StencilState::new([previous, current], &cell, carried, slopes);
             let mut place = 0;
+            let mut next_law_state = if KIND == DIVIDED { self.first_law_state(line) } else { 0 };
             loop {
                 let ratios: [V; PASSIVE] = self.load_ratios(pattern, wave);
                 while place < steps
-                    && (!MIXED
+                    && (KIND != DIVIDED || self.stencil_index(line, place) == 0)
+                    && (KIND == UNIFORM
+                        || is_one_medium
                         || (outer_pattern == pattern
                             && lane_pattern_indices[path[place + 1].group + offset.group]
                                 == pattern
@@ -328,15 +353,26 @@ impl<T: Real> SweepLines<'_, T> {
                     let group_starts =
                         [path[place].start + offset.start, path[place + 2].start + offset.start];
                     let media = StencilMedia::Uniform(&cell, &ratios);
-                    self.advance_group(&offsets, &mut stencil, group_starts, media, slopes);
+                    self.advance_group(&offsets, &mut stencil_state, group_starts, media, slopes);
                     place += 1;
                 }
                 // The following code is not compiled for lines of one pattern.
-                if !MIXED || place == steps {
+                if KIND == UNIFORM || place == steps {
                     break;
                 }
                 let group_starts =
                     [path[place].start + offset.start, path[place + 2].start + offset.start];
+                let law_states: Option<LawStates<V>> = match KIND {
+                    DIVIDED => self.load_law_states((line, place), index, &mut next_law_state),
+                    _ => None,
+                };
+                if is_one_medium {
+                    let stencil = self.load_stencil((line, place), wave);
+                    let media = StencilMedia::Divided(&cell, &ratios, &stencil, &law_states);
+                    self.advance_group(&offsets, &mut stencil_state, group_starts, media, slopes);
+                    place += 1;
+                    continue;
+                }
                 let first: CellConstants<V> =
                     CellConstants::load(self.table.constants(outer_pattern, wave));
                 let (cell_behind, pattern_behind) = (cell, pattern);
@@ -345,19 +381,23 @@ impl<T: Real> SweepLines<'_, T> {
                 cell = CellConstants::load(self.table.constants(pattern, wave));
                 let next = lane_pattern_indices[path[place + 2].group + offset.group];
                 let next: CellConstants<V> = CellConstants::load(self.table.constants(next, wave));
-                let media =
-                    StencilMedia::Mixed([&first, &cell_behind, &cell, &next], pattern_behind, wave);
-                self.advance_group(&offsets, &mut stencil, group_starts, media, slopes);
+                let divided = match KIND {
+                    DIVIDED => Some((self.continuity((line, place)), &law_states)),
+                    _ => None,
+                };
+                let cells = [&first, &cell_behind, &cell, &next];
+                let media = StencilMedia::Mixed(cells, (pattern_behind, wave), divided);
+                self.advance_group(&offsets, &mut stencil_state, group_starts, media, slopes);
                 place += 1;
             }
             if let Some(rows) = &self.rows {
                 rows.clear_padding(self.field_data, offsets.velocity, line);
                 rows.clear_padding(self.field_data, offsets.stress, line);
-                for place in offsets.passive_stresses {
+                for place in offsets.passive_stresses.into_iter().take(offsets.passive_count) {
                     rows.clear_padding(self.field_data, place, line);
                 }
             } else {
-                stencil.carried.store(&mut self.carried[slot]);
+                stencil_state.carried.store(&mut self.carried[slot]);
             }
         }
     }
@@ -372,8 +412,9 @@ impl<T: Real> SweepLines<'_, T> {
         media: StencilMedia<'_, V, PASSIVE>,
         slopes: Slopes,
     ) {
-        let &FieldOffsets { velocity, stress, passive_stresses, extent, ref prefetch_l2_offsets } =
+        let &FieldOffsets { velocity, stress, passive_stresses, passive_count, extent, .. } =
             offsets;
+        let prefetch_l2_offsets = &offsets.prefetch_l2_offsets;
         let group = &self.field_data[next_data..][..extent];
         prefetch(group, self.prefetch_l1_distance + velocity, true);
         prefetch(group, self.prefetch_l1_distance + stress, true);
@@ -384,8 +425,8 @@ impl<T: Real> SweepLines<'_, T> {
         }
         let next: State<V> = self.load_state(offsets, next_data);
         let [cell_behind, cell] = match media {
-            StencilMedia::Uniform(cell, _) => [cell; 2],
-            StencilMedia::Mixed([_, lower_stencil, cell, _], ..) => [lower_stencil, cell],
+            StencilMedia::Uniform(cell, _) | StencilMedia::Divided(cell, ..) => [cell; 2],
+            StencilMedia::Mixed([_, cell_behind, cell, _], ..) => [cell_behind, cell],
         };
         let waves = RiemannInvariants::from_state(next, cell);
         let StencilState { carried, previous, current, invariants, lower_stencil: waves_behind } =
@@ -398,31 +439,48 @@ impl<T: Real> SweepLines<'_, T> {
                 [waves_behind, upper_stencil],
                 cell,
             ),
-            StencilMedia::Mixed(cells, ..) => slopes.face_values_in_mixed_media(
+            StencilMedia::Divided(_, _, stencil, _) => slopes.face_values_beside_interlayers(
+                carried.carried_invariants,
+                invariants,
+                [waves_behind, upper_stencil],
+                cell,
+                stencil,
+            ),
+            StencilMedia::Mixed(cells, _, divided) => slopes.face_values_in_mixed_media(
                 carried.carried_invariants,
                 [previous, current, next],
                 cells,
+                divided.map(|own| own.0),
             ),
         };
-        let [lower_face, beyond] = match media {
-            StencilMedia::Uniform(..) => [InterfaceState::riemann_equal_impedance(reach); 2],
+        let riemann = match media {
+            StencilMedia::Uniform(..) | StencilMedia::Divided(..) => {
+                [InterfaceState::riemann_equal_impedance(reach); 2]
+            }
             StencilMedia::Mixed(..) => {
                 InterfaceState::riemann([cell_behind.impedance, cell.impedance], reach)
             }
         };
+        let [lower_face, beyond] = match media {
+            StencilMedia::Divided(_, _, _, Some(law_states))
+            | StencilMedia::Mixed(_, _, Some((_, Some(law_states)))) => law_states.replace(riemann),
+            _ => riemann,
+        };
         let moved = update_cell(previous, [carried.lower_face, lower_face], cell_behind);
         let group = &mut self.field_data[previous_data..][..extent];
-        for place in passive_stresses {
+        for place in passive_stresses.into_iter().take(passive_count) {
             prefetch(group, self.prefetch_l1_distance + place, true);
         }
         moved.velocity.store(&mut group[velocity]);
         moved.stress.store(&mut group[stress]);
         if PASSIVE > 0 {
             let change = moved.stress - previous.stress;
-            for (passive, place) in passive_stresses.into_iter().enumerate() {
+            for (passive, place) in passive_stresses.into_iter().enumerate().take(passive_count) {
                 let ratio = match media {
-                    StencilMedia::Uniform(_, ratios) => ratios[passive],
-                    StencilMedia::Mixed(_, pattern, wave) => {
+                    StencilMedia::Uniform(_, ratios) | StencilMedia::Divided(_, ratios, ..) => {
+                        ratios[passive]
+                    }
+                    StencilMedia::Mixed(_, (pattern, wave), _) => {
                         V::load(self.table.coupling_ratio(pattern, wave, passive))
                     }
                 };
@@ -431,7 +489,7 @@ impl<T: Real> SweepLines<'_, T> {
         }
         let carried = CarriedState { carried_invariants, lower_face: beyond };
         *stencil = match media {
-            StencilMedia::Uniform(..) => {
+            StencilMedia::Uniform(..) | StencilMedia::Divided(..) => {
                 let lower_stencil = slopes.lower_stencil(invariants, waves);
                 StencilState {
                     carried,
@@ -451,9 +509,22 @@ impl<T: Real> SweepLines<'_, T> {
 enum StencilMedia<'a, V, const PASSIVE: usize> {
     /// One medium: its constants, and the coupling ratios of the passive stresses.
     Uniform(&'a CellConstants<V>, &'a [V; PASSIVE]),
+    /// One medium with interlayers at some of the three faces: besides its constants and ratios, the reconstruction at
+    /// the middle face and, if its history variables are advanced, its interface states.
+    Divided(
+        &'a CellConstants<V>,
+        &'a [V; PASSIVE],
+        &'a InterlayerStencil<V>,
+        &'a Option<LawStates<V>>,
+    ),
     /// Several media: constants of groups i − 2, i − 1, i (current) and i + 1. Coupling ratios are loaded on demand
-    /// from the pattern of group i − 1 and the wave, to save registers.
-    Mixed([&'a CellConstants<V>; 4], u32, &'a WavePair),
+    /// from the pattern of group i − 1 and the wave, to save registers. With interlayers also the continuity of the
+    /// three faces and the interface states of the middle one.
+    Mixed(
+        [&'a CellConstants<V>; 4],
+        (u32, &'a WavePair),
+        Option<([V; 3], &'a Option<LawStates<V>>)>,
+    ),
 }
 
 /// Offsets of the fields of a pair of waves in a group.
@@ -461,6 +532,8 @@ struct FieldOffsets<const PASSIVE: usize> {
     velocity: usize,
     stress: usize,
     passive_stresses: [usize; PASSIVE],
+    /// Number of passive stresses: `PASSIVE` or, with interlayers, at most that.
+    passive_count: usize,
     /// Upper bound, exclusive, of the offsets of all fields.
     extent: usize,
     /// Range of the offsets that are prefetched into L2, prefetch distance included: one group at each pitch.

@@ -1,7 +1,7 @@
 //! Sweeps along the axes, ghosts beyond the ends of lines, and the work done at boundaries.
 
 use super::ghost_kernels::{ImageGhostKernel, OneSidedGhostKernel, RowGhostKernel};
-use super::kernel::interlayers::InterlayerLines;
+use super::kernel::interlayers::PathInterlayers;
 use super::kernel::{MAX_PREFETCH_FIELDS, PrefetchL2, SweepLines};
 use super::layout::{GroupIndex, RowSegment};
 use super::material_table::WavePair;
@@ -227,7 +227,15 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
         let mut carried = std::mem::take(&mut self.buffers.carried_states[axis][half_step]);
         let mut field_data = std::mem::take(&mut self.field_data);
         let mut history = std::mem::take(&mut self.interfaces.history);
+        let mut states = std::mem::take(&mut self.buffers.interlayer_states);
         let waves = self.sweep_waves(axis, half_step);
+        let origin = self.axis_origin(bundle) as isize;
+        let faces = self.interfaces.path_faces(axis, bundle.face, origin + first..origin + end);
+        let interlayers = faces.map(|faces| {
+            let [end, step] = self.sweep_interval(half_step).map(T::from_f64);
+            let (history, interval) = (&mut *history, Interval { end, step });
+            PathInterlayers { faces, history, interval, states: &mut states }
+        });
         let lines = SweepLines {
             field_data: &mut field_data,
             field_count,
@@ -245,21 +253,10 @@ impl<T: SolverReal, const D: usize> Domain<T, D> {
             prefetch_l2,
             carried: &mut carried[before..before + lines * waves.len()],
             rows: (axis == 0).then(|| self.bundle_rows(bundle)),
+            interlayers,
         };
-        let origin = self.axis_origin(bundle) as isize;
-        match self.interfaces.path_faces(axis, bundle.face, origin + first..origin + end) {
-            None => lines.sweep_path(self.instructions),
-            Some(faces) => {
-                let [end, step] = self.sweep_interval(half_step).map(T::from_f64);
-                self.instructions.run_kernel::<T>(InterlayerLines {
-                    lines,
-                    faces,
-                    history: &mut history,
-                    interval: Interval { end, step },
-                    instructions: self.instructions,
-                });
-            }
-        }
+        lines.sweep_path(self.instructions);
+        self.buffers.interlayer_states = states;
         self.interfaces.history = history;
         self.field_data = field_data;
         self.buffers.carried_states[axis][half_step] = carried;

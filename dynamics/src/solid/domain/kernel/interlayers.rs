@@ -1,211 +1,335 @@
-//! Sweep kernel of lines with interlayers, separate from the kernel of other lines, which thus has no overhead.
+//! Sweep of lines with interlayers: first the laws of all faces with history variables, then the wave pairs one after
+//! the other as in other lines.
 //!
-//! The law of a face relates all wave pairs: they are swept together.
+//! A law relates all wave pairs, but reads only the states before the sweep. It gives the interface states of its face,
+//! which the sweep of each pair then uses in place of the solution of the Riemann problem.
 #![allow(clippy::needless_range_loop, reason = "closures would lose the SIMD instructions")]
 
 use super::super::interlayer_faces::{FacePattern, PathFaces};
 use super::super::layout::GroupIndex;
 use super::super::material_table::WavePair;
-use super::interlayer_law::{FaceValues, LawLanes, apply_law};
-use super::{CarriedState, SweepLines};
+use super::interlayer_law::{LawFace, LawFaces, apply_law};
+use super::{CarriedState, DIVIDED, SweepKernel, SweepLines, prefetch};
 use crate::simd::{InstructionSet, Number, Real, SimdKernel, Vector};
 use crate::solid::cell::CellConstants;
-use crate::solid::interlayers::MAX_PAIRS;
-use crate::solid::riemann::{InterfaceState, State, update_cell};
+use crate::solid::reconstruction::InterlayerStencil;
+use crate::solid::riemann::{InterfaceState, RiemannInvariants, State};
 use models::interface::Interval;
 
-/// Adjacent lines of groups with interlayers.
-pub(crate) struct InterlayerLines<'a, T: Real> {
-    pub(crate) lines: SweepLines<'a, T>,
-    /// Interlayers on the path.
+/// Interlayers on the path of a sweep, and the buffer of their interface states.
+pub(crate) struct PathInterlayers<'a, T: Real> {
     pub(crate) faces: PathFaces<'a, T>,
     pub(crate) history: &'a mut [T::Lanes],
     /// Time at the end of the sweep and its duration, s.
     pub(crate) interval: Interval<T>,
-    pub(crate) instructions: InstructionSet,
+    pub(crate) states: &'a mut InterlayerStates<T>,
 }
 
-impl<T: Real> SimdKernel<T> for InterlayerLines<'_, T> {
-    #[inline(always)]
-    fn run<V: Vector<T>>(mut self) {
-        let waves = self.lines.waves;
-        let count = self.lines.carried.len() / waves.len().max(1);
-        for (index, wave) in waves.iter().enumerate() {
-            if let Some(rows) = &self.lines.rows {
-                rows.fill_ghosts::<V>(self.lines.field_data, wave, index, 0..count);
-            }
-        }
-        for line in 0..count {
-            self.sweep_line::<V>(line);
-        }
+/// Interface states of the faces with history variables on the path of a sweep, line by line.
+#[derive(Clone)]
+pub(crate) struct InterlayerStates<T: Real> {
+    /// Laws of the faces: one entry for each law of a face.
+    laws: Vec<LawFace>,
+    /// By line, index of its first group in `values`.
+    line_starts: Vec<usize>,
+    /// By face and wave pair [`FACE_GROUPS`] groups: the incident waves, and in the lanes with a law, once it has been
+    /// applied, the interface states of the lower and of the upper cell, difference and sum.
+    values: Vec<T::Lanes>,
+}
+
+/// Number of groups of a face and wave pair in the buffer of interface states.
+pub(super) const FACE_GROUPS: usize = 4;
+
+impl<T: Real> Default for InterlayerStates<T> {
+    fn default() -> Self {
+        Self { laws: Vec::new(), line_starts: Vec::new(), values: Vec::new() }
     }
 }
 
-/// States and constants of a wave pair around the lower face of the current group of a line.
+/// Interface states of a face for one wave pair, in the lanes with an interlayer.
 #[derive(Clone, Copy)]
-struct PairTrack<V> {
-    cells: [CellConstants<V>; 4],
-    previous: State<V>,
-    current: State<V>,
-    next: State<V>,
-    carried: CarriedState<V>,
+pub(super) struct LawStates<V> {
+    lanes: u16,
+    states: [InterfaceState<V>; 2],
 }
 
-impl<T: Real> InterlayerLines<'_, T> {
-    /// Sweeps all pairs of waves along a line of groups. The number of pairs and the reconstruction are not constants, so
-    /// that the loop is compiled once.
+impl<V: Number> LawStates<V> {
+    /// Replaces the solution of the Riemann problem in the lanes with an interlayer.
     #[inline(always)]
-    fn sweep_line<V: Vector<T>>(&mut self, line: usize) {
-        let slopes = self.lines.slopes;
-        let pairs = self.lines.waves.len().min(MAX_PAIRS);
-        let (waves, path, faces) = (self.lines.waves, self.lines.path, self.faces);
-        let history_start = faces.first_history + line * faces.history_stride;
-        let indices = &faces.pattern_indices[line * faces.pattern_stride..];
-        let mut values = FaceValues::<T>::new();
-        let first_cell: CellConstants<V> = self.load_cell(path[0], line, &waves[0]);
-        let first_state: State<V> = self.load_state(path[0], line, &waves[0]);
-        let mut tracks = [PairTrack {
-            cells: [first_cell; 4],
-            previous: first_state,
-            current: first_state,
-            next: first_state,
-            carried: CarriedState::new(),
-        }; MAX_PAIRS];
-        for pair in 0..pairs {
-            let (wave, track) = (&waves[pair], &mut tracks[pair]);
-            track.cells[0] = self.load_cell(self.lines.previous_group, line, wave);
-            track.cells[1] = self.load_cell(path[0], line, wave);
-            track.cells[2] = self.load_cell(path[1], line, wave);
-            track.previous = self.load_state(path[0], line, wave);
-            track.current = self.load_state(path[1], line, wave);
-            if !self.lines.is_line_start {
-                track.carried = CarriedState::load(&self.lines.carried[line * pairs + pair]);
+    pub(super) fn replace<T: Real>(&self, riemann: [InterfaceState<V>; 2]) -> [InterfaceState<V>; 2]
+    where
+        V: Vector<T>,
+    {
+        let mut states = riemann;
+        for side in 0..2 {
+            let (own, law) = (&mut states[side], &self.states[side]);
+            own.difference = own.difference.blend_lanes(self.lanes, law.difference);
+            own.sum = own.sum.blend_lanes(self.lanes, law.sum);
+        }
+        states
+    }
+}
+
+/// Kernel: fills the ghosts of rows and computes the incident waves of all faces with history variables.
+struct IncidentWaveKernel<'a, 'b, T: Real>(&'a mut SweepLines<'b, T>);
+
+impl<T: Real> SimdKernel<T> for IncidentWaveKernel<'_, '_, T> {
+    #[inline(always)]
+    fn run<V: Vector<T>>(self) {
+        let sweep = self.0;
+        let lines = sweep.carried.len() / sweep.waves.len().max(1);
+        for (index, wave) in sweep.waves.iter().enumerate() {
+            if let Some(rows) = &sweep.rows {
+                rows.fill_ghosts::<V>(sweep.field_data, wave, index, 0..lines);
             }
         }
-        let first = &faces.patterns[indices[0] as usize];
-        let mut patterns = [first, first, &faces.patterns[indices[1] as usize]];
-        for place in 0..path.len() - 2 {
-            patterns = [patterns[1], patterns[2], &faces.patterns[indices[place + 2] as usize]];
-            let continuity = [
-                continuity::<T, V>(patterns[0]),
-                continuity::<T, V>(patterns[1]),
-                continuity::<T, V>(patterns[2]),
-            ];
-            let mut incident = [[V::ZERO; 2]; MAX_PAIRS];
-            let mut impedance = [[V::ZERO; 2]; MAX_PAIRS];
-            let mut states = [[InterfaceState { difference: V::ZERO, sum: V::ZERO }; 2]; MAX_PAIRS];
-            for pair in 0..pairs {
-                let (wave, track) = (&waves[pair], &mut tracks[pair]);
-                track.next = self.load_state(path[place + 2], line, wave);
-                track.cells[3] = self.load_cell(path[place + 2], line, wave);
-                let around = [&track.cells[0], &track.cells[1], &track.cells[2], &track.cells[3]];
-                let (reach, invariants) = slopes.face_values_with_interlayers(
-                    track.carried.carried_invariants,
-                    [track.previous, track.current, track.next],
-                    around,
-                    continuity,
-                );
-                track.carried.carried_invariants = invariants;
-                incident[pair] = reach;
-                impedance[pair] = [track.cells[1].impedance, track.cells[2].impedance];
-                states[pair] = InterfaceState::riemann(impedance[pair], reach);
-            }
-            if patterns[1].history_lanes != 0 {
-                let start = history_start + faces.history_offsets[place + 1];
-                for pair in 0..pairs {
-                    for side in 0..2 {
-                        impedance[pair][side].store(&mut values.impedance[pair][side]);
-                        incident[pair][side].store(&mut values.incident[pair][side]);
-                        states[pair][side].store(&mut values.states[pair][side]);
-                    }
+        let Some(interlayers) = sweep.interlayers.take() else { return };
+        let (faces, states) = (&interlayers.faces, &mut *interlayers.states);
+        states.laws.clear();
+        states.line_starts.clear();
+        states.values.clear();
+        for line in 0..lines {
+            states.line_starts.push(states.values.len());
+            let first_history = faces.first_history + line * faces.history_stride;
+            for place in 0..sweep.path.len() - 2 {
+                if faces.stencil_index(line, place) == 0 {
+                    continue;
                 }
-                for &(law, lanes) in &patterns[1].laws {
-                    let face = LawLanes {
-                        law: &faces.laws[usize::from(law)],
+                let pattern = faces.pattern(line, place + 1);
+                if pattern.history_lanes == 0 {
+                    continue;
+                }
+                let groups = sweep.groups_around(line, place);
+                for &(law, lanes) in &pattern.laws {
+                    states.laws.push(LawFace {
+                        law,
                         lanes,
-                        interval: self.interval,
-                        history: &mut self.history[start..start + faces.variables],
-                        values: &mut values,
-                    };
-                    apply_law(self.instructions, pairs, face);
+                        patterns: [1, 2].map(|side| sweep.lane_pattern_indices[groups[side].group]),
+                        first_history: first_history + faces.history_offsets[place + 1],
+                        first_value: states.values.len(),
+                    });
                 }
-                for pair in 0..pairs {
+                for index in 0..sweep.waves.len() {
+                    let incident: [V; 2] =
+                        sweep.incident_waves(faces, (line, place), index, groups);
+                    let mut values = [T::Lanes::ZERO; FACE_GROUPS];
                     for side in 0..2 {
-                        states[pair][side] = InterfaceState::load(&values.states[pair][side]);
+                        incident[side].store(&mut values[side]);
                     }
+                    states.values.extend_from_slice(&values);
                 }
             }
-            for pair in 0..pairs {
-                let (wave, track) = (&waves[pair], &mut tracks[pair]);
-                let lower_face = track.carried.lower_face;
-                let moved =
-                    update_cell(track.previous, [lower_face, states[pair][0]], &track.cells[1]);
-                let before = track.previous;
-                track.carried.lower_face = states[pair][1];
-                (track.previous, track.current) = (track.current, track.next);
-                track.cells = [track.cells[1], track.cells[2], track.cells[3], track.cells[3]];
-                self.store_group(path[place], line, wave, (before, moved));
+        }
+        sweep.interlayers = Some(interlayers);
+    }
+}
+
+impl<T: Real> PathFaces<'_, T> {
+    /// Returns the pattern of the lower face of the group at a place of the path of a line.
+    #[inline(always)]
+    fn pattern(&self, line: usize, place: usize) -> &FacePattern {
+        &self.patterns[self.pattern_indices[line * self.pattern_stride + place] as usize]
+    }
+
+    /// Returns the index of the stencil of the face between the groups at a place and the next place of the path of a
+    /// line.
+    #[inline(always)]
+    pub(super) fn stencil_index(&self, line: usize, place: usize) -> u32 {
+        self.stencil_indices[line * self.pattern_stride + place + 1]
+    }
+
+    /// Returns for the three faces around a stencil, the middle one between the groups at a place and the next place, 0
+    /// in lanes with an interlayer and 1 in other lanes.
+    #[inline(always)]
+    pub(super) fn continuity<V: Vector<T>>(&self, line: usize, place: usize) -> [V; 3] {
+        let mut continuity = [V::ZERO; 3];
+        for face in 0..3 {
+            let lanes = self.pattern(line, place + face).interlayer_lanes;
+            continuity[face] = <V as Number>::ONE.blend_lanes(lanes, <V as Number>::ZERO);
+        }
+        continuity
+    }
+
+    /// Loads a stencil for the constants of a wave pair; only in a domain of one medium.
+    #[inline(always)]
+    pub(super) fn load_stencil<V: Vector<T>>(
+        &self,
+        stencil: u32,
+        wave: &WavePair,
+    ) -> InterlayerStencil<V> {
+        let index = stencil as usize * self.cells_per_stencil + wave.constants_index;
+        InterlayerStencil::load(&self.stencils[index])
+    }
+}
+
+impl<T: Real> SweepLines<'_, T> {
+    /// Sweeps lines with interlayers.
+    pub(super) fn sweep_divided_path(&mut self, instructions: InstructionSet) {
+        instructions.run_kernel(IncidentWaveKernel(self));
+        let (table, waves) = (self.table, self.waves);
+        if let Some(PathInterlayers { faces, history, interval, states }) = &mut self.interlayers {
+            for laws in states
+                .laws
+                .chunk_by(|one, next| (one.law, one.patterns) == (next.law, next.patterns))
+            {
+                let law = &faces.laws[usize::from(laws[0].law)];
+                let values = &mut states.values;
+                let faces = LawFaces {
+                    law,
+                    faces: laws,
+                    table,
+                    waves,
+                    interval: *interval,
+                    history,
+                    variables: faces.variables,
+                    values,
+                };
+                apply_law(instructions, faces);
             }
         }
-        for pair in 0..pairs {
-            let wave = &waves[pair];
-            match &self.lines.rows {
-                Some(rows) => {
-                    rows.clear_padding(self.lines.field_data, wave.velocity, line);
-                    rows.clear_padding(self.lines.field_data, wave.stress, line);
-                    for &place in &wave.passive_stresses {
-                        rows.clear_padding(self.lines.field_data, place, line);
-                    }
-                }
-                None => tracks[pair].carried.store(&mut self.lines.carried[line * pairs + pair]),
-            }
+        let lines = 0..self.carried.len() / self.waves.len().max(1);
+        instructions.run_kernel(SweepKernel::<T, DIVIDED> { sweep: self, lines, pattern: 0 });
+    }
+
+    /// Returns the groups i − 2, i − 1, i and i + 1 around the face between the groups at a place and the next place of
+    /// the path of a line.
+    #[inline(always)]
+    fn groups_around(&self, line: usize, place: usize) -> [GroupIndex; 4] {
+        let first = if place == 0 { self.previous_group } else { self.path[place - 1] };
+        let mut groups = [first, self.path[place], self.path[place + 1], self.path[place + 2]];
+        for group in &mut groups {
+            *group = group.shift_to_line(line, self.line_stride);
         }
+        groups
+    }
+
+    /// Computes the waves that reach the face between the groups at a place and the next place of the path of a line,
+    /// for the wave pair `index`.
+    #[inline(always)]
+    fn incident_waves<V: Vector<T>>(
+        &self,
+        faces: &PathFaces<'_, T>,
+        (line, place): (usize, usize),
+        index: usize,
+        groups: [GroupIndex; 4],
+    ) -> [V; 2] {
+        let (wave, slopes) = (&self.waves[index], self.slopes);
+        let first: State<V> = self.load_group(groups[0], wave);
+        let mut states = [first; 4];
+        for depth in 1..4 {
+            states[depth] = self.load_group(groups[depth], wave);
+            let group = &self.field_data[groups[depth].start..];
+            prefetch(group, self.prefetch_l1_distance + wave.velocity, true);
+            prefetch(group, self.prefetch_l1_distance + wave.stress, true);
+        }
+        // The group before the path has already been updated.
+        let stored = match (place, self.is_line_start) {
+            (0, true) => Some(RiemannInvariants::ZERO),
+            (0, false) => {
+                let slot = line * self.waves.len() + index;
+                Some(CarriedState::load(&self.carried[slot]).carried_invariants)
+            }
+            _ => None,
+        };
+        if !faces.stencils.is_empty() {
+            let cell: CellConstants<V> = self.load_cell(groups[2], wave);
+            let stencil = faces.load_stencil(faces.stencil_index(line, place), wave);
+            return slopes.incident_waves_beside_interlayers(stored, states, &cell, &stencil);
+        }
+        let first_cell: CellConstants<V> = self.load_cell(groups[0], wave);
+        let mut cells = [first_cell; 4];
+        for depth in 1..4 {
+            cells[depth] = self.load_cell(groups[depth], wave);
+        }
+        let continuity: [V; 3] = faces.continuity(line, place);
+        let carried = match stored {
+            Some(stored) => stored,
+            None => slopes.carried_invariants(
+                [states[0], states[1], states[2]],
+                [&cells[0], &cells[1], &cells[2]],
+                [continuity[0], continuity[1]],
+            ),
+        };
+        let around = [&cells[0], &cells[1], &cells[2], &cells[3]];
+        let stencil_states = [states[1], states[2], states[3]];
+        slopes.face_values_in_mixed_media(carried, stencil_states, around, Some(continuity)).0
     }
 
     /// Loads the wave constants of a group.
     #[inline(always)]
-    fn load_cell<V: Vector<T>>(
+    fn load_cell<V: Vector<T>>(&self, group: GroupIndex, wave: &WavePair) -> CellConstants<V> {
+        let pattern = self.lane_pattern_indices[group.group];
+        CellConstants::load(self.table.constants(pattern, wave))
+    }
+
+    #[inline(always)]
+    fn load_group<V: Vector<T>>(&self, group: GroupIndex, wave: &WavePair) -> State<V> {
+        let data = &self.field_data[group.start..];
+        State { velocity: V::load(&data[wave.velocity]), stress: V::load(&data[wave.stress]) }
+    }
+
+    /// Loads the interface states of the face between the groups at a place and the next place of the path of a line;
+    /// `None` if the face has no history variables. `next`: index of the states of the next face of the line with
+    /// history variables.
+    #[inline(always)]
+    pub(super) fn load_law_states<V: Vector<T>>(
         &self,
-        stop: GroupIndex,
-        line: usize,
-        wave: &WavePair,
-    ) -> CellConstants<V> {
-        let pattern =
-            self.lines.lane_pattern_indices[stop.shift_to_line(line, self.lines.line_stride).group];
-        CellConstants::load(self.lines.table.constants(pattern, wave))
+        (line, place): (usize, usize),
+        index: usize,
+        next: &mut usize,
+    ) -> Option<LawStates<V>> {
+        let PathInterlayers { faces, states, .. } = self.interlayers.as_ref()?;
+        let lanes = faces.pattern(line, place + 1).history_lanes;
+        if lanes == 0 {
+            return None;
+        }
+        let values = &states.values[*next + index * FACE_GROUPS..][..FACE_GROUPS];
+        *next += self.waves.len() * FACE_GROUPS;
+        let state = |side: usize| (&values[2 * side], &values[2 * side + 1]);
+        let ([lower, upper], load) = ([state(0), state(1)], <V as Vector<T>>::load);
+        let lower = InterfaceState { difference: load(lower.0), sum: load(lower.1) };
+        let upper = InterfaceState { difference: load(upper.0), sum: load(upper.1) };
+        Some(LawStates { lanes, states: [lower, upper] })
     }
 
+    /// Whether all groups have the same constants, for which the stencils are stored.
     #[inline(always)]
-    fn load_state<V: Vector<T>>(&self, stop: GroupIndex, line: usize, wave: &WavePair) -> State<V> {
-        let group =
-            &self.lines.field_data[stop.shift_to_line(line, self.lines.line_stride).start..];
-        State { velocity: V::load(&group[wave.velocity]), stress: V::load(&group[wave.stress]) }
+    pub(super) fn has_stencils(&self) -> bool {
+        self.interlayers.as_ref().is_some_and(|own| !own.faces.stencils.is_empty())
     }
 
-    /// Writes the updated state of a group; its passive stresses change in proportion to its stress.
+    /// Returns the index of the stencil of the face between the groups at a place and the next place of the path of a
+    /// line; 0 without interlayers.
     #[inline(always)]
-    fn store_group<V: Vector<T>>(
-        &mut self,
-        stop: GroupIndex,
-        line: usize,
+    pub(super) fn stencil_index(&self, line: usize, place: usize) -> u32 {
+        self.interlayers.as_ref().map_or(0, |own| own.faces.stencil_index(line, place))
+    }
+
+    /// Loads the stencil of a face; see [`Self::has_stencils`].
+    #[inline(always)]
+    pub(super) fn load_stencil<V: Vector<T>>(
+        &self,
+        (line, place): (usize, usize),
         wave: &WavePair,
-        (before, moved): (State<V>, State<V>),
-    ) {
-        let stop = stop.shift_to_line(line, self.lines.line_stride);
-        let pattern = self.lines.lane_pattern_indices[stop.group];
-        let group = &mut self.lines.field_data[stop.start..];
-        moved.velocity.store(&mut group[wave.velocity]);
-        moved.stress.store(&mut group[wave.stress]);
-        let change = moved.stress - before.stress;
-        for (index, &place) in wave.passive_stresses.iter().enumerate() {
-            let ratio = V::load(self.lines.table.coupling_ratio(pattern, wave, index));
-            (V::load(&group[place]) + ratio * change).store(&mut group[place]);
+    ) -> InterlayerStencil<V> {
+        match &self.interlayers {
+            Some(own) => own.faces.load_stencil(own.faces.stencil_index(line, place), wave),
+            None => unreachable!("only lines with interlayers have stencils"),
         }
     }
-}
 
-/// Returns 0 in lanes with an interlayer, 1 in all other lanes.
-#[inline(always)]
-fn continuity<T: Real, V: Vector<T>>(face: &FacePattern) -> V {
-    <V as Number>::ONE.blend_lanes(face.interlayer_lanes, <V as Number>::ZERO)
+    /// Returns for the three faces around a stencil 0 in lanes with an interlayer and 1 in other lanes.
+    #[inline(always)]
+    pub(super) fn continuity<V: Vector<T>>(&self, (line, place): (usize, usize)) -> [V; 3] {
+        match &self.interlayers {
+            Some(own) => own.faces.continuity(line, place),
+            None => [<V as Number>::ONE; 3],
+        }
+    }
+
+    /// Returns the index of the interface states of the first face of a line with history variables.
+    #[inline(always)]
+    pub(super) fn first_law_state(&self, line: usize) -> usize {
+        self.interlayers.as_ref().map_or(0, |own| own.states.line_starts[line])
+    }
 }
